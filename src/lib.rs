@@ -1,1 +1,20 @@
-//! frames-lint.
+//! frames-lint: files become facts with a place, facts are judged by rules, and every judgement says what it measured.
+//!
+//! ```text
+//! files --read--> world <--collect-- bags
+//!                   |
+//!                 rules (judge)
+//!                   v
+//!                verdict --report--> words
+//! ```
+
+#![cfg_attr(
+    test,
+    allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)
+)]
+
+pub mod page;
+pub mod rules;
+pub mod source;
+pub mod verdict;
+pub mod world;

@@ -1,0 +1,122 @@
+//! What a rule writes its judgements into, and what it may ask for beforehand.
+
+use crate::verdict::{Finding, Measured, NotEvaluated, Outcome};
+use crate::world::{ClaimKind, World};
+
+/// Something a rule needs before it can be asked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Need {
+    /// A URDF, from a file or from a bag.
+    Robot,
+    /// A recording with TF.
+    Tf,
+    /// A URDF, or a recording with TF.
+    RobotOrTf,
+    /// Any stated transform: URDF, file or TF.
+    Transforms,
+    /// A matrix in a file.
+    Matrices,
+    /// A calibration file with transforms.
+    Calibration,
+    /// A recording.
+    Bag,
+    /// Any named frame.
+    Frames,
+}
+
+impl Need {
+    /// Whether the world has it.
+    pub fn is_met(self, world: &World) -> bool {
+        let tf = || world.bags.iter().any(|bag| !bag.tf.is_empty());
+        match self {
+            Self::Robot => !world.robots.is_empty(),
+            Self::Tf => tf(),
+            Self::RobotOrTf => !world.robots.is_empty() || tf(),
+            Self::Transforms => !world.claims.is_empty() || tf(),
+            Self::Matrices => world.claims.iter().any(|claim| claim.matrix().is_some()),
+            Self::Calibration => world
+                .claims
+                .iter()
+                .any(|claim| matches!(claim.kind, ClaimKind::File { .. })),
+            Self::Bag => !world.bags.is_empty(),
+            Self::Frames => !world.frames.is_empty(),
+        }
+    }
+
+    /// What is missing, in words.
+    pub fn missing(self) -> &'static str {
+        match self {
+            Self::Robot => "no URDF",
+            Self::Tf => "no recording with TF",
+            Self::RobotOrTf => "no URDF and no recording with TF",
+            Self::Transforms => "no transforms",
+            Self::Matrices => "no file with a matrix",
+            Self::Calibration => "no calibration file with transforms",
+            Self::Bag => "no recording",
+            Self::Frames => "no frame names",
+        }
+    }
+}
+
+/// One judgement.
+#[derive(Clone, Debug)]
+pub struct Judged {
+    /// What was judged.
+    pub subject: String,
+    /// What became of it.
+    pub outcome: Outcome,
+    /// Why it was not evaluated.
+    pub reason: Option<String>,
+    /// What was measured.
+    pub measured: Vec<Measured>,
+}
+
+/// Collects the judgements of one rule.
+#[derive(Clone, Debug, Default)]
+pub struct Judge {
+    /// Judgements in the order they were made.
+    pub judged: Vec<Judged>,
+    /// Findings in the order they were made.
+    pub findings: Vec<Finding>,
+}
+
+impl Judge {
+    /// The subject was judged and is right; `measured` says by which numbers.
+    pub fn pass(&mut self, subject: impl Into<String>, measured: impl IntoIterator<Item = Measured>) {
+        self.judged.push(Judged {
+            subject: subject.into(),
+            outcome: Outcome::Pass,
+            reason: None,
+            measured: measured.into_iter().collect(),
+        });
+    }
+
+    /// The subject was judged and is wrong. Several findings may be given for one subject.
+    pub fn fail(&mut self, finding: Finding) {
+        let known = self
+            .judged
+            .iter_mut()
+            .rev()
+            .find(|judged| judged.subject == finding.subject && judged.outcome == Outcome::Fail);
+        match known {
+            Some(judged) => judged.measured.extend(finding.measured.iter().cloned()),
+            None => self.judged.push(Judged {
+                subject: finding.subject.clone(),
+                outcome: Outcome::Fail,
+                reason: None,
+                measured: finding.measured.clone(),
+            }),
+        }
+        self.findings.push(finding);
+    }
+
+    /// The subject could not be judged.
+    pub fn not_evaluated(&mut self, subject: impl Into<String>, why: NotEvaluated, reason: impl AsRef<str>) {
+        self.judged.push(Judged {
+            subject: subject.into(),
+            outcome: Outcome::NotEvaluated,
+            reason: Some(format!("{}: {}", why.word(), reason.as_ref())),
+            measured: Vec::new(),
+        });
+    }
+}

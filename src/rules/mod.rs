@@ -1,0 +1,63 @@
+//! The rules: each judges a world and says what it measured. Mirrors `rules/` one to one.
+//!
+//! Rules are pure: no I/O, no clock, no randomness. They know the world and `math`, and nothing of reading,
+//! collecting, configuration or reports.
+
+mod judge;
+pub mod tree;
+
+use serde::de::DeserializeOwned;
+
+use crate::page::{Front, PageError};
+use crate::world::World;
+
+pub use judge::{Judge, Need};
+
+/// A rule: a page, its needs, typed limits and a judgement.
+pub trait Rule {
+    /// The rule's page, front matter and all.
+    const PAGE: &'static str;
+    /// What must be there before the rule is asked; the engine answers `not-evaluated` where it is not.
+    const NEEDS: &'static [Need];
+    /// The limits of the page, typed.
+    type Limits: DeserializeOwned;
+
+    /// Judges every subject of a world: one `pass`, `fail` or `not_evaluated` for each. Saying nothing at all means
+    /// that the world holds no subject.
+    fn judge(world: &World, limits: &Self::Limits, out: &mut Judge);
+}
+
+/// For rules without limits.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct NoLimits {}
+
+type Run = fn(&World, &Front, &mut Judge) -> Result<(), PageError>;
+
+/// A registered rule.
+#[derive(Clone, Copy)]
+pub struct Entry {
+    /// The rule's page.
+    pub page: &'static str,
+    /// Its needs.
+    pub needs: &'static [Need],
+    /// Loads the limits and judges.
+    pub run: Run,
+    /// Loads the limits only.
+    pub check_limits: fn(&Front) -> Result<(), PageError>,
+}
+
+const fn entry<R: Rule>() -> Entry {
+    Entry {
+        page: R::PAGE,
+        needs: R::NEEDS,
+        run: |world, front, out| {
+            R::judge(world, &front.limits::<R::Limits>()?, out);
+            Ok(())
+        },
+        check_limits: |front| front.limits::<R::Limits>().map(|_| ()),
+    }
+}
+
+/// Every rule, in the order of the catalogue. Adding a rule: its page, its file, one line here.
+pub static RULES: &[Entry] = &[entry::<tree::orphan_subtree::OrphanSubtree>()];

@@ -1,0 +1,3 @@
+//! TREE: the structure of the frame tree.
+
+pub mod orphan_subtree;

@@ -1,0 +1,94 @@
+//! TREE01: frames that no chain connects to the rest.
+
+use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured};
+use crate::world::graph::Component;
+use crate::world::{FrameId, FrameRole, World};
+
+/// TREE01.
+pub struct OrphanSubtree;
+
+impl Rule for OrphanSubtree {
+    const PAGE: &'static str = include_str!("../../../rules/tree/orphan-subtree.md");
+    const NEEDS: &'static [Need] = &[Need::RobotOrTf];
+    type Limits = NoLimits;
+
+    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+        let components = world.graph().components();
+        if components.len() <= 1 {
+            out.pass(
+                "frame tree",
+                [Measured::count("separate trees", components.len()).limit(1.0)],
+            );
+            return;
+        }
+        let main = main_component(world, &components);
+        for (index, orphan) in components.iter().enumerate() {
+            if index != main
+                && let Some(connected) = components.get(main)
+            {
+                judge_orphan(world, orphan, connected, components.len(), out);
+            }
+        }
+    }
+}
+
+fn judge_orphan(world: &World, orphan: &Component, main: &Component, trees: usize, out: &mut Judge) {
+    let Some(root) = orphan.roots.first().or_else(|| orphan.members.first()) else {
+        return;
+    };
+    let Some(place) = place_of(world, root).or_else(|| orphan.members.iter().find_map(|frame| place_of(world, frame)))
+    else {
+        return;
+    };
+    let others = orphan.members.len() - 1;
+    let main_root = main.roots.first().or_else(|| main.members.first());
+    let subject = format!("subtree `{root}`");
+    let message = format!(
+        "`{root}`{} not connected to the tree of `{}`: no transform between them can be looked up",
+        match others {
+            0 => " is".to_owned(),
+            1 => " and 1 frame under it are".to_owned(),
+            n => format!(" and {n} frames under it are"),
+        },
+        main_root.map_or("?", FrameId::as_str),
+    );
+    let finding = Finding::error(subject, message, place)
+        .label("root of the separate tree")
+        .help(format!(
+            "publish or describe the transform that mounts `{root}`, or remove the frames if nothing uses them"
+        ))
+        .measured(Measured::count("separate trees", trees).limit(1.0))
+        .measured(Measured::count("frames in this tree", orphan.members.len()));
+    let finding = match main_root.and_then(|frame| place_of(world, frame)) {
+        Some(place) => finding.related(place, "root of the main tree"),
+        None => finding,
+    };
+    out.fail(finding);
+}
+
+/// The component with most sensor frames in message headers, then most frames.
+fn main_component(world: &World, components: &[Component]) -> usize {
+    let sensors = |component: &Component| {
+        world
+            .frames
+            .iter()
+            .filter(|used| used.role == FrameRole::Header && component.members.contains(&used.frame.canonical()))
+            .count()
+    };
+    components
+        .iter()
+        .enumerate()
+        .max_by_key(|(index, component)| (sensors(component), component.members.len(), std::cmp::Reverse(*index)))
+        .map_or(0, |(index, _)| index)
+}
+
+fn place_of(world: &World, frame: &FrameId) -> Option<Place> {
+    world
+        .frames
+        .iter()
+        .filter(|used| used.frame.canonical() == *frame)
+        .min_by_key(|used| (used.role, &used.place))
+        .map(|used| used.place.clone())
+}

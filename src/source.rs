@@ -1,0 +1,384 @@
+//! Sources and places: where every fact was read.
+//!
+//! Owns source identities, byte spans, places, the line index and the words for how sure a fact is. Must not know formats, frames or rules.
+
+use serde::{Deserialize, Serialize};
+
+/// How sure a statement is. `Certain` is algebra or a standard's text, `Likely` is measured with margin,
+/// `Hint` is a heuristic or a name. A hint never fails a gate. Ordered from weak to strong.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Confidence {
+    /// A heuristic, or only a name.
+    Hint,
+    /// Measured, with margin.
+    Likely,
+    /// Algebra, or the text of a standard.
+    Certain,
+}
+
+/// Identity of one input of a run: an index into the run's list of sources.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct SourceId(pub u32);
+
+/// What a source was recognised as.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum SourceKind {
+    /// A URDF file.
+    Urdf,
+    /// A xacro file, expanded to URDF or read as it stands.
+    Xacro,
+    /// A URDF published inside a bag on `/robot_description`.
+    RobotDescription,
+    /// A YAML file that may hold transforms.
+    Yaml,
+    /// A JSON file that may hold transforms.
+    Json,
+    /// An MCAP recording.
+    Mcap,
+    /// A ROS 1 bag.
+    Rosbag1,
+    /// A rosbag2 SQLite recording.
+    Sqlite,
+    /// A file named by the user, or known by its name, that no reader handles.
+    Unsupported,
+}
+
+impl SourceKind {
+    /// The word used in reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Urdf => "urdf",
+            Self::Xacro => "xacro",
+            Self::RobotDescription => "robot-description",
+            Self::Yaml => "yaml",
+            Self::Json => "json",
+            Self::Mcap => "mcap",
+            Self::Rosbag1 => "rosbag1",
+            Self::Sqlite => "sqlite",
+            Self::Unsupported => "unsupported",
+        }
+    }
+
+    /// Whether a source of this kind is a recording.
+    pub fn is_bag(self) -> bool {
+        matches!(self, Self::Mcap | Self::Rosbag1 | Self::Sqlite)
+    }
+}
+
+/// How much of a source could be read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ReadStatus {
+    /// All that a reader exists for was read.
+    Read,
+    /// Read up to a fault; what stands before it is judged.
+    Partial,
+    /// Nothing could be read.
+    Unreadable,
+}
+
+impl ReadStatus {
+    /// The word used in reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Read => "read",
+            Self::Partial => "partial",
+            Self::Unreadable => "unreadable",
+        }
+    }
+}
+
+/// A half-open range of bytes of a text.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Span {
+    /// First byte.
+    pub start: usize,
+    /// One past the last byte.
+    pub end: usize,
+}
+
+impl Span {
+    /// The span from `start` up to, not including, `end`.
+    pub fn new(start: usize, end: usize) -> Self {
+        Self { start, end }
+    }
+
+    /// The smallest span that covers both.
+    #[must_use]
+    pub fn cover(self, other: Self) -> Self {
+        Self {
+            start: self.start.min(other.start),
+            end: self.end.max(other.end),
+        }
+    }
+}
+
+impl From<std::ops::Range<usize>> for Span {
+    fn from(range: std::ops::Range<usize>) -> Self {
+        Self::new(range.start, range.end)
+    }
+}
+
+/// One message of a recording.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct MessageRef {
+    /// The topic the message was recorded on.
+    pub topic: String,
+    /// Zero-based index of the message on its topic.
+    pub index: u64,
+    /// Header stamp, nanoseconds of the stamp's own clock; `None` where the message carries none.
+    pub stamp_ns: Option<i64>,
+    /// Log time of the recording, nanoseconds.
+    pub log_ns: i64,
+    /// The field inside the message (`transforms[3].transform.rotation`), where one is meant.
+    pub field: Option<String>,
+}
+
+/// The part of a source that a place points at.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum At {
+    /// The source as a whole.
+    Whole,
+    /// A byte span of the source's text.
+    Text(Span),
+    /// A message of the recording.
+    Message(MessageRef),
+}
+
+/// Where a fact was read.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Place {
+    /// The source.
+    pub source: SourceId,
+    /// The part of it.
+    pub at: At,
+}
+
+impl Place {
+    /// The source as a whole.
+    pub fn whole(source: SourceId) -> Self {
+        Self { source, at: At::Whole }
+    }
+
+    /// A byte span of a text source.
+    pub fn text(source: SourceId, span: impl Into<Span>) -> Self {
+        Self {
+            source,
+            at: At::Text(span.into()),
+        }
+    }
+
+    /// A message of a recording.
+    pub fn message(source: SourceId, message: MessageRef) -> Self {
+        Self {
+            source,
+            at: At::Message(message),
+        }
+    }
+
+    /// The byte span, where the place has one.
+    pub fn span(&self) -> Option<Span> {
+        match self.at {
+            At::Text(span) => Some(span),
+            _ => None,
+        }
+    }
+}
+
+/// A value together with the place it was read at.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Placed<T> {
+    /// The value as it was spelled.
+    pub value: T,
+    /// Where it stands.
+    pub place: Place,
+}
+
+impl<T> Placed<T> {
+    /// A value with its place.
+    pub fn new(value: T, place: Place) -> Self {
+        Self { value, place }
+    }
+}
+
+/// A fault of an input that kept something from being read.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Problem {
+    /// Where reading stopped or went wrong.
+    pub place: Place,
+    /// What is wrong, in plain words.
+    pub message: String,
+    /// What to do about it.
+    pub help: Option<String>,
+}
+
+/// How much of a source was examined.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Examined {
+    /// Bytes of the source that were read.
+    pub bytes: u64,
+    /// Size of the source in bytes.
+    pub bytes_total: u64,
+    /// Messages read, for recordings.
+    pub messages: Option<u64>,
+}
+
+/// For a text that came out of another source: where from.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Derived {
+    /// The text of a message of a recording.
+    Message(MessageRef),
+    /// The expansion of a macro file: spans count in the expanded text.
+    Expansion,
+}
+
+/// One input: its identity, kind and read status.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Source {
+    /// Identity in this run.
+    pub id: SourceId,
+    /// The path as the user would recognise it.
+    pub path: String,
+    /// What it was recognised as.
+    pub kind: SourceKind,
+    /// How much could be read.
+    pub status: ReadStatus,
+    /// One line on the status, where there is something to say.
+    pub detail: Option<String>,
+    /// How much was examined.
+    pub examined: Examined,
+    /// The text that spans point into; empty for binary sources.
+    pub text: String,
+    /// Set where the text was taken out of another source.
+    pub derived: Option<Derived>,
+    /// What went wrong while reading.
+    pub problems: Vec<Problem>,
+    /// Whether failing to read it makes the run incomplete. False for files met in a folder
+    /// that no reader exists for.
+    pub required: bool,
+}
+
+impl Source {
+    /// A source that nothing has been read from yet.
+    pub fn new(id: SourceId, path: impl Into<String>, kind: SourceKind) -> Self {
+        Self {
+            id,
+            path: path.into(),
+            kind,
+            status: ReadStatus::Read,
+            detail: None,
+            examined: Examined::default(),
+            text: String::new(),
+            derived: None,
+            problems: Vec::new(),
+            required: true,
+        }
+    }
+
+    /// Records a fault at a place and lowers the status to `status` if that is worse.
+    pub fn problem(&mut self, status: ReadStatus, place: Place, message: impl Into<String>) {
+        self.problem_with_help(status, place, message, None);
+    }
+
+    /// [`Source::problem`] with a line on what to do.
+    pub fn problem_with_help(
+        &mut self,
+        status: ReadStatus,
+        place: Place,
+        message: impl Into<String>,
+        help: Option<String>,
+    ) {
+        let message = message.into();
+        self.status = self.status.max(status);
+        if self.detail.is_none() {
+            self.detail = Some(message.clone());
+        }
+        self.problems.push(Problem { place, message, help });
+    }
+}
+
+/// One-based line and column of a byte offset. Columns count characters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LineColumn {
+    /// One-based line.
+    pub line: usize,
+    /// One-based column, in characters.
+    pub column: usize,
+}
+
+/// Byte offsets of line starts, for turning spans into lines.
+#[derive(Clone, Debug)]
+pub struct LineIndex {
+    starts: Vec<usize>,
+}
+
+impl LineIndex {
+    /// Indexes `text`.
+    pub fn new(text: &str) -> Self {
+        let mut starts = vec![0];
+        starts.extend(
+            text.bytes()
+                .enumerate()
+                .filter(|(_, b)| *b == b'\n')
+                .map(|(i, _)| i + 1),
+        );
+        Self { starts }
+    }
+
+    /// Line and column of a byte offset into the same text; offsets past the end give the last position.
+    pub fn locate(&self, text: &str, offset: usize) -> LineColumn {
+        let offset = offset.min(text.len());
+        let line = self.starts.partition_point(|start| *start <= offset).max(1);
+        let start = self.starts.get(line - 1).copied().unwrap_or(0);
+        let column = text
+            .as_bytes()
+            .get(start..offset)
+            .map_or(0, |bytes| bytes.iter().filter(|b| (**b & 0xC0) != 0x80).count())
+            + 1;
+        LineColumn { line, column }
+    }
+
+    /// Byte offset at which a zero-based line starts, if the text has that line.
+    pub fn line_start(&self, line: usize) -> Option<usize> {
+        self.starts.get(line).copied()
+    }
+
+    /// Number of lines.
+    pub fn len(&self) -> usize {
+        self.starts.len()
+    }
+
+    /// Whether the text was empty.
+    pub fn is_empty(&self) -> bool {
+        self.starts.len() <= 1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lines_and_columns_are_one_based_and_count_characters() {
+        let text = "a\nbé c\n";
+        let index = LineIndex::new(text);
+        assert_eq!(index.locate(text, 0), LineColumn { line: 1, column: 1 });
+        assert_eq!(index.locate(text, 2), LineColumn { line: 2, column: 1 });
+        // "é" takes two bytes: the "c" stands at byte 6, column 4.
+        assert_eq!(index.locate(text, 6), LineColumn { line: 2, column: 4 });
+        assert_eq!(index.locate(text, 999), LineColumn { line: 3, column: 1 });
+    }
+
+    #[test]
+    fn a_problem_can_only_lower_the_status() {
+        let id = SourceId(0);
+        let mut source = Source::new(id, "a.urdf", SourceKind::Urdf);
+        source.problem(ReadStatus::Unreadable, Place::whole(id), "first");
+        source.problem(ReadStatus::Partial, Place::whole(id), "second");
+        assert_eq!(source.status, ReadStatus::Unreadable);
+        assert_eq!(source.detail.as_deref(), Some("first"));
+    }
+}

@@ -1,0 +1,395 @@
+//! The verdict: outcomes, findings, measurements and fixes, as pure data.
+//!
+//! Must not know how a verdict is shown, nor which rules exist.
+
+use serde::{Deserialize, Serialize};
+
+use crate::source::{Confidence, Place};
+
+/// How bad a finding is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Severity {
+    /// Worth knowing.
+    Note,
+    /// Probably wrong, or wrong with small effect.
+    Warning,
+    /// Wrong.
+    Error,
+}
+
+impl Severity {
+    /// The word used in reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Note => "note",
+            Self::Warning => "warning",
+            Self::Error => "error",
+        }
+    }
+}
+
+impl Confidence {
+    /// The word used in reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Hint => "hint",
+            Self::Likely => "likely",
+            Self::Certain => "certain",
+        }
+    }
+}
+
+/// What became of one rule on one subject.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// Judged and found right, with a measurement.
+    Pass,
+    /// Judged and found wrong; there is a finding.
+    Fail,
+    /// Could not be judged; the reason says why.
+    NotEvaluated,
+    /// Found wrong, and accepted by the user.
+    Waived,
+    /// The rule itself broke.
+    Crashed,
+}
+
+impl Outcome {
+    /// The word used in reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Pass => "pass",
+            Self::Fail => "fail",
+            Self::NotEvaluated => "not-evaluated",
+            Self::Waived => "waived",
+            Self::Crashed => "crashed",
+        }
+    }
+}
+
+/// Why a rule could not judge a subject.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NotEvaluated {
+    /// There is nothing of the kind the rule is about.
+    NotApplicable,
+    /// An input that the rule needs is not there.
+    MissingInput,
+    /// The data are there, but do not suffice to decide.
+    TooLittleEvidence,
+    /// The input is there, but broken.
+    InputBroken,
+}
+
+impl NotEvaluated {
+    /// The words that open the reason.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::NotApplicable => "not applicable",
+            Self::MissingInput => "missing input",
+            Self::TooLittleEvidence => "too little evidence",
+            Self::InputBroken => "input broken",
+        }
+    }
+}
+
+/// A measured number.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Measured {
+    /// What was measured ("rotation difference").
+    pub what: String,
+    /// The value, in `unit`.
+    pub value: f64,
+    /// Unit: `deg`, `m`, `s`, `1` for ratios, `count`.
+    pub unit: String,
+    /// The limit it was held against, in the same unit.
+    pub limit: Option<f64>,
+    /// Spread of the value, in the same unit.
+    pub spread: Option<f64>,
+    /// Number of samples behind it.
+    pub n: Option<u64>,
+}
+
+impl Measured {
+    /// A number with its unit.
+    pub fn new(what: impl Into<String>, value: f64, unit: impl Into<String>) -> Self {
+        Self {
+            what: what.into(),
+            value,
+            unit: unit.into(),
+            limit: None,
+            spread: None,
+            n: None,
+        }
+    }
+
+    /// A count of things.
+    pub fn count(what: impl Into<String>, value: usize) -> Self {
+        Self::new(what, value as f64, "count")
+    }
+
+    /// With the limit it was held against.
+    #[must_use]
+    pub fn limit(mut self, limit: f64) -> Self {
+        self.limit = Some(limit);
+        self
+    }
+
+    /// With its spread.
+    #[must_use]
+    pub fn spread(mut self, spread: f64) -> Self {
+        self.spread = Some(spread);
+        self
+    }
+
+    /// With the number of samples.
+    #[must_use]
+    pub fn samples(mut self, n: u64) -> Self {
+        self.n = Some(n);
+        self
+    }
+}
+
+/// Whether a place is what the finding is about, or belongs to its explanation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PlaceRole {
+    /// What the finding is about.
+    Primary,
+    /// Part of the explanation.
+    Related,
+}
+
+/// A place with what is to be seen there.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Label {
+    /// Primary or related.
+    pub role: PlaceRole,
+    /// Where.
+    pub place: Place,
+    /// What is to be seen there, in a few words; may be empty.
+    pub note: String,
+}
+
+/// Whether a fix can be applied without thinking.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Safety {
+    /// The meaning stays as it was meant by every reader.
+    Safe,
+    /// The robot's behaviour changes.
+    ChangesBehaviour,
+}
+
+/// A replacement of a span of a text.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Edit {
+    /// What is replaced: always a text span.
+    pub place: Place,
+    /// The new text.
+    pub replacement: String,
+}
+
+/// A way to mend the fault by editing files.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Fix {
+    /// What the fix does.
+    pub title: String,
+    /// How safe it is.
+    pub safety: Safety,
+    /// The edits, all or none.
+    pub edits: Vec<Edit>,
+}
+
+/// What a failing rule says.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// Code of the rule; set by the engine.
+    pub rule: String,
+    /// Name of the rule; set by the engine.
+    pub name: String,
+    /// What was judged.
+    pub subject: String,
+    /// How bad it is.
+    pub severity: Severity,
+    /// How sure it is.
+    pub confidence: Confidence,
+    /// What is wrong, with the number.
+    pub message: String,
+    /// What to do.
+    pub help: String,
+    /// The word of the relation dictionary that explains a difference.
+    pub relation: Option<String>,
+    /// Places, the primary one first. A finding without one is a fault of ours.
+    pub places: Vec<Label>,
+    /// What was measured. A finding without a number is a fault of ours.
+    pub measured: Vec<Measured>,
+    /// A fix, if one is possible.
+    pub fix: Option<Fix>,
+}
+
+impl Finding {
+    /// A finding at a primary place. Confidence starts at `Certain`.
+    pub fn new(severity: Severity, subject: impl Into<String>, message: impl Into<String>, primary: Place) -> Self {
+        Self {
+            rule: String::new(),
+            name: String::new(),
+            subject: subject.into(),
+            severity,
+            confidence: Confidence::Certain,
+            message: message.into(),
+            help: String::new(),
+            relation: None,
+            places: vec![Label {
+                role: PlaceRole::Primary,
+                place: primary,
+                note: String::new(),
+            }],
+            measured: Vec::new(),
+            fix: None,
+        }
+    }
+
+    /// An error at a primary place.
+    pub fn error(subject: impl Into<String>, message: impl Into<String>, primary: Place) -> Self {
+        Self::new(Severity::Error, subject, message, primary)
+    }
+
+    /// A warning at a primary place.
+    pub fn warning(subject: impl Into<String>, message: impl Into<String>, primary: Place) -> Self {
+        Self::new(Severity::Warning, subject, message, primary)
+    }
+
+    /// A note at a primary place.
+    pub fn note(subject: impl Into<String>, message: impl Into<String>, primary: Place) -> Self {
+        Self::new(Severity::Note, subject, message, primary)
+    }
+
+    /// Measured with margin, not proven.
+    #[must_use]
+    pub fn likely(self) -> Self {
+        self.confidence(Confidence::Likely)
+    }
+
+    /// A heuristic: never fails a gate.
+    #[must_use]
+    pub fn hint(self) -> Self {
+        self.confidence(Confidence::Hint)
+    }
+
+    /// With at most this confidence.
+    #[must_use]
+    pub fn confidence(mut self, ceiling: Confidence) -> Self {
+        self.confidence = self.confidence.min(ceiling);
+        self
+    }
+
+    /// What is to be seen at the primary place, in a few words.
+    #[must_use]
+    pub fn label(mut self, note: impl Into<String>) -> Self {
+        if let Some(label) = self.places.first_mut() {
+            label.note = note.into();
+        }
+        self
+    }
+
+    /// Another place that belongs to the explanation.
+    #[must_use]
+    pub fn related(mut self, place: Place, note: impl Into<String>) -> Self {
+        self.places.push(Label {
+            role: PlaceRole::Related,
+            place,
+            note: note.into(),
+        });
+        self
+    }
+
+    /// What to do.
+    #[must_use]
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = help.into();
+        self
+    }
+
+    /// A measured number.
+    #[must_use]
+    pub fn measured(mut self, measured: Measured) -> Self {
+        self.measured.push(measured);
+        self
+    }
+
+    /// The relation that explains the difference.
+    #[must_use]
+    pub fn relation(mut self, word: impl Into<String>) -> Self {
+        self.relation = Some(word.into());
+        self
+    }
+
+    /// A fix.
+    #[must_use]
+    pub fn fix(mut self, title: impl Into<String>, safety: Safety, edits: Vec<Edit>) -> Self {
+        self.fix = Some(Fix {
+            title: title.into(),
+            safety,
+            edits,
+        });
+        self
+    }
+}
+
+/// One rule on one subject.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Row {
+    /// Code of the rule.
+    pub rule: String,
+    /// Name of the rule.
+    pub name: String,
+    /// What was judged.
+    pub subject: String,
+    /// What became of it.
+    pub outcome: Outcome,
+    /// Why it was not evaluated, or how the rule crashed.
+    pub reason: Option<String>,
+    /// What was measured.
+    pub measured: Vec<Measured>,
+}
+
+/// All outcomes and findings of a run.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Verdict {
+    /// Outcomes, sorted by rule and subject.
+    pub rows: Vec<Row>,
+    /// Findings, sorted by severity, rule and place.
+    pub findings: Vec<Finding>,
+}
+
+impl Verdict {
+    /// Puts rows and findings into their order: rows by rule and subject, findings by severity (worst first), then
+    /// rule, subject, place and message.
+    pub fn sort(&mut self) {
+        self.rows
+            .sort_by(|a, b| (&a.rule, &a.subject, a.outcome).cmp(&(&b.rule, &b.subject, b.outcome)));
+        self.findings.sort_by(|a, b| {
+            b.severity
+                .cmp(&a.severity)
+                .then_with(|| b.confidence.cmp(&a.confidence))
+                .then_with(|| {
+                    (&a.rule, &a.subject, &a.places, &a.message).cmp(&(&b.rule, &b.subject, &b.places, &b.message))
+                })
+        });
+    }
+
+    /// How many rows have this outcome.
+    pub fn count(&self, outcome: Outcome) -> usize {
+        self.rows.iter().filter(|row| row.outcome == outcome).count()
+    }
+
+    /// How many findings have this severity.
+    pub fn count_findings(&self, severity: Severity) -> usize {
+        self.findings
+            .iter()
+            .filter(|finding| finding.severity == severity)
+            .count()
+    }
+}

@@ -1,0 +1,195 @@
+//! Evidence of recordings: bounded measurements, no messages.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::source::{MessageRef, SourceId};
+
+use super::claim::Pose;
+use super::frame::FrameId;
+
+/// Sets a bound on every list of examples kept in evidence.
+pub const MAX_EXAMPLES: usize = 8;
+
+/// The header stamps of one topic, against the log clock.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct StampEvidence {
+    /// Messages with a header stamp.
+    pub count: u64,
+    /// Evenly thinned samples `(stamp_ns, log_ns)`, in recording order; at most a few thousand.
+    pub samples: Vec<(i64, i64)>,
+    /// Stamps that are exactly zero.
+    pub zero: u64,
+    /// First message with a zero stamp.
+    pub first_zero: Option<MessageRef>,
+    /// Stamps smaller than the one before.
+    pub backward: u64,
+    /// Largest step back, nanoseconds, and the message it happens at.
+    pub largest_backward: Option<(i64, MessageRef)>,
+    /// Stamps equal to the one before.
+    pub repeated: u64,
+    /// First message whose stamp equals the one before.
+    pub first_repeated: Option<MessageRef>,
+    /// Largest gap between neighbouring stamps, nanoseconds, and the message after it.
+    pub largest_gap: Option<(i64, MessageRef)>,
+    /// Median step between neighbouring stamps, nanoseconds.
+    pub median_step_ns: Option<i64>,
+    /// Gaps longer than three median steps (and one second).
+    pub long_gaps: u64,
+    /// First message.
+    pub first: Option<MessageRef>,
+    /// Last message.
+    pub last: Option<MessageRef>,
+}
+
+/// How a frame id is used in the headers of a topic.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct HeaderFrame {
+    /// Messages that carry it.
+    pub count: u64,
+    /// The first one.
+    pub first: MessageRef,
+}
+
+/// One topic of a recording.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct TopicEvidence {
+    /// The topic.
+    pub topic: String,
+    /// Type of its messages (`sensor_msgs/msg/Imu`).
+    pub message_type: String,
+    /// Messages read.
+    pub count: u64,
+    /// Why nothing inside the messages could be read; `None` when they could.
+    pub unread: Option<String>,
+    /// Messages whose bytes did not decode, with the first one's error.
+    pub malformed: u64,
+    /// The first malformed message and what was wrong.
+    pub first_malformed: Option<(MessageRef, String)>,
+    /// `header.frame_id` values. The empty id is kept as an empty frame.
+    pub header_frames: BTreeMap<FrameId, HeaderFrame>,
+    /// `child_frame_id` values of odometry.
+    pub child_frames: BTreeMap<FrameId, HeaderFrame>,
+    /// Header stamps.
+    pub stamps: StampEvidence,
+}
+
+/// A fault in the numbers or names of one TF transform, kept as an example.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TfFault {
+    /// The message and the transform in it.
+    pub at: MessageRef,
+    /// Numbers as published: `[tx, ty, tz]`.
+    pub translation: [f64; 3],
+    /// As published: `[x, y, z, w]`.
+    pub rotation: [f64; 4],
+}
+
+/// Examples of a fault with their total count.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Faults {
+    /// How many transforms show it.
+    pub count: u64,
+    /// The first few.
+    pub examples: Vec<TfFault>,
+}
+
+/// A valid sample of an edge.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TfSample {
+    /// Its message.
+    pub at: MessageRef,
+    /// `parent_from_child`.
+    pub pose: Pose,
+}
+
+/// One TF edge: `parent_from_child` as published on one topic.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TfEdge {
+    /// `header.frame_id` as spelled.
+    pub parent: FrameId,
+    /// `child_frame_id` as spelled.
+    pub child: FrameId,
+    /// The topic (`/tf`, `/tf_static`, or a namespaced one).
+    pub topic: String,
+    /// Whether the topic is a static one.
+    pub is_static: bool,
+    /// Transforms published.
+    pub count: u64,
+    /// First message that carries the edge.
+    pub first_at: MessageRef,
+    /// Last message that carries the edge.
+    pub last_at: MessageRef,
+    /// Evenly thinned valid samples in recording order, the first and last among them.
+    pub samples: Vec<TfSample>,
+    /// The sample that differs most from the first, with its difference: radians and metres.
+    pub extreme: Option<(TfSample, f64, f64)>,
+    /// Numbers that are NaN or infinite.
+    pub non_finite: Faults,
+    /// Quaternions of all zeros.
+    pub zero_quaternion: Faults,
+    /// Quaternions with `| |q|² - 1 | >= 0.01`, which tf2 drops.
+    pub denormalized: Faults,
+    /// Largest `| |q| - 1 |` of the quaternions that tf2 accepts.
+    pub worst_norm_error: f64,
+    /// Stamps of the edge.
+    pub stamps: StampEvidence,
+}
+
+impl TfEdge {
+    /// The first valid sample.
+    pub fn first(&self) -> Option<&TfSample> {
+        self.samples.first()
+    }
+}
+
+/// A change of parent of one child, in recording order.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ParentSwitch {
+    /// The child, as tf2 stores it.
+    pub child: FrameId,
+    /// Parents in the order they took over, at most a few.
+    pub parents: Vec<FrameId>,
+    /// Number of changes.
+    pub switches: u64,
+    /// The message of the first change.
+    pub at: MessageRef,
+}
+
+/// What one recording showed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BagEvidence {
+    /// The recording.
+    pub source: SourceId,
+    /// Log time of the first message, nanoseconds.
+    pub start_ns: Option<i64>,
+    /// Log time of the last message, nanoseconds.
+    pub end_ns: Option<i64>,
+    /// Messages read.
+    pub messages: u64,
+    /// Topics, by name.
+    pub topics: BTreeMap<String, TopicEvidence>,
+    /// TF edges, sorted by child, parent, topic.
+    pub tf: Vec<TfEdge>,
+    /// Children whose parent changes.
+    pub parent_switches: Vec<ParentSwitch>,
+    /// Whether the end of the recording could not be read: absence proves nothing.
+    pub truncated: bool,
+}
+
+impl BagEvidence {
+    /// Evidence of a recording from which nothing was read yet.
+    pub fn new(source: SourceId) -> Self {
+        Self {
+            source,
+            start_ns: None,
+            end_ns: None,
+            messages: 0,
+            topics: BTreeMap::new(),
+            tf: Vec::new(),
+            parent_switches: Vec::new(),
+            truncated: false,
+        }
+    }
+}

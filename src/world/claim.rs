@@ -1,0 +1,187 @@
+//! Claims: one source's statement of a transform, as it was spelled.
+
+use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
+use serde::{Deserialize, Serialize};
+
+use crate::source::{Confidence, Place, Span};
+
+use super::frame::FrameId;
+
+/// A rigid transform `target_from_source` in plain numbers: metres and a unit quaternion `[x, y, z, w]` (Hamilton).
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Pose {
+    /// Position of the source frame's origin in the target frame, metres.
+    pub translation_m: [f64; 3],
+    /// Rotation of the source frame's axes into the target frame, `[x, y, z, w]`, unit norm.
+    pub rotation_xyzw: [f64; 4],
+}
+
+impl Pose {
+    /// The identity.
+    pub const IDENTITY: Self = Self {
+        translation_m: [0.0; 3],
+        rotation_xyzw: [0.0, 0.0, 0.0, 1.0],
+    };
+
+    /// A pose from raw numbers; the quaternion is normalised. `None` for non-finite numbers or a zero quaternion.
+    pub fn from_raw(translation_m: [f64; 3], xyzw: [f64; 4]) -> Option<Self> {
+        let norm = xyzw.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let finite = translation_m.iter().chain(&xyzw).all(|v| v.is_finite());
+        (finite && norm > 1e-9).then(|| Self {
+            translation_m,
+            rotation_xyzw: xyzw.map(|v| v / norm),
+        })
+    }
+
+    /// As nalgebra's isometry.
+    pub fn isometry(&self) -> Isometry3<f64> {
+        let [x, y, z, w] = self.rotation_xyzw;
+        let [tx, ty, tz] = self.translation_m;
+        Isometry3::from_parts(
+            Translation3::new(tx, ty, tz),
+            UnitQuaternion::from_quaternion(Quaternion::new(w, x, y, z)),
+        )
+    }
+
+    /// From nalgebra's isometry.
+    pub fn from_isometry(target_from_source: &Isometry3<f64>) -> Self {
+        let t = target_from_source.translation.vector;
+        let q = target_from_source.rotation.coords;
+        Self {
+            translation_m: [t.x, t.y, t.z],
+            rotation_xyzw: [q.x, q.y, q.z, q.w],
+        }
+    }
+}
+
+/// A number as it was spelled.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Literal {
+    /// The text, for example `1.57` or `-0.0`.
+    pub text: String,
+    /// Its value; NaN where the text is no number.
+    pub value: f64,
+    /// Where it stands in the source's text.
+    pub span: Span,
+}
+
+/// How the numbers of a claim were written down.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Spelling {
+    /// Translation and fixed-axis roll, pitch, yaw (`R = Rz(yaw) Ry(pitch) Rx(roll)`), radians as declared.
+    Rpy {
+        /// Metres.
+        xyz: [f64; 3],
+        /// Radians, as the format declares them.
+        rpy: [f64; 3],
+    },
+    /// Translation and quaternion.
+    Quaternion {
+        /// Metres.
+        xyz: [f64; 3],
+        /// As read: `[x, y, z, w]`, not normalised.
+        xyzw: [f64; 4],
+        /// Whether keys or the format fix the order; false for a bare list of four.
+        order_known: bool,
+    },
+    /// A matrix, row-major as written. 3x3 (rotation), 3x4 or 4x4 (homogeneous).
+    Matrix {
+        /// Rows.
+        rows: usize,
+        /// Columns.
+        cols: usize,
+        /// `rows * cols` numbers in the order of the file.
+        values: Vec<f64>,
+    },
+    /// A bare translation.
+    Translation {
+        /// Metres.
+        xyz: [f64; 3],
+    },
+}
+
+/// Where a claim comes from.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ClaimKind {
+    /// The origin of a URDF joint.
+    Joint {
+        /// Name of the joint.
+        joint: String,
+        /// Whether the joint is `fixed`; other joints state the transform at their zero position.
+        fixed: bool,
+        /// Whether the joint has an `<origin>` element at all.
+        has_origin: bool,
+    },
+    /// A calibration or configuration file.
+    File {
+        /// The dialect it was read as (`generic`, `autoware`, ...).
+        dialect: String,
+    },
+}
+
+/// One source's statement of a transform between two frames.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Claim {
+    /// `(target, source)` of `target_from_source`; for TF words: `(parent, child)`. `None` where the file does not say.
+    pub frames: Option<(FrameId, FrameId)>,
+    /// What the statement is called where it stands: the joint's name, or the path of keys (`cam0/T_cam_imu`).
+    pub label: String,
+    /// The transform, where the numbers make one. Rotation-only claims have zero translation, and the other way round:
+    /// see `has_translation` and `has_rotation`.
+    pub pose: Option<Pose>,
+    /// Whether a rotation was stated.
+    pub has_rotation: bool,
+    /// Whether a translation was stated.
+    pub has_translation: bool,
+    /// The numbers as written.
+    pub spelling: Spelling,
+    /// Literals of the translation (up to three), in order; empty where there is no text.
+    pub translation_literals: Vec<Literal>,
+    /// Literals of the rotation, or of the whole matrix; empty where there is no text.
+    pub rotation_literals: Vec<Literal>,
+    /// What kind of source states it.
+    pub kind: ClaimKind,
+    /// How sure the reading of frames and direction is.
+    pub reading: Confidence,
+    /// Where the statement stands.
+    pub place: Place,
+    /// Where the target (parent) frame is named, if it is.
+    pub target_place: Option<Place>,
+    /// Where the source (child) frame is named, if it is.
+    pub source_place: Option<Place>,
+}
+
+impl Claim {
+    /// The target (parent) frame.
+    pub fn target(&self) -> Option<&FrameId> {
+        self.frames.as_ref().map(|(target, _)| target)
+    }
+
+    /// The source (child) frame.
+    pub fn source_frame(&self) -> Option<&FrameId> {
+        self.frames.as_ref().map(|(_, source)| source)
+    }
+
+    /// Whether the claim holds at all times: not the zero position of a moving joint.
+    pub fn is_rigid(&self) -> bool {
+        !matches!(self.kind, ClaimKind::Joint { fixed: false, .. })
+    }
+
+    /// A short name for messages: `` `parent` from `child` `` or the label.
+    pub fn name(&self) -> String {
+        match &self.frames {
+            Some((target, source)) => format!("`{target}` from `{source}`"),
+            None => format!("`{}`", self.label),
+        }
+    }
+
+    /// The bottom row of a homogeneous matrix, if the claim was spelled as one.
+    pub fn matrix(&self) -> Option<(usize, usize, &[f64])> {
+        match &self.spelling {
+            Spelling::Matrix { rows, cols, values } => Some((*rows, *cols, values)),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,283 @@
+//! The frame graph: who is said to be whose parent, by URDF joints and by TF.
+//!
+//! Names are compared as tf2 stores them (one leading slash stripped). Calibration claims are not edges: they are
+//! compared with the graph.
+
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
+
+use nalgebra::Isometry3;
+
+use super::World;
+use super::claim::ClaimKind;
+use super::frame::{FrameId, FrameRole};
+
+/// Which statement an edge comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum EdgeOrigin {
+    /// Index into `World::claims`: the origin of a URDF joint.
+    Joint(usize),
+    /// Index into `World::bags` and into its `tf`.
+    Tf(usize, usize),
+}
+
+/// One stated edge `parent_from_child`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Edge {
+    /// Parent frame, canonical.
+    pub parent: FrameId,
+    /// Child frame, canonical.
+    pub child: FrameId,
+    /// The statement.
+    pub origin: EdgeOrigin,
+    /// Whether the edge is said to be constant (fixed joint, static TF).
+    pub is_rigid: bool,
+    /// `parent_from_child`, where known: for moving edges the zero position or the first sample.
+    pub pose: Option<Isometry3<f64>>,
+}
+
+/// A set of frames connected by edges.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Component {
+    /// Frames without a parent; empty in a pure cycle.
+    pub roots: Vec<FrameId>,
+    /// All frames, sorted.
+    pub members: BTreeSet<FrameId>,
+}
+
+/// One step of a chain.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Step {
+    /// Index into [`FrameGraph::edges`].
+    pub edge: usize,
+    /// Whether the step goes from parent to child (the edge's own direction in `target_from_source`).
+    pub forward: bool,
+}
+
+/// All edges together.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FrameGraph {
+    /// Edges, sorted by child, parent and origin.
+    pub edges: Vec<Edge>,
+    /// Every frame, links without joints among them.
+    pub frames: BTreeSet<FrameId>,
+    by_child: BTreeMap<FrameId, Vec<usize>>,
+    by_parent: BTreeMap<FrameId, Vec<usize>>,
+}
+
+impl FrameGraph {
+    /// Collects the edges of a world.
+    pub fn new(world: &World) -> Self {
+        let mut edges = Vec::new();
+        for (index, claim) in world.claims.iter().enumerate() {
+            let ClaimKind::Joint { fixed, .. } = claim.kind else {
+                continue;
+            };
+            let Some((parent, child)) = &claim.frames else {
+                continue;
+            };
+            edges.push(Edge {
+                parent: parent.canonical(),
+                child: child.canonical(),
+                origin: EdgeOrigin::Joint(index),
+                is_rigid: fixed,
+                pose: claim.pose.as_ref().map(super::Pose::isometry),
+            });
+        }
+        for (bag_index, bag) in world.bags.iter().enumerate() {
+            for (index, tf) in bag.tf.iter().enumerate() {
+                edges.push(Edge {
+                    parent: tf.parent.canonical(),
+                    child: tf.child.canonical(),
+                    origin: EdgeOrigin::Tf(bag_index, index),
+                    is_rigid: tf.is_static,
+                    pose: tf.first().map(|sample| sample.pose.isometry()),
+                });
+            }
+        }
+        edges.sort_by(|a, b| (&a.child, &a.parent, a.origin).cmp(&(&b.child, &b.parent, b.origin)));
+        let mut frames: BTreeSet<FrameId> = world
+            .frames
+            .iter()
+            .filter(|used| used.role == FrameRole::Link)
+            .map(|used| used.frame.canonical())
+            .collect();
+        let mut by_child: BTreeMap<FrameId, Vec<usize>> = BTreeMap::new();
+        let mut by_parent: BTreeMap<FrameId, Vec<usize>> = BTreeMap::new();
+        for (index, edge) in edges.iter().enumerate() {
+            frames.insert(edge.parent.clone());
+            frames.insert(edge.child.clone());
+            by_child.entry(edge.child.clone()).or_default().push(index);
+            by_parent.entry(edge.parent.clone()).or_default().push(index);
+        }
+        Self {
+            edges,
+            frames,
+            by_child,
+            by_parent,
+        }
+    }
+
+    /// Edges that state a parent of `child`.
+    pub fn edges_to(&self, child: &FrameId) -> impl Iterator<Item = &Edge> {
+        self.by_child
+            .get(child)
+            .into_iter()
+            .flatten()
+            .filter_map(|index| self.edges.get(*index))
+    }
+
+    /// Edges that state a child of `parent`.
+    pub fn edges_from(&self, parent: &FrameId) -> impl Iterator<Item = &Edge> {
+        self.by_parent
+            .get(parent)
+            .into_iter()
+            .flatten()
+            .filter_map(|index| self.edges.get(*index))
+    }
+
+    /// The different parents stated for `child`, sorted.
+    pub fn parents_of(&self, child: &FrameId) -> BTreeSet<&FrameId> {
+        self.edges_to(child).map(|edge| &edge.parent).collect()
+    }
+
+    /// Frames without a parent, sorted.
+    pub fn roots(&self) -> Vec<&FrameId> {
+        self.frames
+            .iter()
+            .filter(|frame| !self.by_child.contains_key(*frame))
+            .collect()
+    }
+
+    /// Connected components, the largest first, then by name.
+    pub fn components(&self) -> Vec<Component> {
+        let mut seen: BTreeSet<&FrameId> = BTreeSet::new();
+        let mut components = Vec::new();
+        for start in &self.frames {
+            if seen.contains(start) {
+                continue;
+            }
+            let mut members = BTreeSet::new();
+            let mut queue = VecDeque::from([start]);
+            seen.insert(start);
+            while let Some(frame) = queue.pop_front() {
+                members.insert(frame.clone());
+                let up = self.by_child.get(frame).into_iter().flatten();
+                let down = self.by_parent.get(frame).into_iter().flatten();
+                for edge in up.chain(down).filter_map(|index| self.edges.get(*index)) {
+                    for next in [&edge.parent, &edge.child] {
+                        if seen.insert(next) {
+                            queue.push_back(next);
+                        }
+                    }
+                }
+            }
+            let roots = members
+                .iter()
+                .filter(|frame| !self.by_child.contains_key(*frame))
+                .cloned()
+                .collect();
+            components.push(Component { roots, members });
+        }
+        components.sort_by(|a, b| (b.members.len(), a.members.first()).cmp(&(a.members.len(), b.members.first())));
+        components
+    }
+
+    /// A shortest chain of edges from `target` to `source` over the edges that `usable` admits, with every pose known:
+    /// the composed `target_from_source` and its steps. `None` where there is no such chain.
+    pub fn chain(
+        &self,
+        target: &FrameId,
+        source: &FrameId,
+        usable: impl Fn(&Edge) -> bool,
+    ) -> Option<(Isometry3<f64>, Vec<Step>)> {
+        let mut came_from: BTreeMap<&FrameId, (&FrameId, Step)> = BTreeMap::new();
+        let start = self.frames.get(target)?;
+        let mut queue = VecDeque::from([start]);
+        while let Some(frame) = queue.pop_front() {
+            if frame == source {
+                break;
+            }
+            let down = self.by_parent.get(frame).into_iter().flatten().map(|i| (*i, true));
+            let up = self.by_child.get(frame).into_iter().flatten().map(|i| (*i, false));
+            for (index, forward) in down.chain(up) {
+                let Some(edge) = self.edges.get(index) else { continue };
+                if edge.pose.is_none() || !usable(edge) {
+                    continue;
+                }
+                let next = if forward { &edge.child } else { &edge.parent };
+                if next != start && !came_from.contains_key(next) {
+                    came_from.insert(next, (frame, Step { edge: index, forward }));
+                    queue.push_back(next);
+                }
+            }
+        }
+        let mut steps = Vec::new();
+        let mut at = self.frames.get(source)?;
+        while at != start {
+            let (previous, step) = came_from.get(at)?;
+            steps.push(step.clone());
+            at = previous;
+        }
+        steps.reverse();
+        let mut target_from_source = Isometry3::identity();
+        for step in &steps {
+            let parent_from_child = self.edges.get(step.edge)?.pose?;
+            target_from_source *= if step.forward {
+                parent_from_child
+            } else {
+                parent_from_child.inverse()
+            };
+        }
+        Some((target_from_source, steps))
+    }
+
+    /// Cycles in the parent relation: each as its frames, from the smallest name on.
+    pub fn cycles(&self) -> Vec<Vec<FrameId>> {
+        let mut cycles: BTreeSet<Vec<FrameId>> = BTreeSet::new();
+        let mut done: BTreeSet<&FrameId> = BTreeSet::new();
+        for start in &self.frames {
+            let mut path: Vec<&FrameId> = Vec::new();
+            self.walk_up(start, &mut path, &mut done, &mut cycles);
+        }
+        cycles.into_iter().collect()
+    }
+
+    fn walk_up<'a>(
+        &'a self,
+        start: &'a FrameId,
+        path: &mut Vec<&'a FrameId>,
+        done: &mut BTreeSet<&'a FrameId>,
+        cycles: &mut BTreeSet<Vec<FrameId>>,
+    ) {
+        // An explicit stack: chains may be tens of thousands of frames long.
+        let mut stack: Vec<(&'a FrameId, bool)> = vec![(start, false)];
+        while let Some((frame, leaving)) = stack.pop() {
+            if leaving {
+                path.pop();
+                done.insert(frame);
+                continue;
+            }
+            if let Some(position) = path.iter().position(|f| *f == frame) {
+                let mut cycle: Vec<FrameId> = path.iter().skip(position).map(|f| (*f).clone()).collect();
+                let smallest = cycle
+                    .iter()
+                    .enumerate()
+                    .min_by_key(|(_, frame)| (*frame).clone())
+                    .map_or(0, |(index, _)| index);
+                cycle.rotate_left(smallest);
+                cycles.insert(cycle);
+                continue;
+            }
+            if done.contains(frame) {
+                continue;
+            }
+            path.push(frame);
+            stack.push((frame, true));
+            for parent in self.parents_of(frame) {
+                if parent != frame {
+                    stack.push((parent, false));
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,80 @@
+//! The world: all that is known about one platform, as pure data.
+//!
+//! Owns claims, robots, frame uses and bag evidence, and the graph that ties them. Serialisable, so that it can be
+//! saved, altered and judged again. Must not know how files are read, nor any rule.
+
+pub mod bag;
+pub mod claim;
+pub mod frame;
+pub mod graph;
+pub mod robot;
+
+use std::sync::OnceLock;
+
+use serde::{Deserialize, Serialize};
+
+use crate::source::{Source, SourceId};
+
+pub use bag::BagEvidence;
+pub use claim::{Claim, ClaimKind, Literal, Pose, Spelling};
+pub use frame::{FrameId, FrameRole, FrameUse};
+pub use graph::FrameGraph;
+pub use robot::Robot;
+
+/// Everything known about one platform.
+#[derive(Clone, Debug, Default, Serialize, Deserialize)]
+pub struct World {
+    /// Every source of the run, by id; a platform's facts point only at its own.
+    pub sources: Vec<Source>,
+    /// The sources that belong to this platform.
+    pub members: Vec<SourceId>,
+    /// Statements of transforms, from files and from robots' joints; TF of bags is in `bags`.
+    pub claims: Vec<Claim>,
+    /// Robots described by URDF.
+    pub robots: Vec<Robot>,
+    /// Where frames are named, once for each name, role and source.
+    pub frames: Vec<FrameUse>,
+    /// What recordings showed.
+    pub bags: Vec<BagEvidence>,
+    #[serde(skip)]
+    graph: OnceLock<FrameGraph>,
+}
+
+/// What one reader found in one source: merged into a [`World`] by the engine.
+#[derive(Clone, Debug, Default)]
+pub struct Facts {
+    /// Statements of transforms.
+    pub claims: Vec<Claim>,
+    /// Robots.
+    pub robots: Vec<Robot>,
+    /// Frame names.
+    pub frames: Vec<FrameUse>,
+    /// Evidence of recordings.
+    pub bags: Vec<BagEvidence>,
+}
+
+impl World {
+    /// The source with this id.
+    pub fn source(&self, id: SourceId) -> Option<&Source> {
+        self.sources.get(id.0 as usize)
+    }
+
+    /// The path of a source, for messages.
+    pub fn path(&self, id: SourceId) -> &str {
+        self.source(id).map_or("?", |source| source.path.as_str())
+    }
+
+    /// Adds what a reader found.
+    pub fn absorb(&mut self, facts: Facts) {
+        self.claims.extend(facts.claims);
+        self.robots.extend(facts.robots);
+        self.frames.extend(facts.frames);
+        self.bags.extend(facts.bags);
+        self.graph = OnceLock::new();
+    }
+
+    /// The frame graph of URDF and TF together, built once. Calibration claims are compared with it, not part of it.
+    pub fn graph(&self) -> &FrameGraph {
+        self.graph.get_or_init(|| FrameGraph::new(self))
+    }
+}

@@ -1,0 +1,212 @@
+//! A robot as its URDF describes it: links, joints and everything else that was written, with places.
+
+use serde::{Deserialize, Serialize};
+
+use crate::source::{Place, Placed, SourceId};
+
+use super::claim::Literal;
+
+/// A list of numbers as an attribute holds it (`xyz="0 0 1.5"`).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NumberList {
+    /// The attribute's name: `xyz`, `rpy`, `quat_xyzw`, `scale`, ...
+    pub attribute: String,
+    /// The attribute's text.
+    pub text: Placed<String>,
+    /// The pieces between blanks; a piece that is no number has the value NaN and `malformed` says so.
+    pub literals: Vec<Literal>,
+    /// How many numbers the attribute should have.
+    pub expected: usize,
+    /// Why a consumer cannot read the list (commas, wrong count, not a number); `None` when it can.
+    pub malformed: Option<String>,
+}
+
+impl NumberList {
+    /// The numbers, if there are exactly `N` and the list is well formed.
+    pub fn array<const N: usize>(&self) -> Option<[f64; N]> {
+        if self.malformed.is_some() || self.literals.len() != N {
+            return None;
+        }
+        let mut values = [0.0; N];
+        for (value, literal) in values.iter_mut().zip(&self.literals) {
+            *value = literal.value;
+        }
+        Some(values)
+    }
+}
+
+/// An `<origin>` element.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Origin {
+    /// The element.
+    pub place: Place,
+    /// Translation, metres.
+    pub xyz: Option<NumberList>,
+    /// Fixed-axis roll, pitch, yaw, radians.
+    pub rpy: Option<NumberList>,
+    /// Quaternion of URDF 1.2, `x y z w`.
+    pub quat_xyzw: Option<NumberList>,
+}
+
+/// A mesh that a visual or collision element refers to.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Mesh {
+    /// `visual` or `collision`.
+    pub usage: String,
+    /// The file as written (`package://...`, `file://...`, relative).
+    pub filename: Placed<String>,
+    /// Scale factors.
+    pub scale: Option<NumberList>,
+    /// Whether the file was found; `None` where it cannot be decided (a `package://` outside the input).
+    pub found: Option<bool>,
+}
+
+/// An `<inertial>` element.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Inertial {
+    /// The element.
+    pub place: Place,
+    /// Mass, kilograms.
+    pub mass_kg: Option<f64>,
+    /// `ixx ixy ixz iyy iyz izz`, kg m²; `None` where one is missing or no number.
+    pub inertia: Option<[f64; 6]>,
+}
+
+/// A `<link>`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Link {
+    /// The name; empty where the attribute is missing.
+    pub name: Placed<String>,
+    /// The element's start tag.
+    pub place: Place,
+    /// Its inertia, if any.
+    pub inertial: Option<Inertial>,
+    /// Meshes of its visuals and collisions.
+    pub meshes: Vec<Mesh>,
+    /// Whether the link has any `<visual>` or `<collision>`.
+    pub has_geometry: bool,
+}
+
+/// A joint's `<limit>`.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct JointLimit {
+    /// The element.
+    pub place: Place,
+    /// Lower bound: radians, or metres for a prismatic joint.
+    pub lower: Option<Literal>,
+    /// Upper bound.
+    pub upper: Option<Literal>,
+}
+
+/// A `<joint>` of the robot's tree (joints of transmissions are not joints).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Joint {
+    /// The name; empty where missing.
+    pub name: Placed<String>,
+    /// The type as written (`fixed`, `revolute`, ...).
+    pub kind: Placed<String>,
+    /// The element's start tag.
+    pub place: Place,
+    /// The parent link's name; `None` without a `<parent link=...>`.
+    pub parent: Option<Placed<String>>,
+    /// The child link's name.
+    pub child: Option<Placed<String>>,
+    /// Every `<origin>` written; a consumer reads one.
+    pub origins: Vec<Origin>,
+    /// The axis as written.
+    pub axis: Option<NumberList>,
+    /// Limits.
+    pub limit: Option<JointLimit>,
+    /// The joint named by `<mimic>`.
+    pub mimic: Option<Placed<String>>,
+}
+
+impl Joint {
+    /// Whether the joint is rigid.
+    pub fn is_fixed(&self) -> bool {
+        self.kind.value == "fixed"
+    }
+}
+
+/// Something a consumer silently ignores: a misspelt attribute or element.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ignored {
+    /// `attribute` or `element`.
+    pub what: String,
+    /// The name as written, with its place.
+    pub name: Placed<String>,
+    /// The element it stands in.
+    pub parent: String,
+    /// The known name it is probably meant to be, if one is near.
+    pub meant: Option<String>,
+}
+
+/// An element that stands more often than a consumer reads it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Repeated {
+    /// The element's name (`origin`, `axis`, `limit`, `parent`, ...).
+    pub element: String,
+    /// Where it stands in: `joint` or `link`, `visual`, ..., and the owner's name.
+    pub owner: String,
+    /// All places, in order.
+    pub places: Vec<Place>,
+}
+
+/// What a consumer's parser says of the same text.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ConsumerOpinion {
+    /// It loads, to these edges `(joint, parent, child)`, sorted, with its own numbers `xyz`, `rpy`.
+    Loads(Vec<ConsumerJoint>),
+    /// It refuses, in its own words.
+    Refuses(String),
+    /// It was not asked, and why.
+    NotAsked(String),
+}
+
+/// A joint as the consumer read it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ConsumerJoint {
+    /// Joint name.
+    pub name: String,
+    /// Parent link.
+    pub parent: String,
+    /// Child link.
+    pub child: String,
+    /// Metres.
+    pub xyz: [f64; 3],
+    /// Radians.
+    pub rpy: [f64; 3],
+}
+
+/// A robot description.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Robot {
+    /// The source whose text it is.
+    pub source: SourceId,
+    /// The robot's name.
+    pub name: Placed<String>,
+    /// The `version` attribute, if written.
+    pub version: Option<String>,
+    /// Links in file order.
+    pub links: Vec<Link>,
+    /// Joints in file order.
+    pub joints: Vec<Joint>,
+    /// Number lists that a consumer cannot read.
+    pub malformed: Vec<NumberList>,
+    /// Names that a consumer ignores.
+    pub ignored: Vec<Ignored>,
+    /// Elements written too often.
+    pub repeated: Vec<Repeated>,
+    /// Second opinion.
+    pub consumer: ConsumerOpinion,
+    /// Set where only a part could be read (an unexpanded xacro): structure rules cannot judge it.
+    pub fragment: Option<String>,
+}
+
+impl Robot {
+    /// Places of all links of this name.
+    pub fn links_named<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Link> {
+        self.links.iter().filter(move |link| link.name.value == name)
+    }
+}
