@@ -61,6 +61,12 @@ pub struct TopicEvidence {
     pub message_type: String,
     /// Messages read.
     pub count: u64,
+    /// Log time of the first message, nanoseconds.
+    pub first_log_ns: Option<i64>,
+    /// Log time of the last message, nanoseconds.
+    pub last_log_ns: Option<i64>,
+    /// The `offered_qos_profiles` of the channel as recorded (YAML text), where the recording has it.
+    pub offered_qos_profiles: Option<String>,
     /// Why nothing inside the messages could be read; `None` when they could.
     pub unread: Option<String>,
     /// Messages whose bytes did not decode, with the first one's error.
