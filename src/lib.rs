@@ -1,1 +1,3 @@
 //! frames-lint.
+
+pub mod math;
