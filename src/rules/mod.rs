@@ -3,7 +3,9 @@
 //! Rules are pure: no I/O, no clock, no randomness. They know the world and `math`, and nothing of reading,
 //! collecting, configuration or reports.
 
+pub mod cross;
 mod judge;
+pub mod time;
 pub mod tree;
 
 use serde::de::DeserializeOwned;
@@ -60,4 +62,12 @@ const fn entry<R: Rule>() -> Entry {
 }
 
 /// Every rule, in the order of the catalogue. Adding a rule: its page, its file, one line here.
-pub static RULES: &[Entry] = &[entry::<tree::orphan_subtree::OrphanSubtree>()];
+pub static RULES: &[Entry] = &[
+    entry::<tree::orphan_subtree::OrphanSubtree>(),
+    entry::<time::epoch_offset::EpochOffset>(),
+    entry::<time::stamp_monotonic::StampMonotonic>(),
+    entry::<time::clock_domain::ClockDomain>(),
+    entry::<cross::extrinsic_consistency::ExtrinsicConsistency>(),
+    entry::<cross::extrinsic_relation::ExtrinsicRelation>(),
+    entry::<cross::urdf_tf_topology::UrdfTfTopology>(),
+];
