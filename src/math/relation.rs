@@ -15,9 +15,7 @@ mod tests_relation;
 #[cfg(test)]
 mod tests_setup;
 
-pub use classify::{
-    Classification, EitherWay, Tolerance, classify, classify_either_way, classify_rotation,
-};
+pub use classify::{Classification, EitherWay, Tolerance, classify, classify_either_way, classify_rotation};
 
 /// Writes the enum, the list in prior order, the words and the sentences from one table, so that they can't drift.
 macro_rules! relations {
@@ -147,10 +145,7 @@ impl Relation {
         if word == "x180" {
             return Some(Relation::FluFrd);
         }
-        Relation::all()
-            .iter()
-            .copied()
-            .find(|relation| relation.word() == word)
+        Relation::all().iter().copied().find(|relation| relation.word() == word)
     }
 
     /// The relation that undoes this one for every transform: `truth = reversed.apply(held)`. What a fixer applies.
@@ -160,11 +155,7 @@ impl Relation {
     pub fn reversed(self) -> Option<Relation> {
         use Relation as R;
         match self {
-            R::RotationLost
-            | R::TranslationLost
-            | R::InverseTranslation
-            | R::Degrees
-            | R::AppliedTwice => None,
+            R::RotationLost | R::TranslationLost | R::InverseTranslation | R::Degrees | R::AppliedTwice => None,
             R::Wxyz => Some(R::Xyzw),
             R::Xyzw => Some(R::Wxyz),
             R::Millimetres => Some(R::Metres),

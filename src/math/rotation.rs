@@ -257,10 +257,7 @@ fn reflection(m: &Matrix3<f64>, reference: &Rotation3<f64>) -> Diagnosis {
         let Some(nearest) = nearest_rotation(&flip.undo(m)) else {
             continue;
         };
-        let angle = rotation_angle_between(
-            &reference,
-            &UnitQuaternion::from_rotation_matrix(&nearest.rotation),
-        );
+        let angle = rotation_angle_between(&reference, &UnitQuaternion::from_rotation_matrix(&nearest.rotation));
         // Rounding must not decide a tie between two flips that are equally good.
         if best.is_none_or(|(_, least)| angle < least - 1e-6) {
             best = Some((flip, angle));
@@ -280,9 +277,8 @@ pub fn decimals_of(x: f64) -> u32 {
     }
     // `Display` of f64 is the shortest round-trip form and never uses an exponent.
     let text = x.to_string();
-    text.split_once('.').map_or(0, |(_, digits)| {
-        u32::try_from(digits.len()).unwrap_or(u32::MAX)
-    })
+    text.split_once('.')
+        .map_or(0, |(_, digits)| u32::try_from(digits.len()).unwrap_or(u32::MAX))
 }
 
 /// The largest Frobenius norm of `R^T R - I` that rounding the nine entries of a rotation to `decimals` can cause:

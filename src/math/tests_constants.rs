@@ -40,10 +40,7 @@ fn ned_enu_is_mavros_rpy_and_half_a_turn_about_the_diagonal() {
     // mavros ftf_frame_conversions.cpp: quaternion_from_rpy(M_PI, 0.0, M_PI_2).
     assert!(close(&ned_enu(), &of(&from_rpy(PI, 0.0, FRAC_PI_2))));
     let diagonal = Unit::new_normalize(Vector3::new(1.0, 1.0, 0.0));
-    assert!(close(
-        &ned_enu(),
-        &Rotation3::from_axis_angle(&diagonal, PI)
-    ));
+    assert!(close(&ned_enu(), &Rotation3::from_axis_angle(&diagonal, PI)));
     let q = AxisTurn::NedEnu.quaternion();
     assert!((q.i - 0.7071).abs() < 1e-4 && (q.j - 0.7071).abs() < 1e-4 && q.k == 0.0 && q.w == 0.0);
     // North in NED is the second axis of ENU; down is minus the third.
@@ -53,17 +50,11 @@ fn ned_enu_is_mavros_rpy_and_half_a_turn_about_the_diagonal() {
 
 #[test]
 fn optical_is_rep_103_and_a_third_of_a_turn() {
-    assert!(close(
-        &optical(),
-        &of(&from_rpy(-FRAC_PI_2, 0.0, -FRAC_PI_2))
-    ));
+    assert!(close(&optical(), &of(&from_rpy(-FRAC_PI_2, 0.0, -FRAC_PI_2))));
     let q = AxisTurn::Optical.quaternion();
     assert_eq!([q.i, q.j, q.k, q.w], [-0.5, 0.5, -0.5, 0.5]);
     let axis = Unit::new_normalize(Vector3::new(-1.0, 1.0, -1.0));
-    assert!(close(
-        &optical(),
-        &Rotation3::from_axis_angle(&axis, TAU / 3.0)
-    ));
+    assert!(close(&optical(), &Rotation3::from_axis_angle(&axis, TAU / 3.0)));
     // What the camera looks at (optical z) is forward (x); image right (x) is -left; image down (y) is -up.
     assert_eq!(optical() * Vector3::z(), Vector3::x());
     assert_eq!(optical() * Vector3::x(), -Vector3::y());

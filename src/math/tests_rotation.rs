@@ -12,9 +12,7 @@ use super::tests_support::Rng;
 
 /// Horn 1987: the nearest rotation is the top eigenvector of a 4x4, with no singular values and no sign to choose.
 fn nearest_by_horn(m: &Matrix3<f64>) -> UnitQuaternion<f64> {
-    let (a, b, c, d, e, f, g, h, i) = (
-        m.m11, m.m12, m.m13, m.m21, m.m22, m.m23, m.m31, m.m32, m.m33,
-    );
+    let (a, b, c, d, e, f, g, h, i) = (m.m11, m.m12, m.m13, m.m21, m.m22, m.m23, m.m31, m.m32, m.m33);
     #[rustfmt::skip]
     let k = Matrix4::new(
         a + e + i, h - f,     c - g,      d - b,
@@ -35,9 +33,8 @@ fn distance(a: &UnitQuaternion<f64>, b: &Rotation3<f64>) -> f64 {
 #[test]
 fn rpy_is_the_product_that_urdf_states() {
     let (r, p, y) = (0.3, -0.7, 2.1);
-    let product = Rotation3::new(Vector3::z() * y)
-        * Rotation3::new(Vector3::y() * p)
-        * Rotation3::new(Vector3::x() * r);
+    let product =
+        Rotation3::new(Vector3::z() * y) * Rotation3::new(Vector3::y() * p) * Rotation3::new(Vector3::x() * r);
     assert!(distance(&from_rpy(r, p, y), &product) < 1e-14);
     // At the poles only one angle is left, and yaw is the one set to zero.
     for pitch in [FRAC_PI_2, -FRAC_PI_2] {
@@ -59,9 +56,7 @@ fn the_angle_is_accurate_where_an_arccosine_is_not() {
             "{angle}"
         );
         let negated = UnitQuaternion::new_unchecked(-b.into_inner());
-        assert!(
-            (rotation_angle_between(&a, &negated) - angle).abs() < 1e-15 + 4e-16 * angle.max(1.0)
-        );
+        assert!((rotation_angle_between(&a, &negated) - angle).abs() < 1e-15 + 4e-16 * angle.max(1.0));
     }
 }
 
@@ -146,16 +141,9 @@ fn what_is_no_rotation_gets_its_name() {
     assert_eq!(of(r * f64::NAN), Diagnosis::NotFinite);
     let camera_matrix = Matrix3::new(458.654, 0., 367.215, 0., 457.296, 248.375, 0., 0., 1.);
     assert_eq!(of(camera_matrix), Diagnosis::NotOrthogonal);
-    assert_eq!(
-        nearest_rotation(&Matrix3::zeros()).map(|n| n.distance),
-        None
-    );
-    assert_eq!(
-        nearest_rotation(&(r * f64::INFINITY)).map(|n| n.distance),
-        None
-    );
-    let [s1, s2, s3] =
-        singular_values(&Matrix3::from_diagonal(&Vector3::new(2.0, 5.0, 3.0))).unwrap();
+    assert_eq!(nearest_rotation(&Matrix3::zeros()).map(|n| n.distance), None);
+    assert_eq!(nearest_rotation(&(r * f64::INFINITY)).map(|n| n.distance), None);
+    let [s1, s2, s3] = singular_values(&Matrix3::from_diagonal(&Vector3::new(2.0, 5.0, 3.0))).unwrap();
     assert!((s1 - 5.0).abs() < 1e-12 && (s2 - 3.0).abs() < 1e-12 && (s3 - 2.0).abs() < 1e-12);
     assert_eq!(of(r * 1e200), Diagnosis::NotOrthogonal);
     assert_eq!(of(r * 1e-200), Diagnosis::NotOrthogonal);
@@ -209,19 +197,13 @@ fn a_small_angle_rotation_of_six_decimals_is_caught() {
     assert!((orthogonality_error(&m) - 5.9e-4).abs() < 1e-5);
     assert!(orthogonality_error(&m) > allowed_orthogonality_error(&m));
     assert_eq!(allowed_orthogonality_error(&Matrix3::identity()), 2e-6);
-    assert_eq!(
-        allowed_quaternion_norm_error([0.0, 0.0, 0.707, 0.707]),
-        1e-3
-    );
+    assert_eq!(allowed_quaternion_norm_error([0.0, 0.0, 0.707, 0.707]), 1e-3);
     assert_eq!(allowed_quaternion_norm_error([0.5, 0.5, 0.5, 0.5]), 1e-6);
     assert_eq!(quaternion_norm([0.0, 3.0, 0.0, 4.0]), 5.0);
     assert!(!quaternion_norm([0.0, f64::NAN, 0.0, 4.0]).is_finite());
     // Cos 60 degrees is exactly 0.5: it must not excuse an error in the others.
     let r = *from_rpy(0.0, 0.0, FRAC_PI_3).to_rotation_matrix().matrix();
-    assert_eq!(
-        allowed_orthogonality_error(&r.map(|v| (v * 1e6).round() / 1e6)),
-        3e-6
-    );
+    assert_eq!(allowed_orthogonality_error(&r.map(|v| (v * 1e6).round() / 1e6)), 3e-6);
 }
 
 fn rounded(m: &Matrix3<f64>, decimals: i32) -> Matrix3<f64> {

@@ -56,24 +56,14 @@ impl Rng {
     }
 
     /// `t` with its rotation moved by `angle_rad` about a random axis and its translation by `sigma_m` per axis.
-    pub(crate) fn misaligned(
-        &mut self,
-        t: &Isometry3<f64>,
-        angle_rad: f64,
-        sigma_m: f64,
-    ) -> Isometry3<f64> {
+    pub(crate) fn misaligned(&mut self, t: &Isometry3<f64>, angle_rad: f64, sigma_m: f64) -> Isometry3<f64> {
         let turn = UnitQuaternion::from_scaled_axis(self.direction() * angle_rad);
         let moved = t.translation.vector + self.normal3() * sigma_m;
         Isometry3::from_parts(Translation3::from(moved), turn * t.rotation)
     }
 
     /// `t` with noise: a rotation vector of `sigma_rad` per axis and `sigma_m` per axis.
-    pub(crate) fn noisy(
-        &mut self,
-        t: &Isometry3<f64>,
-        sigma_rad: f64,
-        sigma_m: f64,
-    ) -> Isometry3<f64> {
+    pub(crate) fn noisy(&mut self, t: &Isometry3<f64>, sigma_rad: f64, sigma_m: f64) -> Isometry3<f64> {
         let turn = UnitQuaternion::from_scaled_axis(self.normal3() * sigma_rad);
         let moved = t.translation.vector + self.normal3() * sigma_m;
         Isometry3::from_parts(Translation3::from(moved), turn * t.rotation)

@@ -50,15 +50,9 @@ impl Relation {
             Relation::LeftOpticalInverse => AxisTurn::OpticalInverse.quaternion() * truth,
             Relation::LeftZ90 => AxisTurn::Z90.quaternion() * truth,
             Relation::LeftZMinus90 => AxisTurn::ZMinus90.quaternion() * truth,
-            Relation::EnuFluNedFrd => {
-                AxisTurn::NedEnu.quaternion() * truth * AxisTurn::FluFrd.quaternion()
-            }
-            Relation::BothFluFrd => {
-                AxisTurn::FluFrd.quaternion() * truth * AxisTurn::FluFrd.quaternion()
-            }
-            Relation::BothNedEnu => {
-                AxisTurn::NedEnu.quaternion() * truth * AxisTurn::NedEnu.quaternion()
-            }
+            Relation::EnuFluNedFrd => AxisTurn::NedEnu.quaternion() * truth * AxisTurn::FluFrd.quaternion(),
+            Relation::BothFluFrd => AxisTurn::FluFrd.quaternion() * truth * AxisTurn::FluFrd.quaternion(),
+            Relation::BothNedEnu => AxisTurn::NedEnu.quaternion() * truth * AxisTurn::NedEnu.quaternion(),
             Relation::RpyRotating => {
                 let (roll, pitch, yaw) = to_rpy(&r);
                 // Rx(roll) Ry(pitch) Rz(yaw) is the inverse of Rz(-yaw) Ry(-pitch) Rx(-roll).
@@ -75,14 +69,8 @@ impl Relation {
             Relation::Degrees => pose(scaled_rpy(&r, f64::to_degrees), t),
             Relation::Radians => pose(scaled_rpy(&r, f64::to_radians), t),
             // Conjugation by diag(1, -1, 1): a rotation vector keeps its y and loses the sign of x and z.
-            Relation::MirroredY => pose(
-                quaternion(-r.i, r.j, -r.k, r.w),
-                Vector3::new(t.x, -t.y, t.z),
-            ),
-            Relation::MirroredZ => pose(
-                quaternion(-r.i, -r.j, r.k, r.w),
-                Vector3::new(t.x, t.y, -t.z),
-            ),
+            Relation::MirroredY => pose(quaternion(-r.i, r.j, -r.k, r.w), Vector3::new(t.x, -t.y, t.z)),
+            Relation::MirroredZ => pose(quaternion(-r.i, -r.j, r.k, r.w), Vector3::new(t.x, t.y, -t.z)),
             Relation::InverseZ180 => truth.inverse() * AxisTurn::Z180.quaternion(),
             Relation::Z180Inverse => AxisTurn::Z180.quaternion() * truth.inverse(),
             Relation::AppliedTwice => truth * truth,

@@ -145,11 +145,7 @@ pub fn classify(t1: &Isometry3<f64>, t2: &Isometry3<f64>, tol: &Tolerance) -> Cl
 ///
 /// Relations of translations are left out. `Inverse` and `Transposed` are one map here, and a right factor can't be told
 /// from a full change by it: expect larger classes. `distance_m` and `residual_m` are 0.
-pub fn classify_rotation(
-    r1: &UnitQuaternion<f64>,
-    r2: &UnitQuaternion<f64>,
-    tol: &Tolerance,
-) -> Classification {
+pub fn classify_rotation(r1: &UnitQuaternion<f64>, r2: &UnitQuaternion<f64>, tol: &Tolerance) -> Classification {
     let [t1, t2] = [r1, r2].map(|r| Isometry3::from_parts(Vector3::zeros().into(), *r));
     let relations = Relation::all()
         .iter()
@@ -231,9 +227,7 @@ fn decide(
     if plain.within {
         // Whatever fits better than `Equal` can't be excluded, also when it is just past the tolerance from it.
         let better = |c: &Candidate| c.gap.within && c.gap.score <= plain.score;
-        let class = members(&candidates, |c| {
-            better(c) || gap(&c.predicted, t1, tol).within
-        });
+        let class = members(&candidates, |c| better(c) || gap(&c.predicted, t1, tol).within);
         return match candidates.first() {
             Some(equal) => explained(equal, class),
             None => unexplained(Vec::new()),
@@ -258,8 +252,7 @@ fn decide(
             && c.gap.within
             && c.gap.score <= good_enough
             && !gap(&c.predicted, t1, tol).within
-            && (!near
-                || (c.gap.score <= tol.near_best_score && plain.score >= near_ratio * c.gap.score))
+            && (!near || (c.gap.score <= tol.near_best_score && plain.score >= near_ratio * c.gap.score))
     };
     match candidates.iter().find(may_be_named) {
         Some(named) => explained(named, class),
@@ -268,11 +261,7 @@ fn decide(
 }
 
 fn members(candidates: &[Candidate], belongs: impl Fn(&Candidate) -> bool) -> Vec<Relation> {
-    candidates
-        .iter()
-        .filter(|c| belongs(c))
-        .map(|c| c.relation)
-        .collect()
+    candidates.iter().filter(|c| belongs(c)).map(|c| c.relation).collect()
 }
 
 /// `first`, then the rest of `class` in its order.
@@ -291,8 +280,7 @@ fn crowd(candidates: &[Candidate], t1: &Isometry3<f64>, tol: &Tolerance) -> usiz
     for predicted in candidates.iter().map(|c| &c.predicted) {
         let step = gap(predicted, t1, tol);
         let near = step.angle_rad < tol.near_angle_rad && step.distance_m < tol.near_distance_m;
-        let counted =
-            |other: &&Isometry3<f64>| gap(predicted, other, tol).score < tol.near_best_score;
+        let counted = |other: &&Isometry3<f64>| gap(predicted, other, tol).score < tol.near_best_score;
         if near && !step.within && !distinct.iter().any(counted) {
             distinct.push(predicted);
         }

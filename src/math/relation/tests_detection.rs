@@ -2,9 +2,7 @@
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use super::tests_setup::{Mount, calibration_noise, holds};
-use super::{
-    Classification, Relation, Tolerance, classify, classify_either_way, classify_rotation,
-};
+use super::{Classification, Relation, Tolerance, classify, classify_either_way, classify_rotation};
 use crate::math::tests_support::Rng;
 
 /// (a) 0.3 degrees and 1 cm as lengths of the errors: every entry of the dictionary, 99 % at least.
@@ -47,8 +45,7 @@ impl Tally {
         } else if answer.best.is_some() {
             self.wrongly_named += 1;
         }
-        self.held_or_withheld +=
-            usize::from(holds(answer, truth) || answer.withheld.contains(&truth));
+        self.held_or_withheld += usize::from(holds(answer, truth) || answer.withheld.contains(&truth));
     }
 }
 
@@ -80,11 +77,7 @@ fn detection_with_the_near_equal_gate_by_mount() {
             tally.class_sizes as f64 / tally.held as f64,
             tally.largest,
         );
-        assert!(
-            share(tally.held) >= least,
-            "{mount:?}: {}",
-            share(tally.held)
-        );
+        assert!(share(tally.held) >= least, "{mount:?}: {}", share(tally.held));
         assert!(
             share(tally.held_or_withheld) >= 0.995,
             "{mount:?}: {}",
@@ -123,10 +116,7 @@ fn rotations_alone_are_classified_too() {
 /// What can't be undone is found when the error is in the first of the two.
 #[test]
 fn the_error_may_be_in_the_first_one() {
-    for &truth in Relation::all()
-        .iter()
-        .filter(|relation| relation.reversed().is_none())
-    {
+    for &truth in Relation::all().iter().filter(|relation| relation.reversed().is_none()) {
         let mut rng = Rng::new(4);
         let found = (0..100).filter(|_| {
             let b = Mount::Generic.draw(&mut rng);

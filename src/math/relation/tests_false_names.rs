@@ -23,11 +23,7 @@ fn named(mount: Mount, degrees: f64, cases: usize, seed: u64) -> usize {
 fn a_genuine_misalignment_is_never_explained_away() {
     for mount in Mount::ALL {
         for degrees in [3.0, 5.0, 8.0] {
-            assert_eq!(
-                named(mount, degrees, 300, 21),
-                0,
-                "{mount:?}, {degrees} degrees"
-            );
+            assert_eq!(named(mount, degrees, 300, 21), 0, "{mount:?}, {degrees} degrees");
         }
     }
 }
@@ -57,12 +53,7 @@ fn a_genuine_shift_is_never_explained_away() {
                 let mut t2 = rng.noisy(&t1, 0.3f64.to_radians(), 0.01);
                 t2.translation.vector += rng.direction() * metres;
                 let answer = classify(&t1, &t2, &Tolerance::default());
-                assert_eq!(
-                    answer.error(),
-                    None,
-                    "{mount:?}, {metres} m: {:?}",
-                    answer.class
-                );
+                assert_eq!(answer.error(), None, "{mount:?}, {metres} m: {:?}", answer.class);
             }
         }
     }
@@ -75,9 +66,7 @@ fn independent_extrinsics_have_no_relation() {
     for _ in 0..1000 {
         let (a, b) = (Mount::Generic.draw(&mut rng), Mount::Generic.draw(&mut rng));
         assert_eq!(
-            classify_either_way(&a, &b, &Tolerance::default())
-                .classification
-                .best,
+            classify_either_way(&a, &b, &Tolerance::default()).classification.best,
             None
         );
     }
@@ -93,11 +82,7 @@ fn looking_both_ways_names_no_misalignment_either() {
                 let a = mount.draw(&mut rng);
                 let b = rng.misaligned(&a, degrees.to_radians(), 0.01);
                 let answer = classify_either_way(&a, &b, &Tolerance::default());
-                assert_eq!(
-                    answer.classification.error(),
-                    None,
-                    "{mount:?}, {degrees} degrees"
-                );
+                assert_eq!(answer.classification.error(), None, "{mount:?}, {degrees} degrees");
             }
         }
     }

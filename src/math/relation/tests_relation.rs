@@ -20,18 +20,12 @@ fn pose(xyz: [f64; 3], rotation: UnitQuaternion<f64>) -> Isometry3<f64> {
 fn assert_same(a: &Isometry3<f64>, b: &Isometry3<f64>, least: f64, what: &str) {
     let angle = rotation_angle_between(&a.rotation, &b.rotation);
     let distance = (a.translation.vector - b.translation.vector).norm();
-    assert!(
-        angle < least && distance < least,
-        "{what}: {angle} rad, {distance} m"
-    );
+    assert!(angle < least && distance < least, "{what}: {angle} rad, {distance} m");
 }
 
 #[test]
 fn words_are_distinct_and_stable() {
-    let words: BTreeSet<&str> = Relation::all()
-        .iter()
-        .map(|relation| relation.word())
-        .collect();
+    let words: BTreeSet<&str> = Relation::all().iter().map(|relation| relation.word()).collect();
     assert_eq!(words.len(), Relation::all().len());
     for word in [
         "equal",
@@ -108,58 +102,24 @@ fn every_map_is_what_its_name_says() {
             (Relation::LeftNedEnu, p * r, p * t),
             (Relation::LeftFluFrd, f * r, f * t),
             (Relation::LeftOptical, o * r, o * t),
-            (
-                Relation::LeftOpticalInverse,
-                o.transpose() * r,
-                o.transpose() * t,
-            ),
-            (
-                Relation::LeftZ90,
-                turn(z, FRAC_PI_2) * r,
-                turn(z, FRAC_PI_2) * t,
-            ),
-            (
-                Relation::LeftZMinus90,
-                turn(z, -FRAC_PI_2) * r,
-                turn(z, -FRAC_PI_2) * t,
-            ),
+            (Relation::LeftOpticalInverse, o.transpose() * r, o.transpose() * t),
+            (Relation::LeftZ90, turn(z, FRAC_PI_2) * r, turn(z, FRAC_PI_2) * t),
+            (Relation::LeftZMinus90, turn(z, -FRAC_PI_2) * r, turn(z, -FRAC_PI_2) * t),
             (Relation::EnuFluNedFrd, p * r * f, p * t),
             (Relation::BothFluFrd, f * r * f, f * t),
             (Relation::BothNedEnu, p * r * p, p * t),
-            (
-                Relation::RpyRotating,
-                turn(x, roll) * turn(y, pitch) * turn(z, yaw),
-                t,
-            ),
-            (
-                Relation::Ypr,
-                turn(z, roll) * turn(y, pitch) * turn(x, yaw),
-                t,
-            ),
+            (Relation::RpyRotating, turn(x, roll) * turn(y, pitch) * turn(z, yaw), t),
+            (Relation::Ypr, turn(z, roll) * turn(y, pitch) * turn(x, yaw), t),
             (Relation::MirroredY, my * r * my, my * t),
             (Relation::MirroredZ, mz * r * mz, mz * t),
-            (
-                Relation::InverseZ180,
-                r.transpose() * zz,
-                -(r.transpose() * t),
-            ),
-            (
-                Relation::Z180Inverse,
-                zz * r.transpose(),
-                -(zz * r.transpose() * t),
-            ),
+            (Relation::InverseZ180, r.transpose() * zz, -(r.transpose() * t)),
+            (Relation::Z180Inverse, zz * r.transpose(), -(zz * r.transpose() * t)),
             (Relation::AppliedTwice, r * r, r * t + t),
         ];
         for (relation, rotation, translation) in expected {
-            let rotation =
-                UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
+            let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(rotation));
             let expected = Isometry3::from_parts(translation.into(), rotation);
-            assert_same(
-                &relation.apply(&truth).unwrap(),
-                &expected,
-                1e-12,
-                relation.word(),
-            );
+            assert_same(&relation.apply(&truth).unwrap(), &expected, 1e-12, relation.word());
         }
         // The rest by numbers.
         let q = truth.rotation.coords; // x, y, z, w
@@ -200,10 +160,7 @@ fn exact_files_give_their_relation_and_nothing_simpler() {
         );
         assert_eq!(answer.best, Some(relation), "{:?}", answer.class);
         assert_eq!(answer.class.first(), Some(&relation));
-        assert_eq!(
-            answer.error(),
-            Some(relation).filter(|&r| r != Relation::Equal)
-        );
+        assert_eq!(answer.error(), Some(relation).filter(|&r| r != Relation::Equal));
     }
 }
 
@@ -248,15 +205,9 @@ fn jpl_read_as_hamilton_is_transposed() {
 /// EuRoC MAV cam0: `T_BS` of sensor.yaml (ETH ASL), and `T_cam_imu` of Kalibr as MSCKF-VIO ships it: its inverse.
 #[test]
 fn euroc_body_from_camera_against_camera_from_imu() {
-    let rotation = |m: Matrix3<f64>| {
-        UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(m))
-    };
+    let rotation = |m: Matrix3<f64>| UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(m));
     let body_from_cam = pose(
-        [
-            -0.021_640_145_497_5,
-            -0.064_676_986_768,
-            0.009_810_730_589_49,
-        ],
+        [-0.021_640_145_497_5, -0.064_676_986_768, 0.009_810_730_589_49],
         rotation(Matrix3::new(
             0.014_865_542_981_8,
             -0.999_880_929_698,
@@ -270,11 +221,7 @@ fn euroc_body_from_camera_against_camera_from_imu() {
         )),
     );
     let cam_from_imu = pose(
-        [
-            0.065_222_909_535_531,
-            -0.020_706_385_492_719,
-            -0.008_054_602_460_030,
-        ],
+        [0.065_222_909_535_531, -0.020_706_385_492_719, -0.008_054_602_460_030],
         rotation(Matrix3::new(
             0.014_865_542_981_794,
             0.999_557_249_008_346,
@@ -290,11 +237,7 @@ fn euroc_body_from_camera_against_camera_from_imu() {
     let answer = classify(&body_from_cam, &cam_from_imu, &Tolerance::default());
     assert_eq!(answer.best, Some(Relation::Inverse));
     // The lever arm of 7 cm is enough to tell it from the transpose, which leaves 10 cm.
-    assert!(
-        !answer.class.contains(&Relation::Transposed),
-        "{:?}",
-        answer.class
-    );
+    assert!(!answer.class.contains(&Relation::Transposed), "{:?}", answer.class);
     assert!(answer.residual_m < 1e-9 && answer.residual_angle_rad < 1e-9);
     assert_same(
         &Relation::Inverse.apply(&body_from_cam).unwrap(),
@@ -318,8 +261,7 @@ fn ouster_sensor_read_as_lidar_is_z180() {
 fn two_degrees_are_the_end() {
     let truth = pose([1.2, -0.4, 0.7], from_rpy(0.31, -0.22, 1.13));
     let at = |degrees: f64| {
-        let turn =
-            UnitQuaternion::from_scaled_axis(Vector3::new(0.6, 0.0, 0.8) * degrees.to_radians());
+        let turn = UnitQuaternion::from_scaled_axis(Vector3::new(0.6, 0.0, 0.8) * degrees.to_radians());
         let held = truth.inverse();
         classify(
             &truth,
@@ -329,10 +271,7 @@ fn two_degrees_are_the_end() {
     };
     assert_eq!(at(1.95).best, Some(Relation::Inverse));
     let past = at(2.05);
-    assert_eq!(
-        (past.best, past.class.len(), past.withheld.len()),
-        (None, 0, 0)
-    );
+    assert_eq!((past.best, past.class.len(), past.withheld.len()), (None, 0, 0));
     assert!(past.angle_rad > 0.2 && past.residual_angle_rad == past.angle_rad);
 }
 

@@ -20,12 +20,7 @@ pub(super) enum Mount {
 }
 
 impl Mount {
-    pub(super) const ALL: [Mount; 4] = [
-        Mount::Generic,
-        Mount::Tilted,
-        Mount::NearNominal,
-        Mount::AxisAligned,
-    ];
+    pub(super) const ALL: [Mount; 4] = [Mount::Generic, Mount::Tilted, Mount::NearNominal, Mount::AxisAligned];
 
     pub(super) fn draw(self, rng: &mut Rng) -> Isometry3<f64> {
         let rotation = match self {
