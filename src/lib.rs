@@ -14,10 +14,12 @@
 )]
 
 pub mod cli;
+pub mod collect;
 pub mod engine;
 pub mod math;
 pub mod page;
 pub mod progress;
+pub mod read;
 pub mod report;
 pub mod rules;
 pub mod run;
