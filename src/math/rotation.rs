@@ -95,7 +95,11 @@ pub fn nearest_rotation(m: &Matrix3<f64>) -> Option<Nearest> {
         .zip(r.column_iter())
         .map(|(a, b)| a.cross(&b).norm().atan2(a.dot(&b)))
         .fold(0.0, f64::max);
-    Some(Nearest { rotation: Rotation3::from_matrix_unchecked(r), distance: (m - r).norm(), angle_moved_rad })
+    Some(Nearest {
+        rotation: Rotation3::from_matrix_unchecked(r),
+        distance: (m - r).norm(),
+        angle_moved_rad,
+    })
 }
 
 /// Far more sweeps than a 3x3 needs; a bound so that no input can make the decomposition run on.
@@ -242,7 +246,9 @@ fn reflection(m: &Matrix3<f64>, reference: &Rotation3<f64>) -> Diagnosis {
     let reference = UnitQuaternion::from_rotation_matrix(reference);
     let mut best: Option<(Flip, f64)> = None;
     for &flip in Flip::all() {
-        let Some(nearest) = nearest_rotation(&flip.undo(m)) else { continue };
+        let Some(nearest) = nearest_rotation(&flip.undo(m)) else {
+            continue;
+        };
         let angle = rotation_angle_between(&reference, &UnitQuaternion::from_rotation_matrix(&nearest.rotation));
         // Rounding must not decide a tie between two flips that are equally good.
         if best.is_none_or(|(_, least)| angle < least - 1e-6) {
@@ -263,7 +269,8 @@ pub fn decimals_of(x: f64) -> u32 {
     }
     // `Display` of f64 is the shortest round-trip form and never uses an exponent.
     let text = x.to_string();
-    text.split_once('.').map_or(0, |(_, digits)| u32::try_from(digits.len()).unwrap_or(u32::MAX))
+    text.split_once('.')
+        .map_or(0, |(_, digits)| u32::try_from(digits.len()).unwrap_or(u32::MAX))
 }
 
 /// The largest Frobenius norm of `R^T R - I` that rounding the nine entries of a rotation to `decimals` can cause:

@@ -131,7 +131,10 @@ pub fn classify(t1: &Isometry3<f64>, t2: &Isometry3<f64>, tol: &Tolerance) -> Cl
 /// from a full change by it: expect larger classes. `distance_m` and `residual_m` are 0.
 pub fn classify_rotation(r1: &UnitQuaternion<f64>, r2: &UnitQuaternion<f64>, tol: &Tolerance) -> Classification {
     let [t1, t2] = [r1, r2].map(|r| Isometry3::from_parts(Vector3::zeros().into(), *r));
-    let relations = Relation::all().iter().copied().filter(|relation| !relation.is_translation_only());
+    let relations = Relation::all()
+        .iter()
+        .copied()
+        .filter(|relation| !relation.is_translation_only());
     decide(&t1, &t2, tol, relations)
 }
 
@@ -152,10 +155,16 @@ pub fn classify_either_way(a: &Isometry3<f64>, b: &Isometry3<f64>, tol: &Toleran
     if forward.best.is_none() {
         let backward = classify(b, a, tol);
         if backward.best.is_some() {
-            return EitherWay { classification: backward, reversed: true };
+            return EitherWay {
+                classification: backward,
+                reversed: true,
+            };
         }
     }
-    EitherWay { classification: forward, reversed: false }
+    EitherWay {
+        classification: forward,
+        reversed: false,
+    }
 }
 
 fn decide(
@@ -181,7 +190,11 @@ fn decide(
     let candidates: Vec<Candidate> = relations
         .filter_map(|relation| {
             let predicted = relation.apply(t1)?;
-            Some(Candidate { relation, predicted, gap: gap(&predicted, t2, tol) })
+            Some(Candidate {
+                relation,
+                predicted,
+                gap: gap(&predicted, t2, tol),
+            })
         })
         .collect();
     let explained = |by: &Candidate, class: Vec<Relation>| Classification {
@@ -236,5 +249,7 @@ fn members(candidates: &[Candidate], belongs: impl Fn(&Candidate) -> bool) -> Ve
 
 /// `first`, then the rest of `class` in its order.
 fn leading(first: Relation, class: Vec<Relation>) -> Vec<Relation> {
-    std::iter::once(first).chain(class.into_iter().filter(|&relation| relation != first)).collect()
+    std::iter::once(first)
+        .chain(class.into_iter().filter(|&relation| relation != first))
+        .collect()
 }
