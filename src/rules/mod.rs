@@ -3,12 +3,14 @@
 //! Rules are pure: no I/O, no clock, no randomness. They know the world and `math`, and nothing of reading,
 //! collecting, configuration or reports.
 
+pub mod cross;
 mod judge;
 mod literal;
 mod pairs;
 pub mod quat;
 pub mod rot;
 mod tally;
+pub mod time;
 pub mod tree;
 pub mod urdf;
 
@@ -78,6 +80,12 @@ pub static RULES: &[Entry] = &[
     entry::<rot::angle_unit::AngleUnit>(),
     entry::<rot::truncated_literal::TruncatedLiteral>(),
     entry::<quat::quaternion_order_static::QuaternionOrderStatic>(),
+    entry::<time::epoch_offset::EpochOffset>(),
+    entry::<time::stamp_monotonic::StampMonotonic>(),
+    entry::<time::clock_domain::ClockDomain>(),
+    entry::<cross::extrinsic_consistency::ExtrinsicConsistency>(),
+    entry::<cross::extrinsic_relation::ExtrinsicRelation>(),
+    entry::<cross::urdf_tf_topology::UrdfTfTopology>(),
     entry::<urdf::mesh_scale::MeshScale>(),
     entry::<urdf::self_joint::SelfJoint>(),
     entry::<urdf::joint_axis::JointAxis>(),

@@ -9,7 +9,7 @@ pub mod frame;
 pub mod graph;
 pub mod robot;
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
 
@@ -24,8 +24,10 @@ pub use robot::Robot;
 /// Everything known about one platform.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct World {
+    /// What the platform is called in reports: the path it was found at.
+    pub label: String,
     /// Every source of the run, by id; a platform's facts point only at its own.
-    pub sources: Vec<Source>,
+    pub sources: Arc<Vec<Source>>,
     /// The sources that belong to this platform.
     pub members: Vec<SourceId>,
     /// Statements of transforms, from files and from robots' joints; TF of bags is in `bags`.
