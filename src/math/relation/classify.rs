@@ -269,8 +269,6 @@ fn leading(first: Relation, class: Vec<Relation>) -> Vec<Relation> {
     std::iter::once(first)
         .chain(class.into_iter().filter(|&relation| relation != first))
         .collect()
-<<<<<<< HEAD
-=======
 }
 
 /// How many different predictions lie in the near region of `t1`, apart from those within tolerance of it.
@@ -288,5 +286,4 @@ fn crowd(candidates: &[Candidate], t1: &Isometry3<f64>, tol: &Tolerance) -> usiz
         }
     }
     distinct.len()
->>>>>>> main
 }
