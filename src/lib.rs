@@ -13,7 +13,9 @@
     allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)
 )]
 
+pub mod math;
 pub mod page;
+pub mod read;
 pub mod rules;
 pub mod source;
 pub mod verdict;
