@@ -3,4 +3,5 @@
 //! Owns the formats. Must not judge, nor know rules or reports.
 
 pub mod bag;
+pub mod calibration;
 pub mod messages;
