@@ -66,7 +66,8 @@ pub enum Compression {
 #[serde(deny_unknown_fields)]
 pub struct Topic {
     /// Its name.
-    pub topic: String,
+    #[serde(rename = "topic")]
+    pub name: String,
     /// Type of its messages. TF topics and topics with `text` know their own.
     #[serde(rename = "type")]
     pub message_type: Option<String>,
@@ -193,7 +194,7 @@ impl Recipe {
             let mut known: BTreeMap<(String, String), u16> = BTreeMap::new();
             let mut channels = Vec::new();
             for topic in &self.topics {
-                let key = (topic.topic.clone(), topic.message_type());
+                let key = (topic.name.clone(), topic.message_type());
                 let id = *known.entry(key).or_insert_with(|| bag.channel(&topic.raw_channel()));
                 channels.push(id);
             }
@@ -208,7 +209,7 @@ impl Recipe {
         let Some(rate) = topic.rate_hz else {
             return vec![topic.at_s];
         };
-        (0..)
+        (0..u32::MAX)
             .map(|tick| f64::from(tick) / rate)
             .take_while(|at_s| *at_s < self.duration_s)
             .filter(|at_s| active(topic.from_s, topic.until_s, *at_s))
@@ -218,7 +219,7 @@ impl Recipe {
 
 impl Topic {
     fn last_segment(&self) -> &str {
-        self.topic.rsplit('/').next().unwrap()
+        self.name.rsplit('/').next().unwrap()
     }
 
     fn message_type(&self) -> String {
@@ -229,7 +230,7 @@ impl Topic {
             "tf" | "tf_static" => "tf2_msgs/msg/TFMessage",
             _ if !self.transforms.is_empty() => "tf2_msgs/msg/TFMessage",
             _ if self.text.is_some() => "std_msgs/msg/String",
-            _ => panic!("`{}` needs a type", self.topic),
+            _ => panic!("`{}` needs a type", self.name),
         };
         known.to_owned()
     }
@@ -249,14 +250,14 @@ impl Topic {
         });
         let qos = self.qos.clone().unwrap_or_else(|| {
             format!(
-                "- history: unknown\n  depth: 0\n  reliability: reliable\n  durability: {durability}\n  deadline:\n    \
+                "- history: keep_last\n  depth: 10\n  reliability: reliable\n  durability: {durability}\n  deadline:\n    \
                  sec: 9223372036\n    nsec: 854775807\n  lifespan:\n    sec: 9223372036\n    nsec: 854775807\n  \
                  liveliness: automatic\n  liveliness_lease_duration:\n    sec: 9223372036\n    nsec: 854775807\n  \
                  avoid_ros_namespace_conventions: false\n"
             )
         });
         RawChannel {
-            topic: &self.topic,
+            topic: &self.name,
             message_type: leak(message_type),
             schema: leak(schema),
             qos: (!qos.is_empty()).then(|| leak(qos)),
