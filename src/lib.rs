@@ -14,6 +14,7 @@
 )]
 
 pub mod page;
+pub mod read;
 pub mod rules;
 pub mod source;
 pub mod verdict;
