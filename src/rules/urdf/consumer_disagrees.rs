@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::rules::{Judge, Need, Rule};
-use crate::source::Place;
+use crate::source::{Place, Placed};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 use crate::world::robot::{ConsumerJoint, ConsumerOpinion, Joint, NumberList, Robot};
@@ -97,21 +97,15 @@ fn judge_loaded(world: &World, robot: &Robot, loaded: &[ConsumerJoint], limits: 
 fn compare(world: &World, robot: &Robot, joint: &Joint, read: &ConsumerJoint, limits: &Limits) -> Option<Finding> {
     let name = &joint.name.value;
     let owner = subject::joint(world, robot, joint);
-    let ends = [(&joint.parent, &read.parent), (&joint.child, &read.child)];
-    if let Some((written, read)) = ends.into_iter().find_map(|(written, read)| {
-        let written = written.as_ref()?;
-        (written.value != *read).then_some((written, read))
-    }) {
+    if let Some((written, read)) = other_link(joint, read) {
         let message = format!(
             "{CONSUMER} reads `{read}` where joint `{name}` names the link `{}`",
             written.value
         );
-        let finding = Finding::error(owner, message, written.place.clone()).label("read otherwise");
-        return Some(
-            finding
-                .help("write the name plainly, without blanks or entities")
-                .measured(Measured::count("links read otherwise", 1).limit(0.0)),
-        );
+        let finding = Finding::error(owner, message, written.place.clone())
+            .label("read otherwise")
+            .help("write the name plainly, without blanks or entities");
+        return Some(finding.measured(Measured::count("links read otherwise", 1).limit(0.0)));
     }
     // With several origins it is URDF07 that says so.
     let origin = match joint.origins.as_slice() {
@@ -121,12 +115,10 @@ fn compare(world: &World, robot: &Robot, joint: &Joint, read: &ConsumerJoint, li
     };
     if let Some(quaternion) = origin.and_then(|origin| origin.quat_xyzw.as_ref()) {
         let message = format!("{CONSUMER} does not know `quat_xyzw`: it reads joint `{name}` without its rotation");
-        let finding = Finding::note(owner, message, quaternion.text.place.clone()).label("ignored by older consumers");
-        return Some(
-            finding
-                .help("write `rpy` as long as consumers of URDF 1.0 and 1.1 read the file")
-                .measured(Measured::count("attributes ignored", 1).limit(0.0)),
-        );
+        let finding = Finding::note(owner, message, quaternion.text.place.clone())
+            .label("ignored by older consumers")
+            .help("write `rpy` as long as consumers of URDF 1.0 and 1.1 read the file");
+        return Some(finding.measured(Measured::count("attributes ignored", 1).limit(0.0)));
     }
     let lists = [
         ("xyz", origin.and_then(|origin| origin.xyz.as_ref()), read.xyz),
@@ -144,6 +136,15 @@ fn compare(world: &World, robot: &Robot, joint: &Joint, read: &ConsumerJoint, li
                     Measured::new(format!("difference of {attribute}"), difference, "m or rad").limit(limits.number),
                 )
         })
+    })
+}
+
+/// An end of the joint that the consumer takes for another link.
+fn other_link<'a>(joint: &'a Joint, read: &'a ConsumerJoint) -> Option<(&'a Placed<String>, &'a str)> {
+    let ends = [(&joint.parent, &read.parent), (&joint.child, &read.child)];
+    ends.into_iter().find_map(|(written, read)| {
+        let written = written.as_ref()?;
+        (written.value != *read).then_some((written, read.as_str()))
     })
 }
 
