@@ -54,7 +54,9 @@ impl Rule for QuaternionOrderStatic {
 
 /// Only an exact identity in the other order says something: half a turn about x or z is rare, but real.
 fn contradicts(said: Slot, listed: &Listed) -> bool {
-    said == Slot::Last && listed.written == [1.0, 0.0, 0.0, 0.0]
+    let is_zero = |value: &f64| *value == 0.0;
+    let [first, rest @ ..] = listed.written;
+    said == Slot::Last && is_zero(&(first - 1.0)) && rest.iter().all(is_zero)
 }
 
 fn judge_bare(world: &World, source: SourceId, listed: &[Listed], right: &mut Tally, out: &mut Judge) {

@@ -134,7 +134,8 @@ mod tests {
         for degrees in [30.0, -45.0, 90.0, 180.0, -270.0, 360.0, 22.0, 7.5, 719.0] {
             assert!(is_over_a_turn(degrees, &LIMITS), "{degrees}");
         }
-        for radians in [0.0, 1.570_796, -3.141_593, 4.712_389, 6.2832, -6.2832, 7.853_982] {
+        for eighths in [0.0, 2.0, -4.0, 6.0, 8.0, -8.0, 10.0] {
+            let radians = (eighths * FRAC_PI_4 * 1e5_f64).round() / 1e5;
             assert!(!is_over_a_turn(radians, &LIMITS), "{radians}");
         }
     }

@@ -24,21 +24,41 @@ pub(super) fn meant(value: f64, nearest_rad: f64) -> Option<f64> {
 mod tests {
     use super::*;
 
+    fn number(text: &str) -> f64 {
+        text.parse().unwrap()
+    }
+
     #[test]
-    fn short_multiples_of_pi_are_known_and_other_angles_are_not() {
-        let eighth = std::f64::consts::FRAC_PI_4;
-        for (value, exact) in [
-            (1.57, PI / 2.0),
-            (-3.14, -PI),
-            (4.71, 1.5 * PI),
-            (0.785, eighth),
-            (1.047, PI / 3.0),
+    fn short_multiples_of_pi_are_known() {
+        for (text, share) in [
+            ("1.57", 0.5),
+            ("-3.14", -1.0),
+            ("4.71", 1.5),
+            ("0.785", 0.25),
+            ("1.047", 1.0 / 3.0),
         ] {
-            let found = meant(value, 1e-2).unwrap();
-            assert!((found - exact).abs() < 1e-12, "{value}");
+            let found = meant(number(text), 1e-2).unwrap();
+            assert!((found - share * PI).abs() < 1e-12, "{text}");
         }
-        for value in [0.0, 0.5, 0.52, 1.5, 3.0, 1.6, PI / 2.0, 2.0, 0.79, 1.58, 1.575] {
-            assert_eq!(meant(value, 1e-2), None, "{value}");
+    }
+
+    #[test]
+    fn other_angles_and_full_digits_are_not() {
+        let full = (PI / 2.0).to_string();
+        for text in [
+            "0",
+            "0.5",
+            "0.52",
+            "1.5",
+            "3",
+            "1.6",
+            "2",
+            "0.79",
+            "1.58",
+            "1.575",
+            full.as_str(),
+        ] {
+            assert_eq!(meant(number(text), 1e-2), None, "{text}");
         }
     }
 }

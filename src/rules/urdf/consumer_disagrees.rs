@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::rules::{Judge, Need, Rule};
-use crate::source::{Place, Placed};
+use crate::source::Placed;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 use crate::world::robot::{ConsumerJoint, ConsumerOpinion, Joint, NumberList, Robot};
@@ -49,7 +49,7 @@ fn refused(world: &World, robot: &Robot, why: &str) -> Finding {
         why.lines().next().unwrap_or_default().trim()
     );
     let explained = !robot.malformed.is_empty() || !robot.repeated.is_empty();
-    let finding = Finding::note(subject::robot(world, robot), message, place(robot))
+    let finding = Finding::note(subject::robot(world, robot), message, robot.name.place.clone())
         .label("refused")
         .help("mend what the other rules find here first; programs in Rust cannot load the file as it stands")
         .measured(Measured::count("consumers that refuse the file", 1).limit(0.0));
@@ -75,22 +75,22 @@ fn judge_loaded(world: &World, robot: &Robot, loaded: &[ConsumerJoint], limits: 
         }
     }
     let lost = robot.joints.len().abs_diff(loaded.len());
-    let measured = [
-        Measured::count("joints read otherwise", differing).limit(0.0),
-        Measured::count("joints compared", compared),
-    ];
     if lost > 0 {
         let message = format!(
             "{CONSUMER} reads {} joints where {} are written",
             loaded.len(),
             robot.joints.len()
         );
-        let finding = Finding::error(subject::robot(world, robot), message, place(robot))
+        let finding = Finding::error(subject::robot(world, robot), message, robot.name.place.clone())
             .label("another tree is read")
             .help("look for joints that stand where a consumer does not look, or that share a name");
         out.fail(finding.measured(Measured::count("joints lost", lost).limit(0.0)));
     } else if differing == 0 {
-        out.pass(subject::robot(world, robot), measured);
+        let measured = Measured::count("joints read otherwise", 0).limit(0.0);
+        out.pass(
+            subject::robot(world, robot),
+            [measured, Measured::count("joints compared", compared)],
+        );
     }
 }
 
@@ -153,8 +153,4 @@ fn difference(written: Option<&NumberList>, read: [f64; 3]) -> Option<f64> {
     let written = written.map_or(Some([0.0; 3]), NumberList::array::<3>)?;
     let differences = written.iter().zip(read).map(|(a, b)| (a - b).abs());
     differences.reduce(f64::max).filter(|largest| largest.is_finite())
-}
-
-fn place(robot: &Robot) -> Place {
-    robot.name.place.clone()
 }

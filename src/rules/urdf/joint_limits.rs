@@ -142,6 +142,6 @@ fn judge_limit(
 /// Over the turns a joint makes, under the numbers that stand for "no limit" (1e16, 999999, DBL_MAX, 100 and 1000).
 fn looks_like_degrees(lower: f64, upper: f64, limits: &Limits) -> bool {
     let largest = lower.abs().max(upper.abs());
-    let power_of_ten = largest.log10().fract() == 0.0 && (lower == -upper || lower == 0.0);
+    let power_of_ten = largest.log10().fract() == 0.0 && (lower + upper == 0.0 || lower == 0.0);
     largest > 2.0 * PI * limits.least_turns && largest <= limits.most_deg && !power_of_ten
 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::source::Place;
 use crate::world::World;
-use crate::world::robot::{Link, Mesh, Robot};
+use crate::world::robot::{Link, Mesh, NumberList, Robot};
 
 use super::subject;
 
@@ -58,7 +58,7 @@ pub(super) fn scaled(robot: &Robot) -> Vec<Scaled<'_>> {
         .flat_map(|link| link.meshes.iter().map(move |mesh| (link, mesh)));
     meshes
         .filter_map(|(link, mesh)| {
-            let scale = mesh.scale.as_ref().map_or(Some([1.0; 3]), |list| list.array::<3>())?;
+            let scale = mesh.scale.as_ref().map_or(Some([1.0; 3]), NumberList::array::<3>)?;
             let finite = scale.iter().all(|factor| factor.is_finite());
             finite.then_some(Scaled {
                 link,
