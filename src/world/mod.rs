@@ -4,10 +4,12 @@
 //! saved, altered and judged again. Must not know how files are read, nor any rule.
 
 pub mod bag;
+pub mod chain;
 pub mod claim;
 pub mod frame;
 pub mod graph;
 pub mod robot;
+pub mod transform_name;
 
 use std::sync::{Arc, OnceLock};
 
@@ -16,6 +18,7 @@ use serde::{Deserialize, Serialize};
 use crate::source::{Source, SourceId};
 
 pub use bag::BagEvidence;
+pub use chain::DeclaredChain;
 pub use claim::{Claim, ClaimKind, Literal, Pose, Spelling};
 pub use frame::{FrameId, FrameRole, FrameUse};
 pub use graph::FrameGraph;
@@ -38,6 +41,8 @@ pub struct World {
     pub frames: Vec<FrameUse>,
     /// What recordings showed.
     pub bags: Vec<BagEvidence>,
+    /// Products of transforms that files declare.
+    pub chains: Vec<DeclaredChain>,
     #[serde(skip)]
     graph: OnceLock<FrameGraph>,
 }
@@ -53,6 +58,8 @@ pub struct Facts {
     pub frames: Vec<FrameUse>,
     /// Evidence of recordings.
     pub bags: Vec<BagEvidence>,
+    /// Products of transforms that a file declares.
+    pub chains: Vec<DeclaredChain>,
 }
 
 impl World {
@@ -72,6 +79,7 @@ impl World {
         self.robots.extend(facts.robots);
         self.frames.extend(facts.frames);
         self.bags.extend(facts.bags);
+        self.chains.extend(facts.chains);
         self.graph = OnceLock::new();
     }
 
