@@ -4,7 +4,9 @@
 
 pub mod bag;
 pub mod calibration;
+pub mod discover;
 pub mod messages;
 pub mod text;
 pub mod urdf;
 pub mod xacro;
+pub mod xacro_parts;
