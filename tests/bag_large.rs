@@ -1,6 +1,12 @@
 //! Memory and time on large recordings; measured by hand, for it writes 1.5 GB.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::print_stderr
+)]
 
 mod support;
 
@@ -23,6 +29,23 @@ fn peak_mb() -> u64 {
     kb.unwrap_or(0) / 1024
 }
 
+/// Collects a file, writes down time and peak memory, and holds the peak under 300 MB.
+fn measure(path: &std::path::Path, what: &str) -> ReadStatus {
+    peak_mb();
+    let begin = std::time::Instant::now();
+    let (source, collected) = support::collected_from(path);
+    let (seconds, peak) = (begin.elapsed().as_secs_f64(), peak_mb());
+    let size = source.examined.bytes_total >> 20;
+    let messages = bag(&collected).messages;
+    let report = format!(
+        "{what}: {size} MB, {messages} messages, {seconds:.2} s, peak {peak} MB, {:?}",
+        source.detail
+    );
+    eprintln!("{report}");
+    assert!(peak < 300, "{report}");
+    source.status
+}
+
 /// Measures memory and speed on large files: `cargo test --test bag_large -- --ignored --nocapture`.
 #[test]
 #[ignore = "writes 1.5 GB"]
@@ -33,23 +56,7 @@ fn large_files_take_little_memory() {
         .unwrap()
         .write_all(&vec![0; 1 << 30])
         .unwrap();
-    let measured = |path: &std::path::Path, what: &str| {
-        peak_mb();
-        let begin = std::time::Instant::now();
-        let (source, collected) = support::collected_from(path);
-        let (seconds, peak) = (begin.elapsed().as_secs_f64(), peak_mb());
-        let size = source.examined.bytes_total >> 20;
-        let messages = bag(&collected).messages;
-        let report = format!(
-            "{what}: {size} MB, {messages} messages, {seconds:.2} s, peak {peak} MB, {:?}",
-            source.detail
-        );
-        writeln!(std::io::stderr(), "{report}").unwrap();
-        assert!(peak < 300, "{report}");
-        source
-    };
-    let source = measured(&zeros, "zeros");
-    assert_eq!(source.status, ReadStatus::Unreadable);
+    assert_eq!(measure(&zeros, "zeros"), ReadStatus::Unreadable);
     std::fs::remove_file(&zeros).unwrap();
     for (what, compression) in [
         ("none", None),
@@ -103,6 +110,57 @@ fn large_files_take_little_memory() {
             }
         }
         out.finish();
-        assert_eq!(measured(&path, what).status, ReadStatus::Read);
+        assert_eq!(measure(&path, what), ReadStatus::Read);
     }
+}
+
+/// As many edges and topics as are kept, each with long names, every fault and more samples than its share.
+#[test]
+#[ignore = "takes a minute"]
+fn a_hostile_recording_takes_little_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("hostile.mcap");
+    let mut out = RawBag::new(std::fs::File::create(&path).unwrap(), Layout::default());
+    let long = "x".repeat(240);
+    let tf = out.channel(&RawChannel {
+        topic: &format!("/{long}/tf"),
+        message_type: "tf2_msgs/msg/TFMessage",
+        ..RawChannel::default()
+    });
+    let topics: Vec<u16> = (0..10_000)
+        .map(|topic| {
+            out.channel(&RawChannel {
+                topic: &format!("/{long}/{topic}"),
+                message_type: "acme/msg/A",
+                schema: "std_msgs/Header header",
+                ..RawChannel::default()
+            })
+        })
+        .collect();
+    for tick in 0..40 {
+        for (edge, number) in (0..20_000).zip(0_i64..) {
+            let child = format!("{long}{edge}");
+            let stamp_ns = tick * 1_000_000_000 + number;
+            let header = Header {
+                stamp_ns,
+                frame_id: &long,
+            };
+            let transform = Transform {
+                header,
+                child: &child,
+                translation: [if tick % 4 == 1 { f64::NAN } else { tick as f64 }, 0.0, 0.0],
+                rotation: [0.0, 0.0, 0.0, [1.0, 1.0, 0.0, 2.0][usize::try_from(tick % 4).unwrap()]],
+            };
+            out.message(tf, stamp_ns, &Body::Tf(&[transform]).encode(Endian::Little));
+            let name = format!("{long}{}", tick % 5);
+            let message = Body::Padded(Header {
+                stamp_ns,
+                frame_id: &name,
+            })
+            .encode(Endian::Little);
+            out.message(topics[edge % topics.len()], stamp_ns, &message);
+        }
+    }
+    out.finish();
+    assert_eq!(measure(&path, "hostile"), ReadStatus::Partial);
 }
