@@ -64,12 +64,8 @@ fn inputs(run: &Run) -> (usize, usize) {
 
 fn verdict(run: &Run, summary: &Summary, options: &Options) -> (Ink, String) {
     let mut sentences = Vec::new();
-    let crash = (summary.crashed > 0).then(|| {
-        format!(
-            "{} crashed: a fault of frames-lint, which answers for nothing it did not check.",
-            plural(summary.crashed, "check")
-        )
-    });
+    let crash =
+        (summary.crashed > 0).then(|| format!("{} crashed, a fault of frames-lint.", plural(summary.crashed, "check")));
     let ink = match summary.verdict {
         VerdictWord::Findings => {
             sentences.push(format!("Not clean: {}.", counting(run, options.fail_on)));
@@ -96,11 +92,14 @@ fn verdict(run: &Run, summary: &Summary, options: &Options) -> (Ink, String) {
         }
         VerdictWord::Clean => {
             let (_, inputs) = inputs(run);
-            sentences.push(format!(
-                "Clean: {} passed on {}.",
-                plural(summary.passed, "check"),
-                plural(inputs, "input")
-            ));
+            sentences.push(match summary.passed {
+                0 => "Clean: no finding counts.".to_owned(),
+                passed => format!(
+                    "Clean: {} passed on {}.",
+                    plural(passed, "check"),
+                    plural(inputs, "input")
+                ),
+            });
             Ink::Good
         }
     };

@@ -14,10 +14,10 @@ use std::collections::{BTreeMap, BTreeSet};
 use nalgebra::Isometry3;
 
 use crate::run::Run;
-use crate::source::SourceId;
+use crate::source::{Confidence, SourceId};
 use crate::world::bag::TfEdge;
 use crate::world::graph::{Edge, EdgeOrigin};
-use crate::world::{Claim, ClaimKind, FrameId, World};
+use crate::world::{Claim, ClaimKind, FrameId, Pose, World};
 
 use super::place::Locator;
 use super::text::{number, one_line, trimmed};
@@ -50,6 +50,8 @@ struct Link {
 struct Links<'a> {
     of: BTreeMap<(&'a FrameId, &'a FrameId), Link>,
     children: BTreeMap<&'a FrameId, Vec<&'a FrameId>>,
+    /// What files state of frames that are not parent and child: `` `camera` from `lidar` `` with where.
+    beside: BTreeMap<String, Vec<String>>,
 }
 
 impl Link {
@@ -86,12 +88,13 @@ impl<'a> Links<'a> {
                     .push(statement);
             }
         }
+        let beside = calibrations(world, locator, &mut of);
         let mut children: BTreeMap<&FrameId, Vec<&FrameId>> = BTreeMap::new();
         for ((parent, child), link) in &mut of {
             children.entry(parent).or_default().push(child);
             mark_differences(&mut link.statements);
         }
-        Self { of, children }
+        Self { of, children, beside }
     }
 
     fn get(&self, parent: &'a FrameId, child: &'a FrameId) -> Option<&Link> {
@@ -101,6 +104,50 @@ impl<'a> Links<'a> {
     fn children(&self, parent: &FrameId) -> &[&'a FrameId] {
         self.children.get(parent).map_or(&[], Vec::as_slice)
     }
+}
+
+/// Adds the statements of calibration files to the edges they are about, and returns the others.
+fn calibrations<'a>(
+    world: &'a World,
+    locator: &Locator,
+    of: &mut BTreeMap<(&'a FrameId, &'a FrameId), Link>,
+) -> BTreeMap<String, Vec<String>> {
+    let frames = &world.graph().frames;
+    let mut beside: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for claim in &world.claims {
+        let (ClaimKind::File { .. }, Some((target, source))) = (&claim.kind, &claim.frames) else {
+            continue;
+        };
+        let who = one_line(&format!("{} {}", line_of(claim, locator), claim.label));
+        let target_from_source = claim.pose.as_ref().map(Pose::isometry);
+        let known = frames.get(&target.canonical()).zip(frames.get(&source.canonical()));
+        let stated = known.map(|(target, source)| {
+            if of.contains_key(&(target, source)) {
+                ((target, source), target_from_source)
+            } else {
+                ((source, target), target_from_source.map(|pose| pose.inverse()))
+            }
+        });
+        match stated.and_then(|(pair, pose)| of.get_mut(&pair).zip(Some(pose))) {
+            // Half a transform, or one whose direction is a guess, is named but not compared.
+            Some((link, parent_from_child)) => link.statements.push(Statement {
+                who: format!("{who} (calibration)"),
+                parent_from_child,
+                constant: claim.has_rotation && claim.has_translation && claim.reading > Confidence::Hint,
+                moment: "calibration",
+                differs: None,
+            }),
+            None => beside.entry(one_line(&claim.name())).or_default().push(who),
+        }
+    }
+    beside
+}
+
+/// `robot.urdf:12`.
+fn line_of(claim: &Claim, locator: &Locator) -> String {
+    let source = locator.name(claim.place.source);
+    let line = locator.find(&claim.place).start;
+    line.map_or_else(|| source.clone(), |at| format!("{source}:{}", at.line))
 }
 
 /// Types of joints as written, by source and name.
@@ -151,13 +198,8 @@ fn joint_statement(
         .get(&(claim.place.source, name))
         .copied()
         .unwrap_or(if edge.is_rigid { "fixed" } else { "moving" });
-    let place = locator.find(&claim.place);
-    let source = locator.name(claim.place.source);
-    let place = place
-        .start
-        .map_or_else(|| source.clone(), |at| format!("{source}:{}", at.line));
     Statement {
-        who: one_line(&format!("{place} joint {name} ({kind})")),
+        who: one_line(&format!("{} joint {name} ({kind})", line_of(claim, locator))),
         parent_from_child: edge.pose,
         constant: edge.is_rigid,
         moment: "at zero",
@@ -283,7 +325,7 @@ fn title(world: &World) -> String {
 fn worlds(run: &Run) -> impl Iterator<Item = &World> {
     run.worlds
         .iter()
-        .filter(|world| !world.graph().frames.is_empty() || !world.frames.is_empty())
+        .filter(|world| !world.graph().frames.is_empty() || !world.frames.is_empty() || !world.claims.is_empty())
 }
 
 /// A frame's name for people.

@@ -55,12 +55,13 @@ fn world_text(world: &World, locator: &Locator, style: Style, out: &mut String) 
             out.push('\n');
         }
     }
+    list("Stated by files, not an edge of the tree", &links.beside, style, out);
     let [messages, files] = outsiders(world, locator);
     list("Named by messages, not in the tree", &messages, style, out);
     list("Named by files, not in the tree", &files, style, out);
 }
 
-fn list(heading: &str, frames: &BTreeMap<&str, Vec<String>>, style: Style, out: &mut String) {
+fn list<K: AsRef<str>>(heading: &str, frames: &BTreeMap<K, Vec<String>>, style: Style, out: &mut String) {
     if frames.is_empty() {
         return;
     }
@@ -70,7 +71,7 @@ fn list(heading: &str, frames: &BTreeMap<&str, Vec<String>>, style: Style, out: 
         let _ = writeln!(
             out,
             "  {}  {}",
-            shown(frame),
+            shown(frame.as_ref()),
             style.paint(Ink::Faint, &places.join(", "))
         );
     }
