@@ -19,13 +19,27 @@ const MAX_NODES: usize = 1_000_000;
 /// Deepest nesting of collections; the parser refuses more.
 const MAX_DEPTH: usize = 200;
 
+/// How far the parser looks for the colon that would make a `{` or `[` a key, in characters: YAML's own limit, and a
+/// short one. Within the first, a fault hides all that stands before it.
+const LOOKAHEADS: [usize; 2] = [1024, 64];
+
 /// Reads all documents of `text`; spans are taken back to the source's text by `map`.
 pub(super) fn build(text: &str, map: &OffsetMap) -> Documents {
+    let [long, short] = LOOKAHEADS;
+    let documents = build_with(text, map, long);
+    if documents.fault.is_none() || !documents.roots.is_empty() {
+        return documents;
+    }
+    let nearer = build_with(text, map, short);
+    if nearer.roots.is_empty() { documents } else { nearer }
+}
+
+fn build_with(text: &str, map: &OffsetMap, lookahead: usize) -> Documents {
     let options = granit_parser::options! {
         emit_comments: false,
         flow_nesting_limit: MAX_DEPTH,
         block_nesting_limit: MAX_DEPTH,
-        simple_key_max_lookahead: 4096,
+        simple_key_max_lookahead: lookahead,
     };
     let mut builder = Builder::new(text, map);
     for next in Parser::new_from_str_with_options(text, options) {

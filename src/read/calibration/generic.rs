@@ -54,7 +54,7 @@ fn value<'a>(node: &'a Node, found: &Numbers, walk: &mut Walk<'a>) {
     if names::is_never(key) && dialect == dialect::GENERIC {
         return;
     }
-    let strong = dialect != dialect::GENERIC || walk.any_key(names::is_transform);
+    let strong = dialect != dialect::GENERIC || walk.any_key(names::is_transform) || walk.named().is_some();
     let by = walk.own_key();
     let label = walk.label("");
     if let (true, Numbers::Flat(literals)) = (dialect.packed, found) {

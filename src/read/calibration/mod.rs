@@ -15,8 +15,6 @@ mod walk;
 
 #[cfg(test)]
 mod tests;
-#[cfg(test)]
-mod tests_corpus;
 
 use crate::source::{LineIndex, Place, ReadStatus, Source};
 use crate::world::Facts;

@@ -53,7 +53,7 @@ pub(super) fn is_never(key: &str) -> bool {
 #[rustfmt::skip]
 const TRANSFORM: &[&str] = &[
     "extrinsic", "extrinsics", "extr", "ext", "rotation", "rot", "transform", "transforms", "transformation",
-    "tf", "rectification", "pose", "se3", "orientation",
+    "tf", "rectification", "rect", "pose", "se3", "orientation",
 ];
 
 /// Whether a key by itself says that its numbers are a transform or a part of one.
@@ -128,6 +128,9 @@ const HALVES: &[(&str, Half)] = &[
     ("quaternion", Half::Rotation),
     ("quat", Half::Rotation),
     ("rot", Half::Rotation),
+    ("rotation_rpy", Half::Angles),
+    ("rotation_euler", Half::Angles),
+    ("orientation_rpy", Half::Angles),
     ("roll_pitch_yaw", Half::Angles),
     ("rpy", Half::Angles),
     ("euler", Half::Angles),
@@ -156,7 +159,7 @@ pub(super) fn half(key: &str) -> Option<(&str, Half)> {
             Some(c) => !single && c.is_lowercase() && tail.starts_with(char::is_uppercase),
         };
         // `originXYZ`, `extrinsicRPY`: an ending in capitals after a small letter.
-        (same && starts_word).then(|| (stem.trim_end_matches(['_', '.', '-']), *half))
+        (same && starts_word).then(|| (stem.trim_end_matches(['_', '.', '-', '/']), *half))
     })
 }
 
