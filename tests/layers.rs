@@ -125,5 +125,5 @@ fn only_one_file_knows_the_terminal_renderer() {
         .filter(|file| fs::read_to_string(file).unwrap().contains("miette::"))
         .map(|file| file.strip_prefix(&src).unwrap().display().to_string())
         .collect();
-    assert_eq!(knowing, ["report/terminal.rs"]);
+    assert_eq!(knowing, ["report/terminal/snippet.rs"]);
 }

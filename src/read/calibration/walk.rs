@@ -236,6 +236,9 @@ impl<'a> Walk<'a> {
         }
         let place = |span: Span| Place::text(self.source, span);
         let span = by.map_or(draft.span, |key| draft.span.cover(key.span));
+        // A statement begins at the key that names its frames, also where the numbers stand under keys of their own.
+        let naming = named.filter(|n| n.role == FrameRole::CalibrationLabel && n.places.0 == n.places.1);
+        let span = naming.map_or(span, |n| span.cover(n.places.0));
         let role = named.map_or(FrameRole::CalibrationLabel, |n| n.role);
         self.found.push(Found {
             role,
