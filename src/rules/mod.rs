@@ -4,6 +4,11 @@
 //! collecting, configuration or reports.
 
 mod judge;
+pub mod name;
+mod names;
+mod near;
+mod places;
+mod tf;
 pub mod tree;
 
 use serde::de::DeserializeOwned;
@@ -60,4 +65,19 @@ const fn entry<R: Rule>() -> Entry {
 }
 
 /// Every rule, in the order of the catalogue. Adding a rule: its page, its file, one line here.
-pub static RULES: &[Entry] = &[entry::<tree::orphan_subtree::OrphanSubtree>()];
+pub static RULES: &[Entry] = &[
+    entry::<tree::orphan_subtree::OrphanSubtree>(),
+    entry::<tree::multiple_parents::MultipleParents>(),
+    entry::<tree::tf_cycle::TfCycle>(),
+    entry::<tree::self_or_empty_transform::SelfOrEmptyTransform>(),
+    entry::<tree::static_dynamic_conflict::StaticDynamicConflict>(),
+    entry::<tree::rep105_order::Rep105Order>(),
+    entry::<tree::message_frame_unresolved::MessageFrameUnresolved>(),
+    entry::<tree::tf_static_missing_or_late::TfStaticMissingOrLate>(),
+    entry::<tree::urdf_structure::UrdfStructure>(),
+    entry::<name::frame_case_mismatch::FrameCaseMismatch>(),
+    entry::<name::frame_whitespace_or_slash::FrameWhitespaceOrSlash>(),
+    entry::<name::frame_near_duplicate::FrameNearDuplicate>(),
+    entry::<name::ned_suffix::NedSuffix>(),
+    entry::<name::optical_suffix::OpticalSuffix>(),
+];

@@ -1,0 +1,158 @@
+//! TREE05: edges published both as latched and as moving, and moving edges that never move.
+
+use nalgebra::Isometry3;
+use serde::Deserialize;
+
+use crate::math::relation::{Tolerance, classify_either_way};
+use crate::rules::{Judge, Need, Rule, names, tf};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured};
+use crate::world::bag::TfEdge;
+use crate::world::{BagEvidence, FrameId, World};
+
+/// TREE05.
+pub struct StaticDynamicConflict;
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Rotation up to which two transforms hold the same numbers, degrees.
+    pub same_deg: f64,
+    /// Translation up to which two transforms hold the same numbers, metres.
+    pub same_m: f64,
+    /// Deviation (radians and metres) below which an edge is constant.
+    pub constant: f64,
+    /// Transforms needed to call an edge constant.
+    pub min_samples: u64,
+    /// Time needed to call an edge constant, seconds.
+    pub min_time_s: f64,
+}
+
+impl Rule for StaticDynamicConflict {
+    const PAGE: &'static str = include_str!("../../../rules/tree/static-dynamic-conflict.md");
+    const NEEDS: &'static [Need] = &[Need::Tf];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in world.bags.iter().filter(|bag| !bag.tf.is_empty()) {
+            let mut failed = false;
+            let children = tf::by_child(bag);
+            for (child, edges) in &children {
+                let conflict = pair(edges).map(|(fixed, moving)| conflict(bag, child, fixed, moving, limits));
+                let finding = conflict.or_else(|| constant(world, bag, child, edges, limits));
+                failed |= finding.is_some();
+                finding.into_iter().for_each(|finding| out.fail(finding));
+            }
+            if !failed {
+                let both = Measured::count("frames both latched and moving", 0).limit(0.0);
+                out.pass(
+                    format!("TF of {}", world.path(bag.source)),
+                    [both.samples(children.len() as u64)],
+                );
+            }
+        }
+    }
+}
+
+/// A latched and a moving edge with the same parent. With different parents it is TREE02's.
+fn pair<'a>(edges: &[&'a TfEdge]) -> Option<(&'a TfEdge, &'a TfEdge)> {
+    edges.iter().filter(|edge| edge.is_static).find_map(|fixed| {
+        let same = |edge: &&&TfEdge| !edge.is_static && edge.parent.canonical() == fixed.parent.canonical();
+        edges.iter().find(same).map(|moving| (*fixed, *moving))
+    })
+}
+
+fn conflict(bag: &BagEvidence, child: &FrameId, fixed: &TfEdge, moving: &TfEdge, limits: &Limits) -> Finding {
+    let pose = |edge: &TfEdge| edge.first().map(|sample| sample.pose.isometry());
+    let (at, until) = (moving.first_at.clone(), fixed.first_at.clone());
+    let parent = fixed.parent.canonical();
+    let what = format!(
+        "`{parent}` -> `{child}` is published on {} and on {}",
+        fixed.topic, moving.topic
+    );
+    let mut relation = None;
+    let mut measured = Vec::new();
+    let how = match (pose(fixed), pose(moving)) {
+        (Some(fixed), Some(moving)) => {
+            let (word, said, numbers) = difference(&fixed, &moving, limits);
+            relation = word;
+            measured = numbers;
+            said
+        }
+        _ => String::new(),
+    };
+    let mut finding = Finding::error(format!("frame `{child}`"), format!("{what}{how}"), Place::message(bag.source, at))
+        .label("first on the moving topic")
+        .help(format!(
+            "publish `{child}` on one of the two; tf2 erases its history whenever a frame changes between latched and moving"
+        ))
+        .measured(Measured::count("kinds of topic", 2).limit(1.0))
+        .related(Place::message(bag.source, until), "first on the latched topic");
+    finding.measured.extend(measured);
+    match relation {
+        Some(word) => finding.relation(word),
+        None => finding,
+    }
+}
+
+/// The relation, the words and the numbers of the difference between the latched and the moving transform.
+fn difference(
+    latched: &Isometry3<f64>,
+    moving: &Isometry3<f64>,
+    limits: &Limits,
+) -> (Option<&'static str>, String, Vec<Measured>) {
+    let either = classify_either_way(latched, moving, &Tolerance::default());
+    let difference = &either.classification;
+    let (deg, m) = (difference.angle_rad.to_degrees(), difference.distance_m);
+    let numbers = vec![
+        Measured::new("difference in rotation", deg, "deg").limit(limits.same_deg),
+        Measured::new("difference in translation", m, "m").limit(limits.same_m),
+    ];
+    if deg <= limits.same_deg && m <= limits.same_m {
+        return (None, ", with the same numbers".to_owned(), numbers);
+    }
+    let by = format!(", {deg:.2} deg and {m:.3} m apart");
+    match difference.error() {
+        Some(relation) => (Some(relation.word()), format!("{by}: {}", relation.describe()), numbers),
+        None => (None, by, numbers),
+    }
+}
+
+/// A note on a moving edge that never moves, where something says that it is not meant to.
+fn constant(world: &World, bag: &BagEvidence, child: &FrameId, edges: &[&TfEdge], limits: &Limits) -> Option<Finding> {
+    let [edge] = edges else { return None };
+    let time_s = (edge.last_at.log_ns - edge.first_at.log_ns) as f64 / 1e9;
+    let deviation = edge.extreme.as_ref().map_or(0.0, |(_, rad, m)| rad.max(*m));
+    if edge.is_static || edge.first().is_none() || edge.count < limits.min_samples || time_s < limits.min_time_s {
+        return None;
+    }
+    let stands_still = names::is_world(child) || names::standard(child).is_some() || names::is_moving_part(child);
+    let joint = world.robots.iter().flat_map(|robot| &robot.joints).find(|joint| {
+        joint
+            .child
+            .as_ref()
+            .is_some_and(|link| FrameId::new(link.value.as_str()).canonical() == *child)
+    });
+    let meant_fixed = joint.map_or_else(|| !stands_still && names::is_sensor(child), |joint| joint.is_fixed());
+    if deviation >= limits.constant || !meant_fixed {
+        return None;
+    }
+    let message = format!(
+        "`{}` -> `{child}` is published {} times on {} in {time_s:.0} s and never changes",
+        edge.parent, edge.count, edge.topic
+    );
+    let finding = Finding::note(
+        format!("frame `{child}`"),
+        message,
+        Place::message(bag.source, edge.first_at.clone()),
+    )
+    .help("publish it once on /tf_static: late listeners then have it at every time, and the recording shrinks")
+    .measured(
+        Measured::new("largest change", deviation, "rad or m")
+            .limit(limits.constant)
+            .samples(edge.count),
+    )
+    .measured(Measured::new("time", time_s, "s").limit(limits.min_time_s));
+    Some(if joint.is_some() { finding } else { finding.likely() })
+}
