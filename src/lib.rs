@@ -15,6 +15,7 @@
 
 pub mod math;
 pub mod page;
+pub mod read;
 pub mod rules;
 pub mod source;
 pub mod verdict;

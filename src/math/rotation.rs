@@ -56,9 +56,10 @@ pub fn orthogonality_error(m: &Matrix3<f64>) -> f64 {
     (m.tr_mul(m) - Matrix3::identity()).norm()
 }
 
-/// The singular values of a raw 3x3, largest first. All 1 for a rotation. `None` when an entry is not finite.
+/// The singular values of a raw 3x3, largest first. All 1 for a rotation. `None` when an entry is not finite
+/// or its square overflows.
 pub fn singular_values(m: &Matrix3<f64>) -> Option<[f64; 3]> {
-    let svd = finite(m)?.try_svd(false, false, f64::EPSILON, MAX_ITERATIONS)?;
+    let svd = finite(m)?.try_svd(false, false, CONVERGED, MAX_ITERATIONS)?;
     let mut values: [f64; 3] = svd.singular_values.into();
     values.sort_by(|a, b| b.total_cmp(a));
     Some(values)
@@ -79,10 +80,10 @@ pub struct Nearest {
 /// The proper rotation nearest to `m` in the Frobenius norm: `U diag(1, 1, det(U V^T)) V^T` of the singular value
 /// decomposition (Kabsch 1976; Umeyama 1991, lemma).
 ///
-/// `None` when an entry is not finite, or when the matrix is so singular that no single rotation is nearest (the second
+/// `None` when an entry is not finite or its square overflows, or when the matrix is so singular that no single rotation is nearest (the second
 /// singular value is under 1e-9 of the first).
 pub fn nearest_rotation(m: &Matrix3<f64>) -> Option<Nearest> {
-    let svd = finite(m)?.try_svd(true, true, f64::EPSILON, MAX_ITERATIONS)?;
+    let svd = finite(m)?.try_svd(true, true, CONVERGED, MAX_ITERATIONS)?;
     let [largest, second, _]: [f64; 3] = svd.singular_values.into();
     if second.is_nan() || second <= 1e-9 * largest {
         return None;
@@ -95,11 +96,18 @@ pub fn nearest_rotation(m: &Matrix3<f64>) -> Option<Nearest> {
         .zip(r.column_iter())
         .map(|(a, b)| a.cross(&b).norm().atan2(a.dot(&b)))
         .fold(0.0, f64::max);
-    Some(Nearest { rotation: Rotation3::from_matrix_unchecked(r), distance: (m - r).norm(), angle_moved_rad })
+    Some(Nearest {
+        rotation: Rotation3::from_matrix_unchecked(r),
+        distance: (m - r).norm(),
+        angle_moved_rad,
+    })
 }
 
 /// Far more sweeps than a 3x3 needs; a bound so that no input can make the decomposition run on.
 const MAX_ITERATIONS: usize = 200;
+
+/// The convergence limit that nalgebra itself takes for a singular value decomposition.
+const CONVERGED: f64 = 5.0 * f64::EPSILON;
 
 fn finite(m: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     m.iter().all(|v| v.is_finite()).then_some(*m)
@@ -216,8 +224,12 @@ const EQUAL_SCALE: f64 = 1e-3;
 /// [`allowed_orthogonality_error`] of the same matrix. A mirror's axis is named relative to `reference`: another source's
 /// value of the same rotation, or the identity when there is none.
 pub fn diagnose(m: &Matrix3<f64>, allowed: f64, reference: &Rotation3<f64>) -> Diagnosis {
-    let Some([s1, s2, s3]) = singular_values(m) else {
+    if finite(m).is_none() {
         return Diagnosis::NotFinite;
+    }
+    // Finite and yet without singular values: entries so large that their squares overflow.
+    let Some([s1, s2, s3]) = singular_values(m) else {
+        return Diagnosis::NotOrthogonal;
     };
     let error = orthogonality_error(m);
     if det(m) < 0.0 {
@@ -242,7 +254,9 @@ fn reflection(m: &Matrix3<f64>, reference: &Rotation3<f64>) -> Diagnosis {
     let reference = UnitQuaternion::from_rotation_matrix(reference);
     let mut best: Option<(Flip, f64)> = None;
     for &flip in Flip::all() {
-        let Some(nearest) = nearest_rotation(&flip.undo(m)) else { continue };
+        let Some(nearest) = nearest_rotation(&flip.undo(m)) else {
+            continue;
+        };
         let angle = rotation_angle_between(&reference, &UnitQuaternion::from_rotation_matrix(&nearest.rotation));
         // Rounding must not decide a tie between two flips that are equally good.
         if best.is_none_or(|(_, least)| angle < least - 1e-6) {
@@ -263,7 +277,8 @@ pub fn decimals_of(x: f64) -> u32 {
     }
     // `Display` of f64 is the shortest round-trip form and never uses an exponent.
     let text = x.to_string();
-    text.split_once('.').map_or(0, |(_, digits)| u32::try_from(digits.len()).unwrap_or(u32::MAX))
+    text.split_once('.')
+        .map_or(0, |(_, digits)| u32::try_from(digits.len()).unwrap_or(u32::MAX))
 }
 
 /// The largest Frobenius norm of `R^T R - I` that rounding the nine entries of a rotation to `decimals` can cause:

@@ -4,18 +4,21 @@
 //! saved, altered and judged again. Must not know how files are read, nor any rule.
 
 pub mod bag;
+pub mod chain;
 pub mod claim;
 pub mod frame;
 pub mod graph;
 pub mod robot;
+pub mod transform_name;
 
-use std::sync::OnceLock;
+use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
 
 use crate::source::{Source, SourceId};
 
 pub use bag::BagEvidence;
+pub use chain::DeclaredChain;
 pub use claim::{Claim, ClaimKind, Literal, Pose, Spelling};
 pub use frame::{FrameId, FrameRole, FrameUse};
 pub use graph::FrameGraph;
@@ -24,8 +27,10 @@ pub use robot::Robot;
 /// Everything known about one platform.
 #[derive(Clone, Debug, Default, Serialize, Deserialize)]
 pub struct World {
+    /// What the platform is called in reports: the path it was found at.
+    pub label: String,
     /// Every source of the run, by id; a platform's facts point only at its own.
-    pub sources: Vec<Source>,
+    pub sources: Arc<Vec<Source>>,
     /// The sources that belong to this platform.
     pub members: Vec<SourceId>,
     /// Statements of transforms, from files and from robots' joints; TF of bags is in `bags`.
@@ -36,6 +41,8 @@ pub struct World {
     pub frames: Vec<FrameUse>,
     /// What recordings showed.
     pub bags: Vec<BagEvidence>,
+    /// Products of transforms that files declare.
+    pub chains: Vec<DeclaredChain>,
     #[serde(skip)]
     graph: OnceLock<FrameGraph>,
 }
@@ -51,6 +58,8 @@ pub struct Facts {
     pub frames: Vec<FrameUse>,
     /// Evidence of recordings.
     pub bags: Vec<BagEvidence>,
+    /// Products of transforms that a file declares.
+    pub chains: Vec<DeclaredChain>,
 }
 
 impl World {
@@ -70,6 +79,7 @@ impl World {
         self.robots.extend(facts.robots);
         self.frames.extend(facts.frames);
         self.bags.extend(facts.bags);
+        self.chains.extend(facts.chains);
         self.graph = OnceLock::new();
     }
 

@@ -81,7 +81,11 @@ impl Relation {
 
 /// Whether every number of a transform is finite.
 pub(super) fn is_finite(t: &Pose) -> bool {
-    t.translation.vector.iter().chain(t.rotation.coords.iter()).all(|v| v.is_finite())
+    t.translation
+        .vector
+        .iter()
+        .chain(t.rotation.coords.iter())
+        .all(|v| v.is_finite())
 }
 
 fn pose(rotation: Turn, translation: Vector3<f64>) -> Pose {

@@ -1,0 +1,155 @@
+//! Declared chains of transforms: `world_T_odom = world_T_map * map_T_odom` written down in a file.
+//!
+//! Owns the chain as a noun and how its text is taken apart. Whether its frames cancel is for a rule to say.
+
+use std::ops::Range;
+
+use serde::{Deserialize, Serialize};
+
+use crate::source::{Place, Span};
+
+use super::transform_name::{self, TransformName};
+
+/// A product of transforms that a file declares.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct DeclaredChain {
+    /// The text as written.
+    pub text: String,
+    /// The whole text.
+    pub place: Place,
+    /// The factors from left to right, inverses already turned round, each with the span of its text.
+    /// Empty where a factor was not understood: see `not_understood`.
+    pub factors: Vec<(TransformName, Span)>,
+    /// What the product is declared to be, where the text says so.
+    pub result: Option<(TransformName, Span)>,
+    /// The first factor (or result) that is no name of a transform.
+    pub not_understood: Option<String>,
+}
+
+/// A chain taken apart; ranges count bytes of its text.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Factors {
+    /// The factors from left to right.
+    pub factors: Vec<(TransformName, Range<usize>)>,
+    /// The declared result.
+    pub result: Option<(TransformName, Range<usize>)>,
+    /// The first part that is no name of a transform.
+    pub not_understood: Option<String>,
+}
+
+/// Takes a chain apart: factors joined by `*`, `@` or `·`, perhaps after `result =`. A factor may carry a time
+/// (`map_T_odom(t)`) and may be inverted (`inv(a_T_b)`, `a_T_b.inverse()`, `a_T_b^-1`). `None` where the text is no
+/// product and no equation at all.
+pub fn parse(text: &str) -> Option<Factors> {
+    if text.len() > 4096 || !text.contains(['*', '@', '·', '=']) {
+        return None;
+    }
+    let mut chain = Factors::default();
+    let product_start = match text.find('=') {
+        Some(at) => {
+            let range = trimmed(text, 0..at);
+            match text.get(range.clone()).and_then(factor) {
+                Some(name) => chain.result = Some((name, range)),
+                None => chain.not_understood = text.get(range).map(str::to_owned),
+            }
+            at + 1
+        }
+        None => 0,
+    };
+    let mut start = product_start;
+    let separators = text
+        .char_indices()
+        .filter(|(at, c)| *at >= product_start && matches!(c, '*' | '@' | '·'));
+    let ends = separators
+        .map(|(at, c)| (at, c.len_utf8()))
+        .chain(std::iter::once((text.len(), 0)));
+    for (end, width) in ends {
+        let range = trimmed(text, start..end);
+        start = end + width;
+        let piece = text.get(range.clone())?;
+        match factor(piece) {
+            Some(name) => chain.factors.push((name, range)),
+            None if chain.not_understood.is_none() => chain.not_understood = Some(piece.to_owned()),
+            None => {}
+        }
+    }
+    if chain.not_understood.is_some() {
+        chain.factors.clear();
+    }
+    Some(chain)
+}
+
+/// The range without white space at its ends.
+fn trimmed(text: &str, range: Range<usize>) -> Range<usize> {
+    let Some(piece) = text.get(range.clone()) else {
+        return range;
+    };
+    let start = range.start + (piece.len() - piece.trim_start().len());
+    start..(start + piece.trim().len())
+}
+
+fn factor(piece: &str) -> Option<TransformName> {
+    let piece = piece.trim();
+    for call in ["inv(", "inverse("] {
+        if let Some(inner) = piece.strip_prefix(call).and_then(|rest| rest.strip_suffix(')')) {
+            return factor(inner).map(TransformName::inverse);
+        }
+    }
+    for suffix in [".inverse()", ".inv()", "^-1", "^{-1}", "**-1", "⁻¹"] {
+        if let Some(inner) = piece.strip_suffix(suffix) {
+            return factor(inner).map(TransformName::inverse);
+        }
+    }
+    // A time: `map_T_odom(t_i)`.
+    let bare = match piece.split_once('(') {
+        Some((before, rest)) if rest.ends_with(')') => before,
+        _ => piece,
+    };
+    transform_name::parse(bare)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(text: &str) -> String {
+        let Some(chain) = parse(text) else {
+            return "-".to_owned();
+        };
+        let part = |(name, range): &(TransformName, Range<usize>)| {
+            format!("{}<-{}[{}]", name.target, name.source, &text[range.clone()])
+        };
+        let factors: Vec<String> = chain.factors.iter().map(part).collect();
+        let result = chain.result.as_ref().map(part).unwrap_or_default();
+        format!(
+            "{result} = {} ! {}",
+            factors.join(" * "),
+            chain.not_understood.unwrap_or_default()
+        )
+    }
+
+    #[test]
+    fn products_and_equations_are_taken_apart_with_their_places() {
+        assert_eq!(
+            read("world_T_map * map_T_odom"),
+            " = world<-map[world_T_map] * map<-odom[map_T_odom] ! "
+        );
+        assert_eq!(
+            read("world_T_odom = world_T_map*map_T_odom(t)"),
+            "world<-odom[world_T_odom] = world<-map[world_T_map] * map<-odom[map_T_odom(t)] ! "
+        );
+        assert_eq!(read("T_a_b @ inv(T_c_b)"), " = a<-b[T_a_b] * b<-c[inv(T_c_b)] ! ");
+        assert_eq!(
+            read("a_T_b · c_T_b.inverse()"),
+            " = a<-b[a_T_b] * b<-c[c_T_b.inverse()] ! "
+        );
+    }
+
+    #[test]
+    fn what_is_no_chain_is_said() {
+        assert_eq!(read("hello"), "-");
+        assert_eq!(read("a_T_b * p_b * x"), " =  ! p_b");
+        assert_eq!(read("a_T_b *"), " =  ! ");
+        assert!(parse("a_T_b *").unwrap().not_understood.is_some());
+    }
+}

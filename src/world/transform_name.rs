@@ -1,0 +1,520 @@
+//! The grammar of transform names: which two frames a name such as `map_T_lidar` speaks of, and in which direction.
+//!
+//! Pure text: no files, no numbers. A name says what its author meant, never what the numbers are: who uses it decides
+//! how far to trust it (see [`TransformName::ambiguous`]).
+
+use serde::{Deserialize, Serialize};
+
+/// How a name is built.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NameStyle {
+    /// `A_T_B`, `A_R_B`, `A_SE3_B`: `p_A = A_T_B p_B`.
+    Infix,
+    /// `T_A_B`, `R_A_B`: `p_A = T_A_B p_B`.
+    Prefix,
+    /// `A_from_B`: `p_A = A_from_B p_B`.
+    From,
+    /// `A_to_B`, `A2B`, `IMUtoACC`. Read as `p_B = T p_A`; the direction of "to" is not agreed between projects.
+    To,
+    /// `T_BS`, `Tbc`, `wTc`: one letter a frame.
+    Letters,
+}
+
+/// Which part of a rigid transform a name speaks of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum NamePart {
+    /// The whole transform.
+    Whole,
+    /// Only its rotation (`R_A_B`).
+    Rotation,
+    /// Only its translation (`A_t_B`): the origin of B in A.
+    Translation,
+}
+
+/// A name of a transform `target_from_source`, taken apart.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+pub struct TransformName {
+    /// The frame that points are taken to, as spelled.
+    pub target: String,
+    /// The frame that points are taken from, as spelled.
+    pub source: String,
+    /// How the name is built.
+    pub style: NameStyle,
+    /// The part of the transform it speaks of.
+    pub part: NamePart,
+    /// Whether the frames or the direction could be read otherwise: always for "to", for names of letters without a
+    /// separator, and where a frame of several words had to be guessed (`T_base_link_lidar`).
+    pub ambiguous: bool,
+}
+
+impl TransformName {
+    /// The name of the inverse transform.
+    #[must_use]
+    pub fn inverse(self) -> Self {
+        Self {
+            target: self.source,
+            source: self.target,
+            ..self
+        }
+    }
+
+    /// Whether both frames are single letters, perhaps numbered (`B`, `c1`): labels of a formula, not names.
+    pub fn is_letters(&self) -> bool {
+        is_letter(&self.target) && is_letter(&self.source)
+    }
+}
+
+/// Words that say nothing about frames, at the end of a name: what is stored, and how.
+const TRAILING: &[&str] = &[
+    "transform",
+    "tf",
+    "matrix",
+    "mat",
+    "extrinsic",
+    "extrinsics",
+    "calib",
+    "calibration",
+    "param",
+    "params",
+    "xyzw",
+    "wxyz",
+    "deg",
+    "degrees",
+    "rad",
+    "mm",
+    "m",
+    "data",
+];
+/// Words at the end that name a part of the transform.
+const TRAILING_ROTATION: &[&str] = &["rot", "rotation", "quat", "quaternion", "rpy", "euler", "q"];
+const TRAILING_TRANSLATION: &[&str] = &["trans", "translation", "xyz", "position", "offset"];
+/// Words that say nothing about frames, at the start of a name.
+const LEADING: &[&str] = &[
+    "extrinsic",
+    "extrinsics",
+    "extr",
+    "ext",
+    "calib",
+    "calibration",
+    "tf",
+    "static",
+];
+/// Words that are not a frame by themselves and belong to the word before them.
+const GLUED: &[&str] = &[
+    "link",
+    "frame",
+    "optical",
+    "footprint",
+    "left",
+    "right",
+    "front",
+    "rear",
+    "center",
+    "top",
+];
+/// Three-letter words that only look like `Tbc` or `TAB`.
+const WORDS: &[&str] = &[
+    "tof", "tag", "tau", "tcp", "top", "tip", "ton", "two", "the", "try", "ten", "tls", "ttl", "ttc", "tdc",
+    "tts", "run", "raw", "rot", "row", "rad", "rgb", "rpy", "res", "rel", "ros", "red", "ref", "rms", "rgt", "rev",
+    "rmt", "rng", "pos", "per", "pad", "pre", "pid", "pix", "pan", "par", "pin", "pwm", "png", "pcd", "pub", "pts",
+    "ply", "put", "psi",
+];
+
+/// Takes a name apart. Of a path (`IMU.T_b_c1`, `a/T_a_b`) only the last part is read. `None` where the name speaks of
+/// no two frames, or where it cannot be told where one frame ends and the other begins.
+///
+/// ```
+/// use frames_lint::world::transform_name::parse;
+/// let name = parse("map_T_lidar").unwrap();
+/// assert_eq!((name.target.as_str(), name.source.as_str()), ("map", "lidar"));
+/// ```
+pub fn parse(key: &str) -> Option<TransformName> {
+    let key = key.trim().rsplit(['/', '.']).next()?;
+    if key.len() > 200 || !key.chars().all(|c| c.is_alphanumeric() || c == '_' || c == '-') {
+        return None;
+    }
+    let mut words = split(key);
+    let mut part = NamePart::Whole;
+    while words.len() > 2 {
+        let last = words.last()?.text.to_lowercase();
+        if TRAILING_ROTATION.contains(&last.as_str()) {
+            part = if part == NamePart::Translation {
+                NamePart::Whole
+            } else {
+                NamePart::Rotation
+            };
+        } else if TRAILING_TRANSLATION.contains(&last.as_str()) || (last == "t" && part != NamePart::Whole) {
+            part = if part == NamePart::Rotation {
+                NamePart::Whole
+            } else {
+                NamePart::Translation
+            };
+        } else if !TRAILING.contains(&last.as_str()) {
+            break;
+        }
+        words.pop();
+    }
+    while words.len() > 2 && LEADING.contains(&words.first()?.text.to_lowercase().as_str()) {
+        words.remove(0);
+    }
+    // `T_..._t_xyz_q_xyzw` ends in a translation mark that the loop above leaves when a rotation followed it.
+    if words.len() > 3 && words.last()?.text == "t" {
+        words.pop();
+    }
+    let name = from(key, &words)
+        .or_else(|| to(key, &words))
+        .or_else(|| infix(key, &words))
+        .or_else(|| prefix(key, &words))
+        .or_else(|| compact(&words))?;
+    let part = if name.part == NamePart::Whole { part } else { name.part };
+    (name.target != name.source).then_some(TransformName { part, ..name })
+}
+
+/// A word of a name and where it stands in it.
+#[derive(Clone, Copy)]
+struct Word<'a> {
+    text: &'a str,
+    start: usize,
+    end: usize,
+}
+
+fn split(key: &str) -> Vec<Word<'_>> {
+    let mut words = Vec::new();
+    let mut start = 0;
+    for piece in key.split(['_', '-']) {
+        let end = start + piece.len();
+        if !piece.is_empty() {
+            words.push(Word {
+                text: piece,
+                start,
+                end,
+            });
+        }
+        start = end + 1;
+    }
+    words
+}
+
+/// The text from the first to the last word, as spelled.
+fn spelled<'a>(key: &'a str, words: &[Word<'_>]) -> Option<&'a str> {
+    let text = key.get(words.first()?.start..words.last()?.end)?;
+    text.starts_with(char::is_alphabetic).then_some(text)
+}
+
+fn name(target: &str, source: &str, style: NameStyle, part: NamePart, ambiguous: bool) -> TransformName {
+    TransformName {
+        target: target.to_owned(),
+        source: source.to_owned(),
+        style,
+        part,
+        ambiguous,
+    }
+}
+
+/// The part that a mark of a transform stands for (`T`, `R`, `t`).
+fn mark(word: &str) -> Option<NamePart> {
+    match word {
+        "T" | "Tr" | "TF" | "Tf" | "SE3" | "H" => Some(NamePart::Whole),
+        "R" | "Rot" | "rot" | "SO3" => Some(NamePart::Rotation),
+        "t" | "p" | "trans" => Some(NamePart::Translation),
+        _ => None,
+    }
+}
+
+/// Removes a mark in front of frames (`T_imu_from_lidar`), if words remain.
+fn unmarked<'w, 'k>(words: &'w [Word<'k>]) -> (&'w [Word<'k>], NamePart) {
+    match words {
+        [first, rest @ ..] if !rest.is_empty() => match mark(first.text) {
+            Some(part) => (rest, part),
+            None => (words, NamePart::Whole),
+        },
+        _ => (words, NamePart::Whole),
+    }
+}
+
+/// Splits the words at the only one of them that is `at`.
+fn around<'w, 'k>(words: &'w [Word<'k>], at: impl Fn(&str) -> bool) -> Option<(&'w [Word<'k>], &'w [Word<'k>])> {
+    let mut places = words.iter().enumerate().filter(|(_, word)| at(word.text));
+    let (index, _) = places.next()?;
+    if places.next().is_some() {
+        return None;
+    }
+    let (before, rest) = words.split_at_checked(index)?;
+    let after = rest.get(1..)?;
+    (!before.is_empty() && !after.is_empty()).then_some((before, after))
+}
+
+fn from(key: &str, words: &[Word<'_>]) -> Option<TransformName> {
+    let (before, after) = around(words, |word| word.eq_ignore_ascii_case("from"))?;
+    let (before, part) = unmarked(before);
+    Some(name(
+        spelled(key, before)?,
+        spelled(key, after)?,
+        NameStyle::From,
+        part,
+        false,
+    ))
+}
+
+fn to(key: &str, words: &[Word<'_>]) -> Option<TransformName> {
+    if let Some((before, after)) = around(words, |word| word.eq_ignore_ascii_case("to") || word == "2") {
+        let (before, part) = unmarked(before);
+        return Some(name(
+            spelled(key, after)?,
+            spelled(key, before)?,
+            NameStyle::To,
+            part,
+            true,
+        ));
+    }
+    let (rest, part) = unmarked(words);
+    let text = spelled(key, rest)?;
+    let (source, target) = joined_to(text)?;
+    Some(name(target, source, NameStyle::To, part, true))
+}
+
+/// `lidar2cam`, `lidarToCam`, `IMUtoACC` as (before, after).
+fn joined_to(text: &str) -> Option<(&str, &str)> {
+    let ascii = text.is_ascii();
+    let mut found = None;
+    for (index, _) in text.char_indices().skip(1) {
+        let (before, rest) = text.split_at_checked(index)?;
+        let last = before.chars().next_back()?;
+        let after = if let Some(after) = rest.strip_prefix('2') {
+            let next = after.chars().next();
+            let word = last.is_alphabetic() && next.is_some_and(char::is_alphabetic);
+            // `2d` and `3d` are dimensions.
+            let dimension = after.len() == 1 || after.get(..2).is_some_and(|s| s.eq_ignore_ascii_case("d_"));
+            (word && !dimension).then_some(after)
+        } else if let Some(after) = rest.strip_prefix("To") {
+            (last.is_lowercase() && after.starts_with(char::is_uppercase)).then_some(after)
+        } else if let Some(after) = rest.strip_prefix("to") {
+            (last.is_uppercase() && after.starts_with(char::is_uppercase)).then_some(after)
+        } else {
+            None
+        };
+        if let Some(after) = after {
+            if found.is_some() {
+                return None;
+            }
+            found = Some((before, after));
+        }
+    }
+    found.filter(|_| ascii)
+}
+
+fn infix(key: &str, words: &[Word<'_>]) -> Option<TransformName> {
+    let whole = |word: &str| matches!(word, "T" | "SE3");
+    let (before, after, part) = if let Some((before, after)) = around(words, whole) {
+        (before, after, NamePart::Whole)
+    } else if let Some((before, after)) = around(words, |word| word == "R") {
+        (before, after, NamePart::Rotation)
+    } else {
+        let (before, after) = around(words, |word| word == "t").filter(|_| words.len() == 3)?;
+        (before, after, NamePart::Translation)
+    };
+    Some(name(
+        spelled(key, before)?,
+        spelled(key, after)?,
+        NameStyle::Infix,
+        part,
+        false,
+    ))
+}
+
+fn prefix(key: &str, words: &[Word<'_>]) -> Option<TransformName> {
+    let (first, rest) = words.split_first()?;
+    let part = mark(first.text)?;
+    if let [letters] = rest {
+        let (target, source) = two_letters(letters.text)?;
+        return Some(name(target, source, NameStyle::Letters, part, false));
+    }
+    if let [target, source] = rest {
+        let (target, source) = (spelled(key, &[*target])?, spelled(key, &[*source])?);
+        return Some(name(target, source, NameStyle::Prefix, part, false));
+    }
+    // A frame may be of several words: `T_base_link_camera_left`.
+    let mut frames: Vec<Vec<Word<'_>>> = Vec::new();
+    for word in rest {
+        let lower = word.text.to_lowercase();
+        let glued = GLUED.contains(&lower.as_str()) || lower.chars().all(|c| c.is_ascii_digit());
+        match frames.last_mut() {
+            Some(frame) if glued => frame.push(*word),
+            _ => frames.push(vec![*word]),
+        }
+    }
+    let [target, source] = frames.as_slice() else {
+        return None;
+    };
+    Some(name(
+        spelled(key, target)?,
+        spelled(key, source)?,
+        NameStyle::Prefix,
+        part,
+        true,
+    ))
+}
+
+/// `BS`, `BC0`, `ic`: two letters of one case, the second perhaps numbered.
+fn two_letters(text: &str) -> Option<(&str, &str)> {
+    let (target, source) = text.split_at_checked(1)?;
+    let case = |c: char| c.is_ascii_uppercase();
+    let (a, b) = (target.chars().next()?, source.chars().next()?);
+    let letters = a.is_ascii_alphabetic() && is_letter(source) && case(a) == case(b);
+    letters.then_some((target, source))
+}
+
+/// One letter, perhaps followed by a number.
+fn is_letter(frame: &str) -> bool {
+    let mut chars = frame.chars();
+    chars.next().is_some_and(|c| c.is_ascii_alphabetic()) && chars.all(|c| c.is_ascii_digit())
+}
+
+/// `Tbc`, `TAB`, `Rcl`, `Pcl`, `wTc`: a name of one word.
+fn compact(words: &[Word<'_>]) -> Option<TransformName> {
+    let [word] = words else { return None };
+    let text = word.text;
+    if !text.is_ascii() || WORDS.contains(&text.to_lowercase().as_str()) {
+        return None;
+    }
+    let letters = |c: char| match c {
+        'T' => Some(NamePart::Whole),
+        'R' => Some(NamePart::Rotation),
+        'P' | 'p' | 't' => Some(NamePart::Translation),
+        _ => None,
+    };
+    let (first, rest) = (text.chars().next()?, text.get(1..)?);
+    let second = rest.chars().next()?;
+    // `wTc`, `bTc1`: a lower-case frame, the mark, a lower-case frame.
+    if let (true, Some(part @ (NamePart::Whole | NamePart::Rotation))) = (first.is_ascii_lowercase(), letters(second)) {
+        let source = rest.get(1..)?;
+        if second.is_ascii_uppercase() && is_letter(source) && source.starts_with(|c: char| c.is_ascii_lowercase()) {
+            return Some(name(text.get(..1)?, source, NameStyle::Letters, part, true));
+        }
+    }
+    let part = letters(first)?;
+    let (target, source) = two_letters(rest)?;
+    // Capitals after anything but a T are acronyms.
+    let plausible = second.is_ascii_lowercase() || part == NamePart::Whole;
+    plausible.then(|| name(target, source, NameStyle::Letters, part, true))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(key: &str) -> String {
+        parse(key).map_or_else(
+            || "-".to_owned(),
+            |n| {
+                let part = match n.part {
+                    NamePart::Whole => "",
+                    NamePart::Rotation => " R",
+                    NamePart::Translation => " t",
+                };
+                let ambiguous = if n.ambiguous { " ?" } else { "" };
+                format!("{}<-{}{part}{ambiguous}", n.target, n.source)
+            },
+        )
+    }
+
+    #[test]
+    fn every_style_is_read_as_target_from_source() {
+        for (key, expected) in [
+            ("world_T_map", "world<-map"),
+            ("base_link_T_os_lidar", "base_link<-os_lidar"),
+            ("body_T_cam0", "body<-cam0"),
+            ("egovehicle_SE3_sensor", "egovehicle<-sensor"),
+            ("vehicle_SE3_camera_", "vehicle<-camera"),
+            ("T_cam_imu", "cam<-imu"),
+            ("IMU.T_b_c1", "b<-c1"),
+            ("Stereo.T_c1_c2", "c1<-c2"),
+            ("T_cn_cnm1", "cn<-cnm1"),
+            ("T_base_lidar_t_xyz_q_xyzw", "base<-lidar"),
+            ("imu_from_lidar", "imu<-lidar"),
+            ("T_imu_from_lidar", "imu<-lidar"),
+            ("lidar_to_imu", "imu<-lidar ?"),
+            ("Tr_velo_to_cam", "cam<-velo ?"),
+            ("lidar_to_sensor_transform", "sensor<-lidar ?"),
+            (
+                "top_center_lidar-to-center_camera-extrinsic",
+                "center_camera<-top_center_lidar ?",
+            ),
+            ("lidar2cam", "cam<-lidar ?"),
+            ("baselink2imu", "imu<-baselink ?"),
+            ("lidarToCamera", "Camera<-lidar ?"),
+            ("R_IMUtoACC", "ACC<-IMU R ?"),
+            ("T_BS", "B<-S"),
+            ("T_BC0", "B<-C0"),
+            ("T_SC", "S<-C"),
+            ("Tbc", "b<-c ?"),
+            ("TAB", "A<-B ?"),
+            ("TWC", "W<-C ?"),
+            ("wTc", "w<-c ?"),
+            ("Rcl", "c<-l R ?"),
+            ("Pcl", "c<-l t ?"),
+            ("R_a_b", "a<-b R"),
+            ("imu_R_cam", "imu<-cam R"),
+            ("imu_t_cam", "imu<-cam t"),
+            ("extrinsic_R_imu_camera", "imu<-camera R"),
+            ("extrinsic_t_imu_camera", "imu<-camera t"),
+            ("lidar_to_imu_translation", "imu<-lidar t ?"),
+            ("lidar_to_imu_rotation", "imu<-lidar R ?"),
+            ("T_base_link_lidar", "base_link<-lidar ?"),
+            ("T_cam_left_imu", "cam_left<-imu ?"),
+        ] {
+            assert_eq!(read(key), expected, "{key}");
+        }
+    }
+
+    #[test]
+    fn names_of_other_things_are_left_alone() {
+        for key in [
+            "",
+            "T",
+            "R",
+            "T_",
+            "_T_",
+            "T_a",
+            "Ta",
+            "Tg",
+            "T_a_a",
+            "map2d",
+            "rate",
+            "camera_matrix",
+            "T_a_b_c_d",
+            "TCP",
+            "Top",
+            "Rot",
+            "a_to_b_to_c",
+            "T_1_2",
+            "feature_map",
+            "total",
+            "history",
+            "K",
+            "a T b",
+            "TTS",
+        ] {
+            assert_eq!(read(key), "-", "{key}");
+        }
+    }
+
+    #[test]
+    fn an_inverse_swaps_the_frames() {
+        let name = parse("a_T_b").unwrap().inverse();
+        assert_eq!((name.target.as_str(), name.source.as_str()), ("b", "a"));
+    }
+
+    #[test]
+    fn any_text_is_survived() {
+        for key in [
+            "ä_T_ö", "T_ä_ö", "Tä", "2", "a2b2c", "é2é", "To", "aTo", "-_-_", "T__a__b",
+        ] {
+            let _ = parse(key);
+        }
+        assert_eq!(read("ä_T_ö"), "ä<-ö");
+        assert_eq!(read("T__a__b"), "a<-b");
+    }
+}
