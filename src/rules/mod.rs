@@ -3,11 +3,15 @@
 //! Rules are pure: no I/O, no clock, no randomness. They know the world and `math`, and nothing of reading,
 //! collecting, configuration or reports.
 
+mod axes;
 mod judge;
 pub mod name;
 mod names;
 mod near;
+mod optical;
 mod places;
+mod relate;
+mod spelling;
 mod tf;
 pub mod tree;
 
@@ -80,4 +84,5 @@ pub static RULES: &[Entry] = &[
     entry::<name::frame_near_duplicate::FrameNearDuplicate>(),
     entry::<name::ned_suffix::NedSuffix>(),
     entry::<name::optical_suffix::OpticalSuffix>(),
+    entry::<name::transform_name_cancellation::TransformNameCancellation>(),
 ];

@@ -1,4 +1,4 @@
-//! What a frame's name says: vocabulary in tokens, the names of REP-105, cleaning and folding.
+//! What a frame's name says: vocabulary in tokens, the names of REP-105, and folding.
 //!
 //! Conventions are looked for in whole tokens, never in substrings: `odom_combined` is not `ned`, and
 //! `optical_ranging_sensor` is no camera frame. Must not know the world.
@@ -107,33 +107,40 @@ pub(crate) fn is_base(frame: &FrameId) -> bool {
     has_any(frame, BASES)
 }
 
+/// Whether the name says that the frame is a sensor's or some other carried thing's, whatever else it says.
+pub(crate) fn is_device(frame: &FrameId) -> bool {
+    has_any(frame, SENSORS)
+        || has_any(
+            frame,
+            &["sensor", "cam", "device", "tracker", "scanner", "marker", "tag", "pose"],
+        )
+}
+
 /// Whether the name is that of a part that is meant to move.
 pub(crate) fn is_moving_part(frame: &FrameId) -> bool {
     has_any(frame, MOVING)
 }
 
+/// The words of a name before `optical` or `optical_frame`, without an ending; `None` where the name does not end so.
+pub(crate) fn optical_stem(frame: &FrameId) -> Option<Vec<String>> {
+    let mut words = frame.tokens();
+    if words.last().is_some_and(|word| word == "frame") {
+        words.pop();
+    }
+    (words.pop()? == "optical").then(|| without_ending(words))
+}
+
+/// The words of a name without the endings `link` and `frame`, as long as a word is left.
+pub(crate) fn without_ending(mut words: Vec<String>) -> Vec<String> {
+    while words.len() > 1 && words.last().is_some_and(|word| word == "link" || word == "frame") {
+        words.pop();
+    }
+    words
+}
+
 /// The name folded for comparison without case: canonical composition, lower case, without a leading slash.
 pub(crate) fn fold(frame: &FrameId) -> String {
     frame.canonical().as_str().nfc().collect::<String>().to_lowercase()
-}
-
-/// Whether a character has no width or controls something, so that two names can look alike and differ.
-pub(crate) fn is_invisible(c: char) -> bool {
-    (c.is_control() && !c.is_whitespace())
-        || matches!(c, '\u{ad}' | '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{2064}' | '\u{feff}')
-}
-
-/// The name without what must not be in one: invisible characters, blanks at its ends, slashes at its ends and doubled,
-/// decomposed letters. Blanks inside are kept.
-pub(crate) fn clean(name: &str) -> String {
-    let visible: String = name.nfc().filter(|c| !is_invisible(*c)).collect();
-    visible
-        .trim()
-        .split('/')
-        .map(str::trim)
-        .filter(|segment| !segment.is_empty())
-        .collect::<Vec<_>>()
-        .join("/")
 }
 
 #[cfg(test)]
@@ -148,6 +155,10 @@ mod tests {
         assert!(!is_sensor(&"camera_odom_frame".into()));
         assert!(!is_world(&"mapper_link".into()));
         assert!(!is_base(&"basement".into()));
+        let stem = |name: &str| optical_stem(&name.into()).map(|words| words.join(" "));
+        assert_eq!(stem("camera_color_optical_frame").as_deref(), Some("camera color"));
+        assert_eq!(stem("camera_link_optical").as_deref(), Some("camera"));
+        assert_eq!(stem("optical_ranging_sensor_left"), None);
     }
 
     #[test]
@@ -155,13 +166,5 @@ mod tests {
         assert_eq!(standard(&"robot1/odom".into()), Some(("robot1", Standard::Odom)));
         assert_eq!(standard(&"camera_odom_frame".into()), None);
         assert_eq!(standard(&"odom_combined".into()), None);
-    }
-
-    #[test]
-    fn cleaning_keeps_a_good_name() {
-        assert_eq!(clean("robot1/base_link"), "robot1/base_link");
-        assert_eq!(clean(" /lidar\u{200b}// "), "lidar");
-        assert_eq!(clean("caf\u{65}\u{301}"), "caf\u{e9}");
-        assert_eq!(clean("front lidar"), "front lidar");
     }
 }

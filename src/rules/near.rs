@@ -2,6 +2,7 @@
 //!
 //! Owns the ranking, and the differences that are made on purpose (numbers, left and right). Must not know the world.
 
+use crate::rules::names;
 use crate::world::FrameId;
 
 /// Words that stand for each other's opposite: a name that differs by them is another frame.
@@ -51,6 +52,14 @@ pub(crate) struct Reach {
     pub(crate) max_edits: usize,
     /// Shortest name for which edits are counted.
     pub(crate) min_length: usize,
+}
+
+impl Reach {
+    /// The reach of a suggestion in a help text. NAME03, which judges by it, has its own limits.
+    pub(crate) const SUGGESTION: Self = Self {
+        max_edits: 2,
+        min_length: 6,
+    };
 }
 
 /// The candidate that `name` was probably meant to be, nearest first, then by name. Names that differ only in case, or
@@ -110,11 +119,7 @@ fn words(name: &str) -> Vec<String> {
 
 /// The name without separators and without the endings `link` and `frame`.
 fn core(name: &str) -> String {
-    let mut words = words(name);
-    while words.len() > 1 && words.last().is_some_and(|word| word == "link" || word == "frame") {
-        words.pop();
-    }
-    words.concat()
+    names::without_ending(words(name)).concat()
 }
 
 /// Whether two names differ the way two frames of one robot do: in a number, in an opposite, or in a short word.

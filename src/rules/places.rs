@@ -7,7 +7,8 @@ use std::collections::BTreeSet;
 use crate::source::{Place, SourceId};
 use crate::verdict::Edit;
 use crate::world::graph::{Edge, EdgeOrigin};
-use crate::world::{ClaimKind, FrameId, FrameUse, World};
+use crate::world::robot::Joint;
+use crate::world::{Claim, ClaimKind, FrameId, World};
 
 /// The first use of a frame: roles in the order of [`crate::world::FrameRole`], then places. `frame` is canonical.
 pub(crate) fn first(world: &World, frame: &FrameId) -> Option<Place> {
@@ -19,29 +20,12 @@ pub(crate) fn first(world: &World, frame: &FrameId) -> Option<Place> {
         .map(|used| used.place.clone())
 }
 
-/// The first use of a name exactly as spelled.
-pub(crate) fn first_spelled<'a>(world: &'a World, spelled: &FrameId) -> Option<&'a FrameUse> {
-    world
-        .frames
-        .iter()
-        .filter(|used| used.frame == *spelled)
-        .min_by_key(|used| (used.role, &used.place))
-}
-
 /// Where an edge is stated: the joint's start tag, or the first message that carries it.
 pub(crate) fn of_edge(world: &World, edge: &Edge) -> Option<Place> {
     match edge.origin {
         EdgeOrigin::Joint(index) => {
             let claim = world.claims.get(index)?;
-            let joint = world
-                .robots
-                .iter()
-                .filter(|robot| robot.source == claim.place.source)
-                .flat_map(|robot| &robot.joints)
-                .find(|joint| {
-                    let child = joint.child.as_ref().map(|child| child.value.as_str());
-                    joint.name.value == claim.label && child == claim.source_frame().map(FrameId::as_str)
-                });
+            let joint = joint_of(world, claim);
             Some(joint.map_or_else(|| claim.place.clone(), |joint| joint.place.clone()))
         }
         EdgeOrigin::Tf(bag, index) => {
@@ -52,12 +36,42 @@ pub(crate) fn of_edge(world: &World, edge: &Edge) -> Option<Place> {
     }
 }
 
+/// The joint whose origin a claim is.
+fn joint_of<'a>(world: &'a World, claim: &Claim) -> Option<&'a Joint> {
+    let child = claim.source_frame().map(FrameId::as_str);
+    world
+        .robots
+        .iter()
+        .filter(|robot| robot.source == claim.place.source)
+        .flat_map(|robot| &robot.joints)
+        .find(|joint| joint.name.value == claim.label && joint.child.as_ref().map(|link| link.value.as_str()) == child)
+}
+
 /// The source that states an edge.
 pub(crate) fn source_of_edge(world: &World, edge: &Edge) -> Option<SourceId> {
     match edge.origin {
         EdgeOrigin::Joint(index) => world.claims.get(index).map(|claim| claim.place.source),
         EdgeOrigin::Tf(bag, _) => world.bags.get(bag).map(|bag| bag.source),
     }
+}
+
+/// The edit that gives the joint behind an edge another `rpy`, where it is written in one place of an editable text.
+pub(crate) fn rpy_edit(world: &World, edge: &Edge, rpy: &str) -> Option<Edit> {
+    let EdgeOrigin::Joint(index) = edge.origin else {
+        return None;
+    };
+    let joint = joint_of(world, world.claims.get(index)?)?;
+    let [origin] = joint.origins.as_slice() else {
+        return None;
+    };
+    let place = origin.rpy.as_ref()?.text.place.clone();
+    let is_editable = world
+        .source(place.source)
+        .is_some_and(|source| source.derived.is_none());
+    is_editable.then(|| Edit {
+        place,
+        replacement: rpy.to_owned(),
+    })
 }
 
 /// Edits that replace a name by another in every text that spells it; `None` where one of its places is a text that

@@ -6,8 +6,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::rules::names;
 use crate::source::MessageRef;
-use crate::world::bag::{TfEdge, TopicEvidence};
-use crate::world::{BagEvidence, FrameId};
+use crate::world::bag::{HeaderFrame, TfEdge, TopicEvidence};
+use crate::world::robot::Joint;
+use crate::world::{BagEvidence, FrameId, World};
 
 /// What the `frame_id` of a message type is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -165,6 +166,69 @@ pub(crate) fn without_static(bag: &BagEvidence) -> BTreeMap<FrameId, &MessageRef
         unknown.entry(frame).or_insert(first);
     }
     unknown
+}
+
+/// One use of a frame in a bag.
+pub(crate) struct Used<'a> {
+    /// The topic.
+    pub(crate) topic: &'a TopicEvidence,
+    /// What its header frame is for.
+    pub(crate) kind: HeaderUse,
+    /// The first message with this frame.
+    pub(crate) first: &'a MessageRef,
+    /// Messages with this frame.
+    pub(crate) count: u64,
+}
+
+/// Header and odometry child frames by name, canonical; those that nobody looks up are left out.
+pub(crate) fn header_frames(bag: &BagEvidence) -> BTreeMap<FrameId, Vec<Used<'_>>> {
+    let mut uses: BTreeMap<FrameId, Vec<Used>> = BTreeMap::new();
+    for topic in bag.topics.values() {
+        let kind = header_use(&topic.message_type);
+        // Only sensors owe a frame: an empty one is normal elsewhere.
+        let wanted = |frame: &FrameId| {
+            kind != HeaderUse::Ignored && (kind == HeaderUse::Sensor || !frame.canonical().as_str().is_empty())
+        };
+        let named = topic.header_frames.iter().chain(&topic.child_frames);
+        for (frame, HeaderFrame { count, first }) in named.filter(|(frame, _)| wanted(frame)) {
+            uses.entry(frame.canonical()).or_default().push(Used {
+                topic,
+                kind,
+                first,
+                count: *count,
+            });
+        }
+    }
+    uses
+}
+
+/// Fixed joints of robots that a recording shows, whose child is in none of its transforms, with the child's name. A
+/// robot that is described twice is listed twice.
+pub(crate) fn unpublished_joints<'a>(world: &'a World, bag: &BagEvidence) -> Vec<(FrameId, &'a Joint)> {
+    let known = frames(bag);
+    let canonical = |name: &str| FrameId::new(name).canonical();
+    let mut missing = Vec::new();
+    for robot in world.robots.iter().filter(|robot| robot.fragment.is_none()) {
+        if robot
+            .links
+            .iter()
+            .any(|link| known.contains(&canonical(&link.name.value)))
+        {
+            let fixed = robot.joints.iter().filter(|joint| joint.is_fixed());
+            let children = fixed.filter_map(|joint| Some((canonical(&joint.child.as_ref()?.value), joint)));
+            missing.extend(children.filter(|(child, _)| !child.as_str().is_empty() && !known.contains(child)));
+        }
+    }
+    missing
+}
+
+/// Whether a publisher of the topic offered durability volatile. rosbag2 writes `durability: 1` (transient_local), `2` (volatile), or the words.
+pub(crate) fn is_volatile(topic: &TopicEvidence) -> bool {
+    let profiles = topic.offered_qos_profiles.as_deref().unwrap_or_default();
+    profiles
+        .lines()
+        .filter_map(|line| line.trim().trim_start_matches("- ").strip_prefix("durability:"))
+        .any(|value| matches!(value.trim().trim_matches(['"', '\'']), "2" | "volatile"))
 }
 
 /// A list of names for a message: the first few in backticks, then how many more.

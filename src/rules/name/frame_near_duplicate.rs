@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Deserialize;
 
 use crate::rules::near::{Near, Reach, nearest};
-use crate::rules::{Judge, Need, Rule, names, places};
+use crate::rules::{Judge, Need, Rule, names, places, spelling};
 use crate::verdict::{Finding, Measured};
 use crate::world::{FrameId, FrameRole, FrameUse, World};
 
@@ -46,7 +46,7 @@ impl Rule for FrameNearDuplicate {
         }
         for (frame, uses) in &named {
             // Case is NAME01's, stray characters are NAME02's, an empty name is TREE07's.
-            let cleaned = FrameId::new(names::clean(frame.as_str()));
+            let cleaned = FrameId::new(spelling::clean(frame.as_str()));
             let is_other = folded.contains(&names::fold(frame)) || folded.contains(&names::fold(&cleaned));
             if frame.as_str().is_empty() || (is_other && !tree.contains(frame)) {
                 continue;
@@ -57,14 +57,11 @@ impl Rule for FrameNearDuplicate {
             } else {
                 nearest(frame, tree, reach)
             };
-            match near {
-                Some(near) => out.fail(judge_near(world, frame, uses, &near, limits)),
-                None => {
-                    let edits = Measured::count("names within reach", 0)
-                        .limit(0.0)
-                        .samples(tree.len() as u64);
-                    out.pass(subject, [edits]);
-                }
+            if let Some(near) = near {
+                out.fail(judge_near(world, frame, uses, &near, limits));
+            } else {
+                let names = Measured::count("names within reach", 0).limit(0.0);
+                out.pass(subject, [names.samples(tree.len() as u64)]);
             }
         }
     }

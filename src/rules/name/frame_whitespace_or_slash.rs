@@ -2,9 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use unicode_normalization::is_nfc;
-
-use crate::rules::{Judge, Need, NoLimits, Rule, names, places};
+use crate::rules::spelling::{self, Fault};
+use crate::rules::{Judge, Need, NoLimits, Rule, places};
 use crate::source::{Confidence, SourceKind};
 use crate::verdict::{Finding, Measured, Safety, Severity};
 use crate::world::{FrameId, FrameRole, FrameUse, World};
@@ -47,57 +46,6 @@ fn is_name(used: &FrameUse) -> bool {
     !used.frame.as_str().is_empty() && !matches!(used.role, FrameRole::CalibrationLabel | FrameRole::Simulator)
 }
 
-/// What is wrong with a name. The worst comes first.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Fault {
-    Invisible,
-    BlankAtEnd,
-    BlankInside,
-    Slashes,
-    LeadingSlash,
-    Decomposed,
-}
-
-impl Fault {
-    fn of(name: &str) -> Option<Self> {
-        let body = name.strip_prefix('/').unwrap_or(name);
-        if name.chars().any(names::is_invisible) {
-            Some(Self::Invisible)
-        } else if name.trim() != name {
-            Some(Self::BlankAtEnd)
-        } else if name.chars().any(char::is_whitespace) {
-            Some(Self::BlankInside)
-        } else if body.starts_with('/') || body.ends_with('/') || body.contains("//") || body.is_empty() {
-            Some(Self::Slashes)
-        } else if body.len() != name.len() {
-            Some(Self::LeadingSlash)
-        } else if !is_nfc(name) {
-            Some(Self::Decomposed)
-        } else {
-            None
-        }
-    }
-
-    fn words(self) -> &'static str {
-        match self {
-            Self::Invisible => "holds a character that cannot be seen",
-            Self::BlankAtEnd => "begins or ends with a blank",
-            Self::BlankInside => "holds a blank",
-            Self::Slashes => "holds a slash at its end or two in a row",
-            Self::LeadingSlash => "begins with a slash",
-            Self::Decomposed => "holds letters put together from several characters (not in Unicode's NFC)",
-        }
-    }
-
-    fn why(self) -> &'static str {
-        match self {
-            Self::LeadingSlash => "tf2 strips the slash when it stores a transform and refuses it in a look-up",
-            Self::Slashes => "tf2 strips one leading slash and compares the rest as it stands",
-            _ => "tf2 compares names byte by byte, so it is another frame than the one that looks the same",
-        }
-    }
-}
-
 fn judge_use(world: &World, used: &FrameUse) -> Option<(Severity, Confidence, Fault)> {
     let fault = Fault::of(used.frame.as_str())?;
     let is_config = used.role == FrameRole::Calibration;
@@ -106,9 +54,8 @@ fn judge_use(world: &World, used: &FrameUse) -> Option<(Severity, Confidence, Fa
         .is_some_and(|source| source.kind == SourceKind::Rosbag1);
     let (severity, confidence) = match fault {
         // ROS 1 wrote names with a slash, and configurations still do.
-        Fault::LeadingSlash if is_config => (Severity::Warning, Confidence::Likely),
+        Fault::LeadingSlash | Fault::BlankInside if is_config => (Severity::Warning, Confidence::Likely),
         Fault::LeadingSlash if is_ros1 => (Severity::Warning, Confidence::Certain),
-        Fault::BlankInside if is_config => (Severity::Warning, Confidence::Likely),
         Fault::Decomposed => (Severity::Warning, Confidence::Certain),
         _ => (Severity::Error, Confidence::Certain),
     };
@@ -123,7 +70,7 @@ fn report(
     (severity, confidence, fault): (Severity, Confidence, Fault),
 ) -> Finding {
     let count: u64 = uses.iter().map(|used| used.count.max(1)).sum();
-    let cleaned = names::clean(frame.as_str());
+    let cleaned = spelling::clean(frame.as_str());
     let shown = frame.as_str().escape_debug();
     let message = format!(
         "the frame name `{shown}` ({}) {}: {}",

@@ -5,3 +5,4 @@ pub mod frame_near_duplicate;
 pub mod frame_whitespace_or_slash;
 pub mod ned_suffix;
 pub mod optical_suffix;
+pub mod transform_name_cancellation;

@@ -6,6 +6,7 @@ use serde::Deserialize;
 use crate::math::constants::AxisTurn;
 use crate::math::relation::{Tolerance, classify_rotation};
 use crate::math::rotation::rotation_angle_between;
+use crate::rules::axes::Axes;
 use crate::rules::{Judge, Need, Rule, names, places};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{FrameId, World};
@@ -42,43 +43,6 @@ impl Rule for NedSuffix {
                     judge_pair(world, (frame, axes), sibling, &sibling_from_frame, limits, out);
                 }
             }
-        }
-    }
-}
-
-/// The axes that a name promises.
-#[derive(Clone, Copy, PartialEq, Eq)]
-enum Axes {
-    Ned,
-    Enu,
-    Nwu,
-}
-
-impl Axes {
-    fn of(frame: &FrameId) -> Option<Self> {
-        [Self::Ned, Self::Enu, Self::Nwu]
-            .into_iter()
-            .find(|axes| frame.has_token(axes.word()))
-    }
-
-    fn word(self) -> &'static str {
-        match self {
-            Self::Ned => "ned",
-            Self::Enu => "enu",
-            Self::Nwu => "nwu",
-        }
-    }
-
-    /// The rotations that `sibling_from_frame` may have, where the sibling has the axes of REP-103. A platform's `_ned`
-    /// frame is either its forward-right-down frame or the turned world axes, by who defined it.
-    fn expected(self, is_world: bool) -> &'static [Option<AxisTurn>] {
-        match (self, is_world) {
-            (Self::Ned, true) => &[Some(AxisTurn::NedEnu)],
-            (Self::Ned, false) => &[Some(AxisTurn::FluFrd), Some(AxisTurn::NedEnu)],
-            (Self::Enu, true) => &[None],
-            (Self::Enu, false) => &[None, Some(AxisTurn::ZMinus90), Some(AxisTurn::Z90)],
-            (Self::Nwu, true) => &[Some(AxisTurn::Z90)],
-            (Self::Nwu, false) => &[None, Some(AxisTurn::Z90)],
         }
     }
 }

@@ -1,13 +1,13 @@
 //! TREE07: frames of messages that no transform knows.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 
+use crate::rules::names::{self, Standard};
 use crate::rules::near::{Reach, nearest};
-use crate::rules::tf::{self, HeaderUse};
-use crate::rules::{Judge, Need, NoLimits, Rule, names};
-use crate::source::{MessageRef, Place};
+use crate::rules::tf::{self, HeaderUse, Used};
+use crate::rules::{Judge, Need, NoLimits, Rule, spelling};
+use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::bag::{HeaderFrame, TopicEvidence};
 use crate::world::{BagEvidence, FrameId, World};
 
 /// TREE07.
@@ -21,7 +21,7 @@ impl Rule for MessageFrameUnresolved {
     fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
         let has_tf = world.bags.iter().any(|bag| !bag.tf.is_empty());
         for bag in &world.bags {
-            let uses = uses(bag);
+            let uses = tf::header_frames(bag);
             let tree = &world.graph().frames;
             let strange = !has_tf && !uses.keys().any(|frame| tree.contains(frame));
             if strange && !uses.is_empty() {
@@ -35,19 +35,12 @@ impl Rule for MessageFrameUnresolved {
                 unlatched: tf::without_static(bag).into_keys().collect(),
                 has_tf,
             };
+            judge_base(world, bag, tree, out);
             for (frame, used) in &uses {
                 judge_frame(bag, frame, used, &context, out);
             }
         }
     }
-}
-
-/// One use of a frame in a bag.
-struct Used<'a> {
-    topic: &'a TopicEvidence,
-    kind: HeaderUse,
-    first: &'a MessageRef,
-    count: u64,
 }
 
 struct Context<'a> {
@@ -59,28 +52,6 @@ struct Context<'a> {
 
 fn subject_of(world: &World, bag: &BagEvidence) -> String {
     format!("messages of {}", world.path(bag.source))
-}
-
-/// Header and odometry child frames by name, canonical.
-fn uses(bag: &BagEvidence) -> BTreeMap<FrameId, Vec<Used<'_>>> {
-    let mut uses: BTreeMap<FrameId, Vec<Used>> = BTreeMap::new();
-    for topic in bag.topics.values() {
-        let kind = tf::header_use(&topic.message_type);
-        // Only sensors owe a frame: an empty one is normal elsewhere.
-        let wanted = |frame: &FrameId| {
-            kind != HeaderUse::Ignored && (kind == HeaderUse::Sensor || !frame.canonical().as_str().is_empty())
-        };
-        let named = topic.header_frames.iter().chain(&topic.child_frames);
-        for (frame, HeaderFrame { count, first }) in named.filter(|(frame, _)| wanted(frame)) {
-            uses.entry(frame.canonical()).or_default().push(Used {
-                topic,
-                kind,
-                first,
-                count: *count,
-            });
-        }
-    }
-    uses
 }
 
 fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Context, out: &mut Judge) {
@@ -106,7 +77,7 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
         out.pass(subject, [messages]);
         return;
     }
-    let cleaned = FrameId::new(names::clean(frame.as_str()));
+    let cleaned = FrameId::new(spelling::clean(frame.as_str()));
     let elsewhere = if context.folded.contains(&names::fold(frame)) {
         Some("the name differs from one in the tree only in case: see NAME01")
     } else if context.tree.contains(&cleaned) {
@@ -132,14 +103,7 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
         "not a link of the URDF, and no TF was recorded"
     };
     let message = format!("`{frame}`, the frame of {count} messages on {shown}, is {known}: look-ups fail");
-    let near = nearest(
-        frame,
-        context.tree,
-        Reach {
-            max_edits: 2,
-            min_length: 6,
-        },
-    );
+    let near = nearest(frame, context.tree, Reach::SUGGESTION);
     let help = match &near {
         Some(near) => format!(
             "was `{}` meant? Otherwise publish the transform that mounts `{frame}`",
@@ -157,4 +121,35 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
     };
     let finding = if context.has_tf { finding } else { finding.likely() };
     out.fail(finding.help(help).measured(messages.limit(0.0)));
+}
+
+/// A tree with `odom` or `map` in it is a vehicle's, and a vehicle has a frame of its own.
+fn judge_base(world: &World, bag: &BagEvidence, tree: &BTreeSet<FrameId>, out: &mut Judge) {
+    let Some(root) = bag
+        .tf
+        .iter()
+        .find(|edge| names::standard(&edge.parent.canonical()).is_some_and(|(_, kind)| kind != Standard::Base))
+    else {
+        return;
+    };
+    // A camera or a lidar carried by hand has none.
+    if tree
+        .iter()
+        .any(|frame| names::is_base(frame) || names::is_device(frame))
+    {
+        return;
+    }
+    let message = format!(
+        "TF holds `{}`, and nothing that is called like a platform's own frame",
+        root.parent
+    );
+    let finding = Finding::warning(
+        subject_of(world, bag),
+        message,
+        Place::message(bag.source, root.first_at.clone()),
+    )
+    .hint()
+    .help("call the platform's frame `base_link` (REP-105), so that tools find it")
+    .measured(Measured::count("base frames", 0).limit(1.0));
+    out.fail(finding);
 }

@@ -139,7 +139,6 @@ fn judge_child(
     };
     let switches = Measured::new("changes of parent", switches as f64, "count").limit(limits.min_switches as f64);
     let mut finding = finding
-        .label("here the parent changes")
         .measured(Measured::count("parents", parents.len()).limit(1.0))
         .measured(switches);
     for parent in parents {

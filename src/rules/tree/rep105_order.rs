@@ -30,21 +30,18 @@ impl Rule for Rep105Order {
             }
             judged += 1;
             let above = nearest_standard(graph, frame, namespace);
-            let finding = match above
-                .as_ref()
-                .and_then(|above| Some((above, names::standard(above)?.1)))
-            {
-                Some((above, rank)) if rank > kind => Some(reversed(world, frame, above)),
+            let rank = above.as_ref().and_then(names::standard).map(|(_, rank)| rank);
+            let finding = match above.as_ref().zip(rank) {
+                Some((above, rank)) if rank > kind => reversed(world, frame, above),
                 // Several parents are TREE02's: each of the others may be the right one.
                 _ if kind != Standard::Base || parents.len() > 1 => None,
-                Some((above, Standard::Map)) => past_odom(world, graph, frame, above, namespace),
-                _ => parents
-                    .iter()
-                    .find(|parent| names::is_sensor(parent))
-                    .map(|sensor| under_sensor(world, frame, sensor)),
+                above => past_odom(world, graph, frame, above, namespace)
+                    .or_else(|| under_sensor(world, frame, parents.iter().find(|parent| names::is_sensor(parent))?)),
             };
-            failed |= finding.is_some();
-            finding.into_iter().flatten().for_each(|finding| out.fail(finding));
+            if let Some(finding) = finding {
+                failed = true;
+                out.fail(finding);
+            }
         }
         if judged > 0 && !failed {
             out.pass(
@@ -102,19 +99,19 @@ fn past_odom(
     world: &World,
     graph: &FrameGraph,
     frame: &FrameId,
-    map: &FrameId,
+    above: Option<(&FrameId, Standard)>,
     namespace: &str,
-) -> Option<Option<Finding>> {
+) -> Option<Finding> {
+    let (map, _) = above.filter(|(_, kind)| *kind == Standard::Map)?;
     let odom = graph
         .frames
         .iter()
         .find(|other| names::standard(other) == Some((namespace, Standard::Odom)))?;
     let message = format!("`{frame}` is put under `{map}` past `{odom}`, which is there as well");
-    Some(at_edge(world, frame, false, message).map(|finding| {
-        finding.label(format!("puts `{frame}` under `{map}`")).help(format!(
-            "a localizer publishes `{map}` -> `{odom}`, so that `{odom}` -> `{frame}` stays smooth (REP-105)"
-        ))
-    }))
+    let finding = at_edge(world, frame, false, message)?;
+    Some(finding.label(format!("puts `{frame}` under `{map}`")).help(format!(
+        "a localizer publishes `{map}` -> `{odom}`, so that `{odom}` -> `{frame}` stays smooth (REP-105)"
+    )))
 }
 
 fn under_sensor(world: &World, frame: &FrameId, sensor: &FrameId) -> Option<Finding> {

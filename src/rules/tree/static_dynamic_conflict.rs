@@ -1,13 +1,13 @@
 //! TREE05: edges published both as latched and as moving, and moving edges that never move.
 
-use nalgebra::Isometry3;
 use serde::Deserialize;
 
-use crate::math::relation::{Tolerance, classify_either_way};
+use crate::rules::relate::{Difference, Same};
 use crate::rules::{Judge, Need, Rule, names, tf};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured};
 use crate::world::bag::TfEdge;
+use crate::world::robot::Joint;
 use crate::world::{BagEvidence, FrameId, World};
 
 /// TREE05.
@@ -42,7 +42,9 @@ impl Rule for StaticDynamicConflict {
                 let conflict = pair(edges).map(|(fixed, moving)| conflict(bag, child, fixed, moving, limits));
                 let finding = conflict.or_else(|| constant(world, bag, child, edges, limits));
                 failed |= finding.is_some();
-                finding.into_iter().for_each(|finding| out.fail(finding));
+                if let Some(finding) = finding {
+                    out.fail(finding);
+                }
             }
             if !failed {
                 let both = Measured::count("frames both latched and moving", 0).limit(0.0);
@@ -71,17 +73,14 @@ fn conflict(bag: &BagEvidence, child: &FrameId, fixed: &TfEdge, moving: &TfEdge,
         "`{parent}` -> `{child}` is published on {} and on {}",
         fixed.topic, moving.topic
     );
-    let mut relation = None;
-    let mut measured = Vec::new();
-    let how = match (pose(fixed), pose(moving)) {
-        (Some(fixed), Some(moving)) => {
-            let (word, said, numbers) = difference(&fixed, &moving, limits);
-            relation = word;
-            measured = numbers;
-            said
-        }
-        _ => String::new(),
+    let same = Same {
+        deg: limits.same_deg,
+        m: limits.same_m,
     };
+    let difference = pose(fixed)
+        .zip(pose(moving))
+        .map(|(fixed, moving)| Difference::between(&fixed, &moving, same));
+    let how = difference.as_ref().map_or("", |difference| difference.words.as_str());
     let mut finding = Finding::error(format!("frame `{child}`"), format!("{what}{how}"), Place::message(bag.source, at))
         .label("first on the moving topic")
         .help(format!(
@@ -89,34 +88,11 @@ fn conflict(bag: &BagEvidence, child: &FrameId, fixed: &TfEdge, moving: &TfEdge,
         ))
         .measured(Measured::count("kinds of topic", 2).limit(1.0))
         .related(Place::message(bag.source, until), "first on the latched topic");
-    finding.measured.extend(measured);
-    match relation {
-        Some(word) => finding.relation(word),
-        None => finding,
+    if let Some(difference) = difference {
+        finding.measured.extend(difference.measured);
+        finding.relation = difference.relation.map(str::to_owned);
     }
-}
-
-/// The relation, the words and the numbers of the difference between the latched and the moving transform.
-fn difference(
-    latched: &Isometry3<f64>,
-    moving: &Isometry3<f64>,
-    limits: &Limits,
-) -> (Option<&'static str>, String, Vec<Measured>) {
-    let either = classify_either_way(latched, moving, &Tolerance::default());
-    let difference = &either.classification;
-    let (deg, m) = (difference.angle_rad.to_degrees(), difference.distance_m);
-    let numbers = vec![
-        Measured::new("difference in rotation", deg, "deg").limit(limits.same_deg),
-        Measured::new("difference in translation", m, "m").limit(limits.same_m),
-    ];
-    if deg <= limits.same_deg && m <= limits.same_m {
-        return (None, ", with the same numbers".to_owned(), numbers);
-    }
-    let by = format!(", {deg:.2} deg and {m:.3} m apart");
-    match difference.error() {
-        Some(relation) => (Some(relation.word()), format!("{by}: {}", relation.describe()), numbers),
-        None => (None, by, numbers),
-    }
+    finding
 }
 
 /// A note on a moving edge that never moves, where something says that it is not meant to.
@@ -134,7 +110,7 @@ fn constant(world: &World, bag: &BagEvidence, child: &FrameId, edges: &[&TfEdge]
             .as_ref()
             .is_some_and(|link| FrameId::new(link.value.as_str()).canonical() == *child)
     });
-    let meant_fixed = joint.map_or_else(|| !stands_still && names::is_sensor(child), |joint| joint.is_fixed());
+    let meant_fixed = joint.map_or_else(|| !stands_still && names::is_sensor(child), Joint::is_fixed);
     if deviation >= limits.constant || !meant_fixed {
         return None;
     }

@@ -8,7 +8,6 @@ use crate::rules::{Judge, Need, Rule, tf};
 use crate::source::{MessageRef, Place};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::bag::TopicEvidence;
-use crate::world::robot::Joint;
 use crate::world::{BagEvidence, FrameId, World};
 
 /// TREE08.
@@ -37,24 +36,21 @@ impl Rule for TfStaticMissingOrLate {
                 unpublished(world, bag, &subject)
             };
             let missing = absent.or(undescribed);
-            let findings: Vec<Finding> = [late(bag, &subject, limits), volatile(bag, &subject)]
-                .into_iter()
-                .flatten()
-                .collect();
+            let others = [late(bag, &subject, limits), volatile(bag, &subject)];
+            let mut findings: Vec<Finding> = others.into_iter().flatten().collect();
             if missing.is_some() && bag.truncated {
                 let reason = "the recording is cut short, so a missing transform proves nothing";
                 out.not_evaluated(subject.as_str(), NotEvaluated::TooLittleEvidence, reason);
             } else if missing.is_none() && findings.is_empty() {
                 let latched = bag.tf.iter().filter(|edge| edge.is_static).count();
-                out.pass(
-                    subject,
-                    [Measured::count("missing or late", 0).limit(0.0).samples(latched as u64)],
-                );
-                continue;
+                let faults = Measured::count("missing, late or volatile", 0).limit(0.0);
+                out.pass(subject, [faults.samples(latched as u64)]);
             } else {
-                missing.into_iter().for_each(|finding| out.fail(finding));
+                findings.extend(missing);
             }
-            findings.into_iter().for_each(|finding| out.fail(finding));
+            for finding in findings {
+                out.fail(finding);
+            }
         }
     }
 }
@@ -76,21 +72,7 @@ fn absent(bag: &BagEvidence, subject: &str) -> Option<Finding> {
 
 /// Fixed joints of a URDF whose link is in no transform of a recording of the same robot.
 fn unpublished(world: &World, bag: &BagEvidence, subject: &str) -> Option<Finding> {
-    let known = tf::frames(bag);
-    let canonical = |name: &str| FrameId::new(name).canonical();
-    let mut missing: Vec<(FrameId, &Joint)> = Vec::new();
-    for robot in &world.robots {
-        if robot.fragment.is_none()
-            && robot
-                .links
-                .iter()
-                .any(|link| known.contains(&canonical(&link.name.value)))
-        {
-            let fixed = robot.joints.iter().filter(|joint| joint.is_fixed());
-            let children = fixed.filter_map(|joint| Some((canonical(&joint.child.as_ref()?.value), joint)));
-            missing.extend(children.filter(|(child, _)| !child.as_str().is_empty() && !known.contains(child)));
-        }
-    }
+    let missing = tf::unpublished_joints(world, bag);
     // One robot may be described twice: in a file and in the recording.
     let names: BTreeSet<&FrameId> = missing.iter().map(|(child, _)| child).collect();
     let (_, joint) = missing.first()?;
@@ -151,7 +133,7 @@ fn late(bag: &BagEvidence, subject: &str, limits: &Limits) -> Option<Finding> {
 
 /// A static topic that was offered without keeping its last message.
 fn volatile(bag: &BagEvidence, subject: &str) -> Option<Finding> {
-    let is_volatile = |topic: &&TopicEvidence| tf::is_static_topic(&topic.topic) && durability_is_volatile(topic);
+    let is_volatile = |topic: &&TopicEvidence| tf::is_static_topic(&topic.topic) && tf::is_volatile(topic);
     let topic = bag.topics.values().find(is_volatile)?;
     let first = bag
         .tf
@@ -167,13 +149,4 @@ fn volatile(bag: &BagEvidence, subject: &str) -> Option<Finding> {
         .help("publish it with durability transient_local (StaticTransformBroadcaster does)")
         .measured(Measured::count("volatile publishers", 1).limit(0.0));
     Some(finding)
-}
-
-/// rosbag2 writes `durability: 1` (transient_local), `2` (volatile), or the words.
-fn durability_is_volatile(topic: &TopicEvidence) -> bool {
-    let profiles = topic.offered_qos_profiles.as_deref().unwrap_or_default();
-    profiles
-        .lines()
-        .filter_map(|line| line.trim().trim_start_matches("- ").strip_prefix("durability:"))
-        .any(|value| matches!(value.trim().trim_matches(['"', '\'']), "2" | "volatile"))
 }

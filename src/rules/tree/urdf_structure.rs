@@ -1,8 +1,13 @@
 //! TREE12: one root, and joints between links that exist.
+//!
+//! Names are compared without case and stray blanks here: a reference that misses its link only by those is NAME01's or
+//! NAME02's, and would otherwise show up as a second root.
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::rules::{Judge, Need, NoLimits, Rule, names, tf};
+use crate::rules::near::{Reach, nearest};
+use crate::rules::spelling::loose;
+use crate::rules::{Judge, Need, NoLimits, Rule, tf};
 use crate::source::Placed;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::robot::Link;
@@ -32,25 +37,17 @@ impl Rule for UrdfStructure {
                         .samples(robot.links.len() as u64)],
                 );
             }
-            findings.into_iter().for_each(|finding| out.fail(finding));
+            for finding in findings {
+                out.fail(finding);
+            }
         }
     }
 }
 
-/// Names are compared without case and stray blanks here: a reference that misses its link only by those is NAME01's
-/// or NAME02's, and would otherwise show up as a second root.
-fn key(name: &str) -> String {
-    names::fold(&FrameId::new(names::clean(name)))
-}
-
 fn judge_robot(robot: &Robot, subject: &str) -> Vec<Finding> {
     let mut findings = Vec::new();
-    let links: BTreeMap<String, &Link> = robot
-        .links
-        .iter()
-        .rev()
-        .map(|link| (key(&link.name.value), link))
-        .collect();
+    let by_name = robot.links.iter().rev().map(|link| (loose(&link.name.value), link));
+    let links: BTreeMap<String, &Link> = by_name.collect();
     if robot.links.is_empty() {
         let message = format!("robot `{}` has no links", robot.name.value);
         findings.push(
@@ -74,7 +71,7 @@ fn judge_robot(robot: &Robot, subject: &str) -> Vec<Finding> {
                     .help(format!("add <{role} link=\"...\"/>"))
                     .measured(Measured::count("missing ends", 1).limit(0.0)),
                 // An empty name is TREE04's.
-                Some(link) if link.value.is_empty() || links.contains_key(&key(&link.value)) => continue,
+                Some(link) if link.value.is_empty() || links.contains_key(&loose(&link.value)) => continue,
                 Some(link) => undefined(subject, name, role, link, robot),
             };
             findings.push(finding);
@@ -85,16 +82,8 @@ fn judge_robot(robot: &Robot, subject: &str) -> Vec<Finding> {
 }
 
 fn undefined(subject: &str, joint: &str, role: &str, link: &Placed<String>, robot: &Robot) -> Finding {
-    let names: Vec<FrameId> = robot
-        .links
-        .iter()
-        .map(|link| FrameId::new(link.name.value.as_str()))
-        .collect();
-    let reach = crate::rules::near::Reach {
-        max_edits: 2,
-        min_length: 6,
-    };
-    let near = crate::rules::near::nearest(&FrameId::new(link.value.as_str()), &names, reach);
+    let names: Vec<FrameId> = robot.links.iter().map(|link| link.name.value.as_str().into()).collect();
+    let near = nearest(&FrameId::new(link.value.as_str()), &names, Reach::SUGGESTION);
     let help = match near {
         Some(near) => format!("define the link, or was `{}` meant?", near.frame),
         None => "define the link, or name one that exists".to_owned(),
@@ -115,16 +104,17 @@ fn judge_roots(robot: &Robot, subject: &str, links: &BTreeMap<String, &Link>) ->
         .iter()
         .filter_map(|joint| Some((joint.parent.as_ref()?, joint.child.as_ref()?)))
         // A joint of a link to itself (refused by the URDF rules) gives it no parent.
-        .filter(|(parent, child)| key(&parent.value) != key(&child.value))
-        .map(|(_, child)| key(&child.value))
+        .filter(|(parent, child)| loose(&parent.value) != loose(&child.value))
+        .map(|(_, child)| loose(&child.value))
         .collect();
     let mut roots: Vec<&Link> = robot
         .links
         .iter()
-        .filter(|link| !link.name.value.trim().is_empty() && !children.contains(&key(&link.name.value)))
+        .filter(|link| !link.name.value.trim().is_empty() && !children.contains(&loose(&link.name.value)))
+        // Of links with one name, the first.
         .filter(|link| {
             links
-                .get(&key(&link.name.value))
+                .get(&loose(&link.name.value))
                 .is_some_and(|first| std::ptr::eq(*first, *link))
         })
         .collect();
