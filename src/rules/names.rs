@@ -92,9 +92,10 @@ fn has_any(frame: &FrameId, words: &[&str]) -> bool {
         .any(|token| words.contains(&token.trim_end_matches(|c: char| c.is_ascii_digit())))
 }
 
-/// Whether the name says "sensor" and does not also say "world": `camera_init` and `lidar_map` are no sensors.
+/// Whether the name says "sensor" and nothing else: `camera_init`, `lidar_map` and `camera_mount` are no sensors.
 pub(crate) fn is_sensor(frame: &FrameId) -> bool {
-    has_any(frame, SENSORS) && !has_any(frame, WORLDS) && !has_any(frame, BASES) && !frame.has_token("init")
+    let says_more = [WORLDS, BASES, &["init", "pose", "mount", "bracket", "holder", "plate"]];
+    has_any(frame, SENSORS) && !says_more.iter().any(|words| has_any(frame, words))
 }
 
 /// Whether the name is that of a world-like frame.
@@ -153,6 +154,7 @@ mod tests {
         assert!(is_sensor(&"lidar0".into()));
         assert!(!is_sensor(&"camera_init".into()));
         assert!(!is_sensor(&"camera_odom_frame".into()));
+        assert!(!is_sensor(&"camera_mount".into()));
         assert!(!is_world(&"mapper_link".into()));
         assert!(!is_base(&"basement".into()));
         let stem = |name: &str| optical_stem(&name.into()).map(|words| words.join(" "));

@@ -102,10 +102,15 @@ fn judge_roots(robot: &Robot, subject: &str, links: &BTreeMap<String, &Link>) ->
     let children: BTreeSet<String> = robot
         .joints
         .iter()
-        .filter_map(|joint| Some((joint.parent.as_ref()?, joint.child.as_ref()?)))
         // A joint of a link to itself (refused by the URDF rules) gives it no parent.
-        .filter(|(parent, child)| loose(&parent.value) != loose(&child.value))
-        .map(|(_, child)| loose(&child.value))
+        .filter_map(|joint| {
+            Some((
+                joint.parent.as_ref().map(|link| loose(&link.value)),
+                loose(&joint.child.as_ref()?.value),
+            ))
+        })
+        .filter(|(parent, child)| parent.as_ref() != Some(child))
+        .map(|(_, child)| child)
         .collect();
     let mut roots: Vec<&Link> = robot
         .links
