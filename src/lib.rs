@@ -13,10 +13,16 @@
     allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)
 )]
 
+pub mod cli;
+pub mod collect;
+pub mod engine;
 pub mod math;
 pub mod page;
+pub mod progress;
 pub mod read;
+pub mod report;
 pub mod rules;
+pub mod run;
 pub mod source;
 pub mod verdict;
 pub mod world;

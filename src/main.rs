@@ -1,1 +1,63 @@
-fn main() {}
+//! The program: hands the command line to the library, prints the answer, turns a panic into exit code 70.
+
+use std::io::{ErrorKind, Write};
+use std::panic::{PanicHookInfo, catch_unwind};
+use std::process::ExitCode;
+use std::sync::{Mutex, PoisonError};
+
+use frames_lint::cli::{self, Answer, Surroundings};
+use frames_lint::run::{EXIT_CRASHED, EXIT_USAGE};
+
+/// The last panic, for the one line that is printed if nobody catches it earlier.
+static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
+
+fn main() -> ExitCode {
+    // A rule that panics is caught and reported by the engine; the default hook would print in the middle of a report.
+    if std::env::var_os("RUST_BACKTRACE").is_none() {
+        std::panic::set_hook(Box::new(remember));
+    }
+    let answer = catch_unwind(|| {
+        cli::run(
+            std::env::args_os(),
+            &mut std::io::stdin().lock(),
+            Surroundings::detect(),
+        )
+    })
+    .unwrap_or_else(|_| crash());
+    let printed = print(&mut std::io::stderr().lock(), &answer.err)
+        .and_then(|()| print(&mut std::io::stdout().lock(), &answer.out));
+    match printed {
+        Ok(()) => ExitCode::from(answer.code),
+        Err(error) => {
+            let _ = writeln!(std::io::stderr(), "error: cannot write the report: {error}");
+            ExitCode::from(EXIT_USAGE)
+        }
+    }
+}
+
+fn remember(info: &PanicHookInfo) {
+    let what = info.payload_as_str().unwrap_or("no message").replace('\n', " ");
+    let place = info
+        .location()
+        .map_or_else(String::new, |location| format!(" at {location}"));
+    *LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner) = format!("{what}{place}");
+}
+
+fn crash() -> Answer {
+    let last = LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner);
+    Answer {
+        err: format!(
+            "frames-lint: internal error: {last}\nThis is a fault of frames-lint, not of the files; please report it.\n"
+        ),
+        code: EXIT_CRASHED,
+        ..Answer::default()
+    }
+}
+
+/// Writes everything. A reader that has seen enough (`| head`) is no error.
+fn print(to: &mut dyn Write, text: &str) -> std::io::Result<()> {
+    match to.write_all(text.as_bytes()).and_then(|()| to.flush()) {
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        other => other,
+    }
+}

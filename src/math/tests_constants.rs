@@ -1,5 +1,5 @@
 //! The constants against published numbers and closed forms. Only compiled for tests.
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::float_cmp, clippy::approx_constant)]
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 

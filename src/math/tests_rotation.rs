@@ -1,5 +1,6 @@
 //! Rotation forms and matrix diagnosis against closed forms and a second method. Only compiled for tests.
 #![allow(clippy::unwrap_used, clippy::panic, clippy::float_cmp)]
+#![allow(clippy::approx_constant, clippy::excessive_precision)]
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
 

@@ -4,16 +4,24 @@
 //! collecting, configuration or reports.
 
 mod axes;
+pub mod cross;
 mod judge;
+mod literal;
 pub mod name;
 mod names;
 mod near;
 mod optical;
+mod pairs;
 mod places;
+pub mod quat;
 mod relate;
+pub mod rot;
 mod spelling;
+mod tally;
 mod tf;
+pub mod time;
 pub mod tree;
+pub mod urdf;
 
 use serde::de::DeserializeOwned;
 
@@ -85,4 +93,33 @@ pub static RULES: &[Entry] = &[
     entry::<name::ned_suffix::NedSuffix>(),
     entry::<name::optical_suffix::OpticalSuffix>(),
     entry::<name::transform_name_cancellation::TransformNameCancellation>(),
+    entry::<rot::rotation_determinant::RotationDeterminant>(),
+    entry::<rot::rotation_orthogonality::RotationOrthogonality>(),
+    entry::<rot::homogeneous_layout::HomogeneousLayout>(),
+    entry::<rot::quaternion_norm::QuaternionNorm>(),
+    entry::<rot::non_finite_or_zero::NonFiniteOrZero>(),
+    entry::<rot::translation_units::TranslationUnits>(),
+    entry::<rot::identity_or_placeholder::IdentityOrPlaceholder>(),
+    entry::<rot::angle_unit::AngleUnit>(),
+    entry::<rot::truncated_literal::TruncatedLiteral>(),
+    entry::<quat::quaternion_order_static::QuaternionOrderStatic>(),
+    entry::<time::epoch_offset::EpochOffset>(),
+    entry::<time::stamp_monotonic::StampMonotonic>(),
+    entry::<time::clock_domain::ClockDomain>(),
+    entry::<cross::extrinsic_consistency::ExtrinsicConsistency>(),
+    entry::<cross::extrinsic_relation::ExtrinsicRelation>(),
+    entry::<cross::urdf_tf_topology::UrdfTfTopology>(),
+    entry::<urdf::mesh_scale::MeshScale>(),
+    entry::<urdf::self_joint::SelfJoint>(),
+    entry::<urdf::joint_axis::JointAxis>(),
+    entry::<urdf::joint_limits::JointLimits>(),
+    entry::<urdf::duplicate_name::DuplicateName>(),
+    entry::<urdf::missing_mimic::MissingMimic>(),
+    entry::<urdf::repeated_element::RepeatedElement>(),
+    entry::<urdf::inertia_invalid::InertiaInvalid>(),
+    entry::<urdf::mesh_missing::MeshMissing>(),
+    entry::<urdf::malformed_number::MalformedNumber>(),
+    entry::<urdf::ignored_name::IgnoredName>(),
+    entry::<urdf::unknown_joint_type::UnknownJointType>(),
+    entry::<urdf::consumer_disagrees::ConsumerDisagrees>(),
 ];

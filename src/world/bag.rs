@@ -13,6 +13,9 @@ use super::frame::FrameId;
 pub const MAX_EXAMPLES: usize = 8;
 
 /// The header stamps of one topic, against the log clock.
+///
+/// Steps are taken between neighbouring stamps that are not zero, in recording order: a zero stamp is a fault of its
+/// own, and the steps to and from it would hide what the other stamps do.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StampEvidence {
     /// Messages with a header stamp.
@@ -25,7 +28,7 @@ pub struct StampEvidence {
     pub first_zero: Option<MessageRef>,
     /// Stamps smaller than the one before.
     pub backward: u64,
-    /// Largest step back, nanoseconds, and the message it happens at.
+    /// Largest step back, nanoseconds (positive), and the message it happens at.
     pub largest_backward: Option<(i64, MessageRef)>,
     /// Stamps equal to the one before.
     pub repeated: u64,
@@ -33,7 +36,7 @@ pub struct StampEvidence {
     pub first_repeated: Option<MessageRef>,
     /// Largest gap between neighbouring stamps, nanoseconds, and the message after it.
     pub largest_gap: Option<(i64, MessageRef)>,
-    /// Median step between neighbouring stamps, nanoseconds.
+    /// Median of the forward steps between neighbouring stamps, nanoseconds; of a random sample where they are many.
     pub median_step_ns: Option<i64>,
     /// Gaps longer than three median steps (and one second).
     pub long_gaps: u64,
@@ -59,11 +62,11 @@ pub struct TopicEvidence {
     pub topic: String,
     /// Type of its messages (`sensor_msgs/msg/Imu`).
     pub message_type: String,
-    /// Messages read.
+    /// Messages read; zero for a topic that the recording names and nobody published on.
     pub count: u64,
-    /// Log time of the first message, nanoseconds.
+    /// Earliest log time, nanoseconds.
     pub first_log_ns: Option<i64>,
-    /// Log time of the last message, nanoseconds.
+    /// Latest log time, nanoseconds.
     pub last_log_ns: Option<i64>,
     /// The `offered_qos_profiles` of the channel as recorded (YAML text), where the recording has it.
     pub offered_qos_profiles: Option<String>,
@@ -129,7 +132,8 @@ pub struct TfEdge {
     pub last_at: MessageRef,
     /// Evenly thinned valid samples in recording order, the first and last among them.
     pub samples: Vec<TfSample>,
-    /// The sample that differs most from the first, with its difference: radians and metres.
+    /// The sample that differs most from the first, with its difference: radians and metres. `None` where none differs.
+    /// Angle and distance are weighed against each other as 0.1° against 1 mm, so that neither hides the other.
     pub extreme: Option<(TfSample, f64, f64)>,
     /// Numbers that are NaN or infinite.
     pub non_finite: Faults,
@@ -155,7 +159,7 @@ impl TfEdge {
 pub struct ParentSwitch {
     /// The child, as tf2 stores it.
     pub child: FrameId,
-    /// Parents in the order they took over, at most a few.
+    /// The different parents, the first one included, in the order they first took over; at most a few.
     pub parents: Vec<FrameId>,
     /// Number of changes.
     pub switches: u64,
@@ -168,9 +172,9 @@ pub struct ParentSwitch {
 pub struct BagEvidence {
     /// The recording.
     pub source: SourceId,
-    /// Log time of the first message, nanoseconds.
+    /// Earliest log time, nanoseconds.
     pub start_ns: Option<i64>,
-    /// Log time of the last message, nanoseconds.
+    /// Latest log time, nanoseconds.
     pub end_ns: Option<i64>,
     /// Messages read.
     pub messages: u64,

@@ -116,10 +116,10 @@ const GLUED: &[&str] = &[
 ];
 /// Three-letter words that only look like `Tbc` or `TAB`.
 const WORDS: &[&str] = &[
-    "tof", "tag", "tau", "tcp", "top", "tip", "ton", "two", "the", "try", "ten", "tls", "ttl", "ttc", "tdc",
-    "tts", "run", "raw", "rot", "row", "rad", "rgb", "rpy", "res", "rel", "ros", "red", "ref", "rms", "rgt", "rev",
-    "rmt", "rng", "pos", "per", "pad", "pre", "pid", "pix", "pan", "par", "pin", "pwm", "png", "pcd", "pub", "pts",
-    "ply", "put", "psi",
+    "tof", "tag", "tau", "tcp", "top", "tip", "ton", "two", "the", "try", "ten", "tls", "ttl", "ttc", "tdc", "tts",
+    "run", "raw", "rot", "row", "rad", "rgb", "rpy", "res", "rel", "ros", "red", "ref", "rms", "rgt", "rev", "rmt",
+    "rng", "pos", "per", "pad", "pre", "pid", "pix", "pan", "par", "pin", "pwm", "png", "pcd", "pub", "pts", "ply",
+    "put", "psi",
 ];
 
 /// Takes a name apart. Of a path (`IMU.T_b_c1`, `a/T_a_b`) only the last part is read. `None` where the name speaks of

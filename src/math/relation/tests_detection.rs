@@ -56,6 +56,7 @@ fn detection_with_the_near_equal_gate_by_mount() {
         (Mount::Generic, 0.99),
         (Mount::Tilted, 0.99),
         (Mount::NearNominal, 0.95),
+        (Mount::AxisAligned, 0.95),
     ] {
         let mut tally = Tally::default();
         for &truth in Relation::all() {

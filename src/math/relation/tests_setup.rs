@@ -15,10 +15,12 @@ pub(super) enum Mount {
     Tilted,
     /// Yaw of 0, 90, 180 or -90 degrees, and a rotation vector of 2 degrees per axis on top.
     NearNominal,
+    /// Any of the 24 axis-aligned rotations (cameras, poles of rpy), and a rotation vector of 3 degrees per axis on top.
+    AxisAligned,
 }
 
 impl Mount {
-    pub(super) const ALL: [Mount; 3] = [Mount::Generic, Mount::Tilted, Mount::NearNominal];
+    pub(super) const ALL: [Mount; 4] = [Mount::Generic, Mount::Tilted, Mount::NearNominal, Mount::AxisAligned];
 
     pub(super) fn draw(self, rng: &mut Rng) -> Isometry3<f64> {
         let rotation = match self {
@@ -29,12 +31,21 @@ impl Mount {
                 from_rpy(roll, pitch, rng.range(-180.0, 180.0).to_radians())
             }
             Mount::NearNominal => {
-                let quarter = (rng.unit() * 4.0).floor() * 90f64.to_radians();
-                UnitQuaternion::from_scaled_axis(rng.normal3() * 2f64.to_radians()) * from_rpy(0.0, 0.0, quarter)
+                let tilt = UnitQuaternion::from_scaled_axis(rng.normal3() * 2f64.to_radians());
+                tilt * from_rpy(0.0, 0.0, quarter(rng))
+            }
+            Mount::AxisAligned => {
+                let tilt = UnitQuaternion::from_scaled_axis(rng.normal3() * 3f64.to_radians());
+                tilt * from_rpy(quarter(rng), quarter(rng), quarter(rng))
             }
         };
         Isometry3::from_parts(Translation3::from(rng.in_ball(3.0)), rotation)
     }
+}
+
+/// 0, 90, 180 or 270 degrees, in radians.
+fn quarter(rng: &mut Rng) -> f64 {
+    (rng.unit() * 4.0).floor() * 90f64.to_radians()
 }
 
 /// The noise of a good calibration: standard deviations per axis, so the errors are 0.5 degrees and 1.7 cm long on

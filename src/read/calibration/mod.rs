@@ -1,1 +1,191 @@
+//! The reader of YAML and JSON files that may hold transforms.
+//!
+//! Owns the two entry points and the words on how a file could be read. `document` and `repair` turn text into nodes,
+//! `names` and `numbers` recognise, `shapes` spells, `walk` and `generic` make claims, `dialect` knows formats.
 
+mod dialect;
+mod document;
+mod generic;
+mod names;
+mod numbers;
+mod repair;
+mod shapes;
+mod walk;
+
+#[cfg(test)]
+mod tests;
+#[cfg(test)]
+mod tests_corpus;
+
+use crate::source::{LineIndex, Place, ReadStatus, Source};
+use crate::world::Facts;
+
+use document::{Documents, Fault};
+use repair::OffsetMap;
+
+/// Largest file that is read.
+const MAX_BYTES: usize = 64 * 1024 * 1024;
+/// Widths of a tab that are tried, likeliest first.
+const TABS: [usize; 4] = [1, 4, 8, 2];
+
+/// Reads a YAML file (`source.text`): transforms, frames and declared chains. Sets status, detail and problems.
+pub fn read_yaml(source: &mut Source) -> Facts {
+    read(source, |text, base| {
+        let body = repair::without_directives(text);
+        let strict = document::build(&body, &OffsetMap::starting_at(base));
+        if strict.fault.is_none() {
+            return (strict, Vec::new());
+        }
+        let widths = if repair::has_leading_tabs(&body) {
+            TABS.as_slice()
+        } else {
+            &TABS[..1]
+        };
+        let mut best = strict;
+        for tab in widths {
+            let (mended, map, notes) = repair::lenient(&body, base, *tab);
+            let documents = document::build(&mended, &map);
+            let reach = |documents: &Documents| documents.fault.as_ref().map_or(usize::MAX, |fault| fault.at);
+            if documents.fault.is_none() {
+                return (documents, notes);
+            }
+            if reach(&documents) > reach(&best) {
+                best = documents;
+            }
+        }
+        (best, Vec::new())
+    })
+}
+
+/// Reads a JSON file (`source.text`), with `//` and `/* */` comments. Sets status, detail and problems.
+pub fn read_json(source: &mut Source) -> Facts {
+    read(source, |text, base| {
+        let body = repair::without_json_comments(text);
+        (document::build(&body, &OffsetMap::starting_at(base)), Vec::new())
+    })
+}
+
+type Mended = Vec<(usize, &'static str)>;
+
+fn read(source: &mut Source, parse: impl Fn(&str, usize) -> (Documents, Mended)) -> Facts {
+    let text = std::mem::take(&mut source.text);
+    let facts = read_text(source, &text, parse);
+    source.text = text;
+    facts
+}
+
+fn read_text(source: &mut Source, text: &str, parse: impl Fn(&str, usize) -> (Documents, Mended)) -> Facts {
+    source.examined.bytes_total = source.examined.bytes_total.max(text.len() as u64);
+    if let Some(why) = refused(text) {
+        source.problem(ReadStatus::Unreadable, Place::whole(source.id), why);
+        return Facts::default();
+    }
+    let bom = if text.starts_with('\u{feff}') {
+        '\u{feff}'.len_utf8()
+    } else {
+        0
+    };
+    let body = text.get(bom..).unwrap_or_default();
+    if body.trim().is_empty() {
+        source.detail = Some("empty file: no transforms found".to_owned());
+        return Facts::default();
+    }
+    let (documents, mended) = parse(body, bom);
+    let mut walk = walk::Walk::new(source.id, text);
+    for root in &documents.roots {
+        generic::read(root, &mut walk);
+    }
+    let (facts, problems) = walk.finish();
+    let reached = documents.fault.as_ref().map_or(text.len(), |fault| fault.at);
+    source.examined.bytes = reached as u64;
+    report(source, text, &documents, &facts);
+    for (span, message) in problems {
+        source.problem(ReadStatus::Partial, Place::text(source.id, span), message);
+    }
+    describe(source, text, &documents, &mended, &facts);
+    facts
+}
+
+/// Why a text is not looked at at all.
+fn refused(text: &str) -> Option<String> {
+    if text.len() > MAX_BYTES {
+        let megabytes = text.len() / (1024 * 1024);
+        return Some(format!("the file has {megabytes} MB; at most 64 MB are read"));
+    }
+    text.contains('\0')
+        .then(|| "the file holds binary data, not text".to_owned())
+}
+
+/// Records the fault that ended reading, or the templates that stand in for values.
+fn report(source: &mut Source, text: &str, documents: &Documents, facts: &Facts) {
+    let some = documents
+        .roots
+        .iter()
+        .any(|root| !root.pairs().is_empty() || root.items().is_some());
+    let status = if some || !facts.claims.is_empty() {
+        ReadStatus::Partial
+    } else {
+        ReadStatus::Unreadable
+    };
+    let template = template(text).or(documents.templates.first().map(|span| span.start));
+    if let Some(at) = template.filter(|_| documents.fault.is_some() || !documents.templates.is_empty()) {
+        source.problem_with_help(
+            status,
+            Place::text(source.id, at..at + 2),
+            "the file is a template: its values are filled in by another program",
+            Some("check the file that the template makes".to_owned()),
+        );
+    } else if let Some(Fault { at, message }) = &documents.fault {
+        let end = text
+            .get(*at..)
+            .and_then(|rest| rest.chars().next())
+            .map_or(*at, |c| at + c.len_utf8());
+        source.problem(status, Place::text(source.id, *at..end), message.clone());
+    }
+}
+
+/// The first mark of a template engine (`{{ x }}`, `{% if %}`).
+fn template(text: &str) -> Option<usize> {
+    let pairs = [("{{", "}}"), ("{%", "%}")];
+    let mut start = 0;
+    for line in text.split_inclusive('\n') {
+        let code = line.split('#').next().unwrap_or_default();
+        for (open, close) in pairs {
+            if let Some(at) = code
+                .find(open)
+                .filter(|at| code.get(*at..).is_some_and(|rest| rest.contains(close)))
+            {
+                return Some(start + at);
+            }
+        }
+        start += line.len();
+    }
+    None
+}
+
+/// The line of words on a source: what was found, what was mended, what stands twice.
+fn describe(source: &mut Source, text: &str, documents: &Documents, mended: &Mended, facts: &Facts) {
+    let mut notes = Vec::new();
+    if facts.claims.is_empty() && facts.chains.is_empty() {
+        notes.push("no transforms found".to_owned());
+    }
+    if let Some((line, what)) = mended.first() {
+        let more = match mended.len() - 1 {
+            0 => String::new(),
+            1 => " (and 1 more line)".to_owned(),
+            n => format!(" (and {n} more lines)"),
+        };
+        notes.push(format!("not strict YAML: line {line}: {what}{more}"));
+    }
+    if let Some((key, span)) = documents.repeated.first() {
+        let line = LineIndex::new(text).locate(text, span.start).line;
+        let more = match documents.repeated.len() - 1 {
+            0 => String::new(),
+            n => format!(" (and {n} more)"),
+        };
+        notes.push(format!("the key `{key}` stands twice, again in line {line}{more}"));
+    }
+    if source.detail.is_none() && !notes.is_empty() {
+        source.detail = Some(notes.join("; "));
+    }
+}

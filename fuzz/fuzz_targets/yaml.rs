@@ -1,0 +1,15 @@
+//! Any bytes as YAML: no panic, bounded work.
+#![no_main]
+
+use frames_lint::read::{calibration, text};
+use frames_lint::source::{Source, SourceId, SourceKind};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    let Ok((text, _note)) = text::decode(bytes) else {
+        return;
+    };
+    let mut source = Source::new(SourceId(0), "fuzz.yaml", SourceKind::Yaml);
+    source.text = text;
+    calibration::read_yaml(&mut source);
+});

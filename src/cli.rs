@@ -1,0 +1,354 @@
+//! The command line: what may be asked, and which room answers. No logic of its own.
+//!
+//! Turns arguments into an [`Answer`]; reads standard input where `-` asks for it and writes the file of `--output`.
+//! Does not print: that is `main`'s.
+
+mod args;
+#[cfg(test)]
+mod tests;
+
+use std::ffi::OsString;
+use std::io::{IsTerminal, Read};
+use std::path::PathBuf;
+
+use clap::{CommandFactory, Parser};
+
+use crate::engine::{self, UsageError};
+use crate::page::{Front, PageError};
+use crate::report::{Style, explain, json, rules_table, terminal, tree};
+use crate::rules::RULES;
+use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, RuleInfo};
+
+use args::{Check, Cli, Color, Format, RulesFormat, Tree, TreeFormat, Verb};
+
+/// What the program answers: texts for standard output and standard error, and the exit code.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Answer {
+    /// For standard output.
+    pub out: String,
+    /// For standard error.
+    pub err: String,
+    /// The exit code.
+    pub code: u8,
+}
+
+/// Where the answer goes.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings {
+    /// What standard output can show.
+    pub style: Style,
+    /// Whether standard error is a terminal.
+    pub progress: bool,
+}
+
+impl Surroundings {
+    /// As this process finds them: colour on a terminal unless `NO_COLOR` is set or the terminal is dumb.
+    pub fn detect() -> Self {
+        let is_terminal = std::io::stdout().is_terminal();
+        let set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+        let dumb = std::env::var_os("TERM").is_some_and(|term| term == "dumb");
+        Self {
+            style: Style {
+                color: is_terminal && !set("NO_COLOR") && !dumb,
+                unicode: !is_terminal || supports_unicode::supports_unicode(),
+                width: if is_terminal {
+                    terminal_size::terminal_size().map(|(width, _)| usize::from(width.0))
+                } else {
+                    None
+                },
+            },
+            progress: std::io::stderr().is_terminal(),
+        }
+    }
+}
+
+/// Why there is no answer.
+enum Failure {
+    /// A fault in the call.
+    Usage(String),
+    /// A fault of ours.
+    Ours(String),
+}
+
+impl From<UsageError> for Failure {
+    fn from(error: UsageError) -> Self {
+        Self::Usage(error.to_string())
+    }
+}
+
+impl From<PageError> for Failure {
+    fn from(error: PageError) -> Self {
+        Self::Ours(error.to_string())
+    }
+}
+
+impl From<serde_json::Error> for Failure {
+    fn from(error: serde_json::Error) -> Self {
+        Self::Ours(error.to_string())
+    }
+}
+
+/// Answers a command line, the program's name first.
+pub fn run(arguments: impl IntoIterator<Item = OsString>, stdin: &mut dyn Read, surroundings: Surroundings) -> Answer {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let cli = match Cli::try_parse_from(&arguments) {
+        Ok(cli) => cli,
+        Err(error) => return refuse(&error, &arguments, surroundings),
+    };
+    let answer = match cli.verb {
+        Verb::Check(check) => run_check(check, stdin, surroundings),
+        Verb::Tree(tree) => run_tree(tree, stdin, surroundings),
+        Verb::Explain { rule } => run_explain(&rule, surroundings.style),
+        Verb::Rules { format } => run_rules(format, surroundings.style),
+        Verb::Completions { shell } => Ok(completions(shell)),
+        Verb::Man { verb } => man(verb.as_deref()),
+    };
+    answer.unwrap_or_else(|failure| match failure {
+        Failure::Usage(message) => Answer {
+            err: format!("error: {message}\n"),
+            code: EXIT_USAGE,
+            ..Answer::default()
+        },
+        Failure::Ours(message) => Answer {
+            err: format!("frames-lint: internal error: {message}\n"),
+            code: EXIT_CRASHED,
+            ..Answer::default()
+        },
+    })
+}
+
+/// Help and version are answers; anything else is a fault in the call. A path without a verb gets a hint.
+fn refuse(error: &clap::Error, arguments: &[OsString], surroundings: Surroundings) -> Answer {
+    let rendered = error.render();
+    let text = if surroundings.style.color {
+        rendered.ansi().to_string()
+    } else {
+        rendered.to_string()
+    };
+    if !error.use_stderr() {
+        return Answer {
+            out: text,
+            ..Answer::default()
+        };
+    }
+    let mut err = text;
+    let first = arguments.get(1).map(|argument| argument.to_string_lossy().into_owned());
+    if let (clap::error::ErrorKind::InvalidSubcommand, Some(first)) = (error.kind(), first) {
+        err.push_str(&format!("\nTo check files: frames-lint check {first}\n"));
+    }
+    Answer {
+        err,
+        code: EXIT_USAGE,
+        ..Answer::default()
+    }
+}
+
+fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
+    let run = engine::check(&engine::Options {
+        paths: paths(check.input.paths, stdin)?,
+        select: check.select,
+        ignore: check.ignore,
+        xacro_args: check.input.xacro_args,
+        progress: surroundings.progress,
+    })?;
+    let fail_on = check.fail_on.into();
+    let mut style = if check.output.is_some() {
+        Style::PLAIN
+    } else {
+        surroundings.style
+    };
+    match check.color {
+        Color::Auto => {}
+        Color::Always => style.color = true,
+        Color::Never => style.color = false,
+    }
+    let options = terminal::Options {
+        style,
+        fail_on,
+        verbose: check.verbose,
+        all: check.all,
+    };
+    let report = match check.format {
+        Format::Human => terminal::render(&run, &options),
+        Format::Json => json::render(&run, fail_on)?,
+    };
+    let code = run.exit_code(fail_on);
+    let Some(file) = check.output else {
+        return Ok(Answer {
+            out: report,
+            code,
+            ..Answer::default()
+        });
+    };
+    std::fs::write(&file, report)
+        .map_err(|error| Failure::Usage(format!("cannot write `{}`: {error}", file.display())))?;
+    // The file has the report; whoever waits at the terminal still learns how it ended.
+    let style = Style {
+        color: false,
+        ..surroundings.style
+    };
+    Ok(Answer {
+        err: terminal::render_ending(&run, &terminal::Options { style, ..options }),
+        code,
+        ..Answer::default()
+    })
+}
+
+fn run_tree(tree: Tree, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
+    let run = engine::read(&engine::Options {
+        paths: paths(tree.input.paths, stdin)?,
+        xacro_args: tree.input.xacro_args,
+        progress: surroundings.progress,
+        ..engine::Options::default()
+    })?;
+    let out = match tree.format {
+        TreeFormat::Text => tree::text::render(&run, surroundings.style),
+        TreeFormat::Dot => tree::dot::render(&run),
+        TreeFormat::Mermaid => tree::mermaid::render(&run),
+    };
+    // The drawing may be piped into a tool: what could not be read is said beside it.
+    Ok(Answer {
+        out,
+        err: terminal::render_unread(&run, surroundings.style),
+        code: run.exit_code_of_reading(),
+    })
+}
+
+fn run_explain(word: &str, style: Style) -> Result<Answer, Failure> {
+    let mut known = Vec::new();
+    for entry in RULES {
+        let front = Front::parse(entry.page)?;
+        if [&front.code, &front.name]
+            .iter()
+            .any(|name| name.eq_ignore_ascii_case(word))
+        {
+            return Ok(Answer {
+                out: explain::render(entry.page, style)?,
+                code: EXIT_CLEAN,
+                ..Answer::default()
+            });
+        }
+        known.extend([front.code, front.name]);
+    }
+    let meant = nearest(word, &known).map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
+    Err(Failure::Usage(format!(
+        "there is no rule `{word}`{meant}\n`frames-lint rules` lists all rules"
+    )))
+}
+
+/// The known word that is nearest, if it is near.
+fn nearest<'a>(word: &str, known: &'a [String]) -> Option<&'a str> {
+    let word = word.to_lowercase();
+    known
+        .iter()
+        .map(|name| {
+            (
+                strsim::normalized_damerau_levenshtein(&word, &name.to_lowercase()),
+                name,
+            )
+        })
+        .filter(|(likeness, _)| *likeness >= 0.5)
+        .max_by(|a, b| a.0.total_cmp(&b.0).then_with(|| b.1.cmp(a.1)))
+        .map(|(_, name)| name.as_str())
+}
+
+/// What reports say of every rule.
+pub fn rules() -> Result<Vec<RuleInfo>, PageError> {
+    RULES
+        .iter()
+        .map(|entry| Front::parse(entry.page).map(|front| RuleInfo::new(&front)))
+        .collect()
+}
+
+fn run_rules(format: RulesFormat, style: Style) -> Result<Answer, Failure> {
+    let rules = rules()?;
+    let out = match format {
+        RulesFormat::Text => rules_table::text(&rules, style),
+        RulesFormat::Json => rules_table::json(&rules)?,
+        RulesFormat::Markdown => rules_table::markdown(&rules),
+    };
+    Ok(Answer {
+        out,
+        ..Answer::default()
+    })
+}
+
+fn completions(shell: clap_complete::Shell) -> Answer {
+    let mut text = Vec::new();
+    clap_complete::generate(shell, &mut Cli::command(), "frames-lint", &mut text);
+    Answer {
+        out: String::from_utf8_lossy(&text).into_owned(),
+        ..Answer::default()
+    }
+}
+
+fn man(verb: Option<&str>) -> Result<Answer, Failure> {
+    let mut command = Cli::command();
+    command.build();
+    let command = match verb {
+        None => command,
+        Some(verb) => {
+            let found = command.find_subcommand(verb).cloned();
+            found.ok_or_else(|| Failure::Usage(format!("there is no verb `{verb}`")))?
+        }
+    };
+    let mut text = Vec::new();
+    clap_mangen::Man::new(command)
+        .render(&mut text)
+        .map_err(|error| Failure::Ours(error.to_string()))?;
+    Ok(Answer {
+        out: String::from_utf8_lossy(&text).into_owned(),
+        ..Answer::default()
+    })
+}
+
+/// The paths of the command line, with the list on standard input in place of `-`.
+fn paths(given: Vec<PathBuf>, stdin: &mut dyn Read) -> Result<Vec<PathBuf>, Failure> {
+    let mut paths = Vec::new();
+    let mut has_read = false;
+    for path in given {
+        if path.as_os_str() != "-" {
+            paths.push(path);
+        } else if !std::mem::replace(&mut has_read, true) {
+            let mut list = Vec::new();
+            stdin
+                .read_to_end(&mut list)
+                .map_err(|error| Failure::Usage(format!("cannot read the list of paths on standard input: {error}")))?;
+            paths.extend(listed(&list)?);
+        }
+    }
+    if paths.is_empty() {
+        return Err(Failure::Usage(
+            "the list of paths on standard input is empty".to_owned(),
+        ));
+    }
+    Ok(paths)
+}
+
+/// Paths between NULs if there is one (`git ls-files -z`, `find -print0`), else on lines.
+fn listed(list: &[u8]) -> Result<Vec<PathBuf>, Failure> {
+    let separator = if list.contains(&0) { 0 } else { b'\n' };
+    list.split(|byte| *byte == separator)
+        .map(|item| {
+            if separator == b'\n' {
+                item.strip_suffix(b"\r").unwrap_or(item)
+            } else {
+                item
+            }
+        })
+        .filter(|item| !item.is_empty())
+        .map(|item| path_from(item).ok_or_else(|| Failure::Usage("a path on standard input is not UTF-8".to_owned())))
+        .collect()
+}
+
+#[cfg(unix)]
+#[allow(clippy::unnecessary_wraps)] // other systems can refuse
+fn path_from(bytes: &[u8]) -> Option<PathBuf> {
+    use std::os::unix::ffi::OsStrExt;
+    Some(PathBuf::from(std::ffi::OsStr::from_bytes(bytes)))
+}
+
+#[cfg(not(unix))]
+fn path_from(bytes: &[u8]) -> Option<PathBuf> {
+    std::str::from_utf8(bytes).ok().map(PathBuf::from)
+}

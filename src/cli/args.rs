@@ -1,0 +1,157 @@
+//! The arguments, as clap reads them. Help texts live here.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
+
+use crate::run::FailOn;
+
+const EXIT_CODES: &str = "\
+Exit codes:
+   0  clean: something was checked, and no finding counts
+   1  a finding at or above --fail-on; hints never count
+   2  the call is wrong
+   3  incomplete: an input could not be read in full, or nothing was checked at all
+  70  a fault of frames-lint";
+
+/// A linter and acceptance gate for the coordinate frames of robots: reads URDF, xacro, calibration files and recordings
+/// together, and says what is wrong with the frames, where, and by how much.
+#[derive(Debug, Parser)]
+#[command(name = "frames-lint", version, after_help = EXIT_CODES, disable_help_subcommand = true)]
+pub(super) struct Cli {
+    #[command(subcommand)]
+    pub(super) verb: Verb,
+}
+
+#[derive(Debug, Subcommand)]
+pub(super) enum Verb {
+    /// Check files and folders
+    Check(Check),
+    /// Explain a rule: what it checks, why, how it decides, how to fix
+    Explain {
+        /// Code or name of the rule (TREE01, orphan-subtree)
+        rule: String,
+    },
+    /// List the rules
+    Rules {
+        /// How to list them
+        #[arg(long, value_enum, default_value = "text")]
+        format: RulesFormat,
+    },
+    /// Draw the frame tree with who says what; judges nothing
+    Tree(Tree),
+    /// Write a completion script for a shell
+    Completions {
+        /// The shell
+        #[arg(value_enum)]
+        shell: clap_complete::Shell,
+    },
+    /// Write a manual page
+    Man {
+        /// The verb whose page is wanted; the program's own page without it
+        verb: Option<String>,
+    },
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Input {
+    /// Files and folders; `-` takes a list from standard input, one path a line or NUL-separated
+    #[arg(required = true, value_name = "PATH", value_hint = ValueHint::AnyPath)]
+    pub(super) paths: Vec<PathBuf>,
+    /// Argument for xacro files; may be repeated
+    #[arg(long = "xacro-arg", value_name = "NAME:=VALUE", value_parser = xacro_arg)]
+    pub(super) xacro_args: Vec<String>,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(super) struct Check {
+    #[command(flatten)]
+    pub(super) input: Input,
+    /// Rules to run: codes, names or families, with commas between; all without it
+    #[arg(long, value_name = "RULES", value_delimiter = ',')]
+    pub(super) select: Vec<String>,
+    /// Rules to leave out: codes, names or families, with commas between
+    #[arg(long, value_name = "RULES", value_delimiter = ',')]
+    pub(super) ignore: Vec<String>,
+    /// Findings of this severity or worse give exit code 1; hints never do
+    #[arg(long, value_enum, default_value = "error", value_name = "SEVERITY")]
+    pub(super) fail_on: FailOnWord,
+    /// Form of the report; json is described by schema/frames-lint-1.json
+    #[arg(long, value_enum, default_value = "human")]
+    pub(super) format: Format,
+    /// Colour in the report; auto: on a terminal, unless NO_COLOR is set
+    #[arg(long, value_enum, default_value = "auto", value_name = "WHEN")]
+    pub(super) color: Color,
+    /// List every check that was not evaluated, with its reason
+    #[arg(short, long)]
+    pub(super) verbose: bool,
+    /// Show every finding, however many there are
+    #[arg(long)]
+    pub(super) all: bool,
+    /// Write the report to a file; the counts and the verdict go to standard error
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(super) output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Tree {
+    #[command(flatten)]
+    pub(super) input: Input,
+    /// Form of the drawing
+    #[arg(long, value_enum, default_value = "text")]
+    pub(super) format: TreeFormat,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum Format {
+    Human,
+    Json,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum RulesFormat {
+    Text,
+    Json,
+    Markdown,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum TreeFormat {
+    Text,
+    Dot,
+    Mermaid,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum Color {
+    Auto,
+    Always,
+    Never,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum FailOnWord {
+    Error,
+    Warning,
+    Note,
+    Never,
+}
+
+impl From<FailOnWord> for FailOn {
+    fn from(word: FailOnWord) -> Self {
+        match word {
+            FailOnWord::Error => Self::Error,
+            FailOnWord::Warning => Self::Warning,
+            FailOnWord::Note => Self::Note,
+            FailOnWord::Never => Self::Never,
+        }
+    }
+}
+
+fn xacro_arg(text: &str) -> Result<String, String> {
+    match text.split_once(":=") {
+        Some((name, _)) if !name.trim().is_empty() => Ok(text.to_owned()),
+        _ => Err("an argument for xacro has the form name:=value".to_owned()),
+    }
+}

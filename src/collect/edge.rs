@@ -1,0 +1,167 @@
+//! One TF edge while it is being collected.
+
+use crate::world::bag::{Faults, MAX_EXAMPLES, TfEdge, TfFault, TfSample};
+use crate::world::{FrameId, Pose};
+
+use super::point::Point;
+use super::stamps::Stamps;
+use super::thin::{Share, Thinned};
+
+/// tf2 drops a transform whose quaternion has `| |q|² - 1 |` of this or more: `QUATERNION_NORMALIZATION_TOLERANCE` in
+/// geometry2, tf2/src/buffer_core.cpp.
+const NORM_TOLERANCE: f64 = 10e-3;
+/// Differences of this size weigh the same when the sample that differs most is looked for: 0.1° and 1 mm.
+const ANGLE_UNIT_RAD: f64 = 0.1 * std::f64::consts::PI / 180.0;
+const DISTANCE_UNIT_M: f64 = 1e-3;
+
+/// Topic, parent and child, by their numbers.
+type Key = (usize, u32, u32);
+
+pub(super) struct EdgeState {
+    pub(super) key: Key,
+    pub(super) first: Point,
+    pub(super) count: u64,
+    last: Point,
+    samples: Thinned<(Point, Pose)>,
+    extreme: Option<Extreme>,
+    non_finite: FaultState,
+    zero_quaternion: FaultState,
+    denormalized: FaultState,
+    worst_norm_error: f64,
+    stamps: Stamps,
+}
+
+/// The sample that differs most from the first.
+struct Extreme {
+    sample: (Point, Pose),
+    angle_rad: f64,
+    distance_m: f64,
+}
+
+impl EdgeState {
+    pub(super) fn new(key: Key, first: Point, share: Share) -> Self {
+        Self {
+            key,
+            first,
+            count: 0,
+            last: first,
+            samples: Thinned::new(share.poses),
+            extreme: None,
+            non_finite: FaultState::default(),
+            zero_quaternion: FaultState::default(),
+            denormalized: FaultState::default(),
+            worst_norm_error: 0.0,
+            stamps: Stamps::new(share),
+        }
+    }
+
+    /// Takes in a transform; returns whether its numbers are ones that tf2 accepts.
+    pub(super) fn push(&mut self, point: Point, translation: [f64; 3], rotation: [f64; 4]) -> bool {
+        self.count += 1;
+        self.last = point;
+        self.stamps.push(point);
+        let squared: f64 = rotation.iter().map(|v| v * v).sum();
+        let finite = translation.iter().chain(&rotation).all(|v| v.is_finite());
+        let fault = if !finite {
+            &mut self.non_finite
+        } else if rotation.iter().all(|v| *v == 0.0) {
+            &mut self.zero_quaternion
+        } else if (squared - 1.0).abs() >= NORM_TOLERANCE {
+            &mut self.denormalized
+        } else {
+            self.worst_norm_error = self.worst_norm_error.max((squared.sqrt() - 1.0).abs());
+            if let Some(pose) = Pose::from_raw(translation, rotation) {
+                self.valid(point, pose);
+            }
+            return true;
+        };
+        fault.push(point, translation, rotation);
+        false
+    }
+
+    fn valid(&mut self, point: Point, pose: Pose) {
+        self.samples.push((point, pose));
+        let Some((_, first)) = self.samples.first() else { return };
+        if *first == pose {
+            return;
+        }
+        let difference = first.isometry().rotation.rotation_to(&pose.isometry().rotation);
+        let candidate = Extreme {
+            sample: (point, pose),
+            angle_rad: difference.angle(),
+            distance_m: distance(first.translation_m, pose.translation_m),
+        };
+        if self
+            .extreme
+            .as_ref()
+            .is_none_or(|known| candidate.weight() > known.weight())
+        {
+            self.extreme = Some(candidate);
+        }
+    }
+
+    pub(super) fn finish(self, parent: FrameId, child: FrameId, topic: &str, is_static: bool) -> TfEdge {
+        let sample = |(point, pose): (Point, Pose)| TfSample {
+            at: point.on(topic),
+            pose,
+        };
+        let extreme = self
+            .extreme
+            .map(|extreme| (sample(extreme.sample), extreme.angle_rad, extreme.distance_m));
+        TfEdge {
+            parent,
+            child,
+            topic: topic.to_owned(),
+            is_static,
+            count: self.count,
+            first_at: self.first.on(topic),
+            last_at: self.last.on(topic),
+            samples: self.samples.finish().into_iter().map(sample).collect(),
+            extreme,
+            non_finite: self.non_finite.finish(topic),
+            zero_quaternion: self.zero_quaternion.finish(topic),
+            denormalized: self.denormalized.finish(topic),
+            worst_norm_error: self.worst_norm_error,
+            stamps: self.stamps.finish(topic),
+        }
+    }
+}
+
+impl Extreme {
+    /// Whichever of angle and distance is larger in its unit: a small turn must not hide a large shift.
+    fn weight(&self) -> f64 {
+        (self.angle_rad / ANGLE_UNIT_RAD).max(self.distance_m / DISTANCE_UNIT_M)
+    }
+}
+
+fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a.iter().zip(&b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+}
+
+/// A fault's count and first examples.
+#[derive(Default)]
+struct FaultState {
+    count: u64,
+    examples: Vec<(Point, [f64; 3], [f64; 4])>,
+}
+
+impl FaultState {
+    fn push(&mut self, point: Point, translation: [f64; 3], rotation: [f64; 4]) {
+        self.count += 1;
+        if self.examples.len() < MAX_EXAMPLES {
+            self.examples.push((point, translation, rotation));
+        }
+    }
+
+    fn finish(self, topic: &str) -> Faults {
+        let fault = |(point, translation, rotation): (Point, [f64; 3], [f64; 4])| TfFault {
+            at: point.on(topic),
+            translation,
+            rotation,
+        };
+        Faults {
+            count: self.count,
+            examples: self.examples.into_iter().map(fault).collect(),
+        }
+    }
+}

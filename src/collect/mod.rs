@@ -1,0 +1,179 @@
+//! Collecting: a recording becomes evidence, in one pass and in bounded memory.
+//!
+//! Owns what is kept of a recording. Must not know container formats, nor judge what it keeps.
+
+mod descriptions;
+mod edge;
+mod point;
+mod stamps;
+mod tf;
+mod thin;
+mod topic;
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use crate::read::bag::{self, Channel, Message, Progress, Visit};
+use crate::read::messages::string;
+use crate::source::{MessageRef, Place, ReadStatus, Source};
+use crate::world::{BagEvidence, Facts};
+
+use descriptions::{Descriptions, MAX_DESCRIPTIONS};
+use tf::{MAX_EDGES, Tf};
+use thin::Share;
+use topic::{Reading, Topic};
+
+/// Bound on topics; large systems have some hundred.
+const MAX_TOPICS: usize = 10_000;
+/// Bound on the length of a topic, bytes; DDS allows 256.
+const MAX_TOPIC_NAME: usize = 512;
+/// Bound on the topics whose malformed messages get a problem of their own.
+const MAX_PROBLEMS: usize = 20;
+
+/// What one recording gave.
+#[derive(Clone, Debug, Default)]
+pub struct Collected {
+    /// Evidence and frame names; exactly one bag.
+    pub facts: Facts,
+    /// Texts of robot descriptions, each different one once, with the first message that carries it.
+    pub descriptions: Vec<(MessageRef, String)>,
+}
+
+/// Reads a recording once and keeps bounded evidence of it. How far that went, and every problem, is written into
+/// `source`; what could be read before a fault is in the evidence.
+pub fn collect(path: &Path, source: &mut Source, progress: Progress<'_>) -> Collected {
+    let mut collector = Collector::default();
+    let truncated = bag::read(path, source, progress, &mut collector);
+    collector.finish(source, truncated)
+}
+
+#[derive(Default)]
+struct Collector {
+    /// By the channel's number; `None` where there was no room for its topic.
+    channels: Vec<Option<(usize, Reading)>>,
+    topics: Vec<Topic>,
+    topic_of: HashMap<String, usize>,
+    tf: Tf,
+    descriptions: Descriptions,
+    log_ns: Option<(i64, i64)>,
+    messages: u64,
+    refused_channels: u64,
+}
+
+impl Visit for Collector {
+    fn channel(&mut self, channel: &Channel) {
+        let entry = self.topic(channel);
+        self.refused_channels += u64::from(entry.is_none());
+        self.channels.push(entry);
+    }
+
+    fn message(&mut self, channel: &Channel, message: &Message<'_>) {
+        self.messages += 1;
+        let log_ns = message.log_ns;
+        let (first, last) = self.log_ns.unwrap_or((log_ns, log_ns));
+        self.log_ns = Some((first.min(log_ns), last.max(log_ns)));
+
+        let Some(Some((number, reading))) = self.channels.get(channel.number) else {
+            return;
+        };
+        let Some(topic) = self.topics.get_mut(*number) else {
+            return;
+        };
+        let point = topic.next_point(message);
+        let result = match reading {
+            Reading::Header => topic.header(point, message.data),
+            Reading::Odometry => topic.odometry(point, message.data),
+            Reading::Tf => self.tf.message(*number, point, message.data),
+            Reading::Description => {
+                string::data(message.data).map(|text| self.descriptions.push(point, &topic.name, text))
+            }
+            Reading::Nothing | Reading::Unread(_) => Ok(()),
+        };
+        if let Err(error) = result {
+            topic.malformed(point, error);
+        }
+    }
+}
+
+impl Collector {
+    fn topic(&mut self, channel: &Channel) -> Option<(usize, Reading)> {
+        let reading = Reading::of(channel);
+        let next = self.topics.len();
+        let number = match self.topic_of.get(&channel.topic) {
+            Some(known) => *known,
+            None if next >= MAX_TOPICS || channel.topic.len() > MAX_TOPIC_NAME => return None,
+            None => {
+                self.topic_of.insert(channel.topic.clone(), next);
+                self.topics.push(Topic::new(channel, &reading, Share::of(next)));
+                next
+            }
+        };
+        if reading == Reading::Tf {
+            self.tf.topic(number, &channel.topic);
+        }
+        Some((number, reading))
+    }
+
+    fn finish(self, source: &mut Source, truncated: bool) -> Collected {
+        self.problems(source);
+        let (edges, parent_switches, mut frames) = self.tf.finish(source.id);
+        for topic in &self.topics {
+            frames.extend(topic.frame_uses(source.id));
+        }
+        frames.sort();
+        let evidence = BagEvidence {
+            start_ns: self.log_ns.map(|(first, _)| first),
+            end_ns: self.log_ns.map(|(_, last)| last),
+            messages: self.messages,
+            topics: self
+                .topics
+                .into_iter()
+                .map(|topic| (topic.name.clone(), topic.finish()))
+                .collect(),
+            tf: edges,
+            parent_switches,
+            truncated,
+            ..BagEvidence::new(source.id)
+        };
+        Collected {
+            facts: Facts {
+                frames,
+                bags: vec![evidence],
+                ..Facts::default()
+            },
+            descriptions: self.descriptions.kept,
+        }
+    }
+
+    /// Says what was left out of the evidence: nothing passes in silence.
+    fn problems(&self, source: &mut Source) {
+        let id = source.id;
+        let broken = self.topics.iter().filter_map(|topic| Some((topic, topic.broken()?)));
+        for (topic, (count, first, error)) in broken.take(MAX_PROBLEMS) {
+            let of = topic.count;
+            let message = format!("{count} of {of} messages on `{}` do not decode: {error}", topic.name);
+            let place = Place::message(id, first.on(&topic.name));
+            source.problem(ReadStatus::Partial, place, message);
+        }
+        let refused_names: u64 = self.topics.iter().map(Topic::refused_names).sum();
+        let left_out = [
+            (
+                self.refused_channels,
+                format!("channels beyond the first {MAX_TOPICS} topics, or with very long names"),
+            ),
+            (
+                self.tf.refused,
+                format!("transforms beyond the first {MAX_EDGES} edges of TF"),
+            ),
+            (refused_names, "message headers with ever new frame names".to_owned()),
+            (
+                self.descriptions.refused,
+                format!("robot descriptions beyond the first {MAX_DESCRIPTIONS}"),
+            ),
+        ];
+        for (count, what) in left_out.into_iter().filter(|(count, _)| *count > 0) {
+            let message = format!("{count} {what} are not in the evidence");
+            source.problem(ReadStatus::Partial, Place::whole(id), message);
+        }
+    }
+}

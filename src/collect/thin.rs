@@ -1,0 +1,203 @@
+//! Bounded samples of long series, and how large they may be.
+//!
+//! Owns thinning. Must not know what is sampled.
+
+/// How many samples one subject (a topic, an edge) may keep. The first subjects of a recording get full series; a
+/// recording with thousands of them, real or hostile, gets short ones, so that memory stays bounded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Share {
+    /// Pairs of stamps.
+    pub(super) stamps: usize,
+    /// Steps between stamps.
+    pub(super) steps: usize,
+    /// Poses.
+    pub(super) poses: usize,
+    /// Frame names in the headers of a topic.
+    pub(super) names: usize,
+}
+
+impl Share {
+    /// The share of the subject that came `rank`-th, from 0.
+    pub(super) fn of(rank: usize) -> Self {
+        let (stamps, steps, poses, names) = match rank {
+            0..200 => (2048, 4096, 512, 256),
+            200..2_000 => (128, 256, 32, 32),
+            _ => (16, 32, 8, 4),
+        };
+        Self {
+            stamps,
+            steps,
+            poses,
+            names,
+        }
+    }
+}
+
+/// Evenly thinned values in order: every n-th, n doubling when the bound is reached; the first and the last are always
+/// among them.
+#[derive(Clone, Debug)]
+pub(super) struct Thinned<T> {
+    bound: usize,
+    stride: u64,
+    seen: u64,
+    kept: Vec<T>,
+    last: Option<T>,
+}
+
+impl<T: Copy> Thinned<T> {
+    /// At most `bound` values, two at least.
+    pub(super) fn new(bound: usize) -> Self {
+        Self {
+            bound: bound.max(2),
+            stride: 1,
+            seen: 0,
+            kept: Vec::new(),
+            last: None,
+        }
+    }
+
+    pub(super) fn push(&mut self, value: T) {
+        if self.seen.is_multiple_of(self.stride) {
+            // One place is left for the last value.
+            if self.kept.len() + 1 >= self.bound {
+                let mut even = false;
+                self.kept.retain(|_| {
+                    even = !even;
+                    even
+                });
+                self.stride *= 2;
+            }
+            if self.seen.is_multiple_of(self.stride) {
+                self.kept.push(value);
+            }
+        }
+        self.last = Some(value);
+        self.seen += 1;
+    }
+
+    /// The first value.
+    pub(super) fn first(&self) -> Option<&T> {
+        self.kept.first()
+    }
+
+    /// The values kept, in order.
+    pub(super) fn finish(mut self) -> Vec<T> {
+        let last_is_kept = self.seen.wrapping_sub(1).is_multiple_of(self.stride);
+        if let (Some(last), false) = (self.last, last_is_kept || self.seen == 0) {
+            self.kept.push(last);
+        }
+        self.kept
+    }
+}
+
+/// A random sample of a series, every value with the same chance; all of it while it is short. Thinning by a stride
+/// would fall into step with a periodic series. The generator is seeded with a constant: same input, same sample.
+#[derive(Clone, Debug)]
+pub(super) struct Reservoir {
+    bound: usize,
+    seen: u64,
+    kept: Vec<i64>,
+    state: u64,
+}
+
+impl Reservoir {
+    pub(super) fn new(bound: usize) -> Self {
+        Self {
+            bound,
+            seen: 0,
+            kept: Vec::new(),
+            state: 0,
+        }
+    }
+
+    /// Vitter's algorithm R.
+    pub(super) fn push(&mut self, value: i64) {
+        self.seen += 1;
+        if self.kept.len() < self.bound {
+            self.kept.push(value);
+            return;
+        }
+        let index = self.random() % self.seen;
+        if let Some(slot) = usize::try_from(index).ok().and_then(|index| self.kept.get_mut(index)) {
+            *slot = value;
+        }
+    }
+
+    /// The lower median of the sample.
+    pub(super) fn median(&self) -> Option<i64> {
+        let mut sorted = self.kept.clone();
+        let middle = sorted.len().checked_sub(1)? / 2;
+        Some(*sorted.select_nth_unstable(middle).1)
+    }
+
+    /// How many values of the series are above `limit`: exact while all were kept, else scaled up from the sample.
+    pub(super) fn count_above(&self, limit: i64) -> u64 {
+        let above = self.kept.iter().filter(|value| **value > limit).count() as u128;
+        let estimate = above * u128::from(self.seen) / (self.kept.len() as u128).max(1);
+        u64::try_from(estimate).unwrap_or(u64::MAX)
+    }
+
+    /// SplitMix64 (Steele, Lea, Flood 2014).
+    fn random(&mut self) -> u64 {
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn thinned(n: u64, bound: usize) -> Vec<u64> {
+        let mut thinned = Thinned::new(bound);
+        for value in 0..n {
+            thinned.push(value);
+        }
+        thinned.finish()
+    }
+
+    #[test]
+    fn short_series_are_kept_whole() {
+        assert_eq!(thinned(0, 8), Vec::<u64>::new());
+        assert_eq!(thinned(1, 8), [0]);
+        assert_eq!(thinned(7, 8), [0, 1, 2, 3, 4, 5, 6]);
+    }
+
+    #[test]
+    fn long_series_are_even_and_keep_both_ends() {
+        assert_eq!(thinned(9, 8), [0, 2, 4, 6, 8]);
+        assert_eq!(thinned(10, 8), [0, 2, 4, 6, 8, 9]);
+        for n in 2..3000 {
+            let kept = thinned(n, 16);
+            assert!(kept.len() <= 16, "{n}: {kept:?}");
+            assert_eq!((kept.first(), kept.last()), (Some(&0), Some(&(n - 1))));
+            let step = kept[1] - kept[0];
+            assert!(
+                kept.windows(2).rev().skip(1).all(|pair| pair[1] - pair[0] == step),
+                "{n}: {kept:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn the_median_of_a_short_series_is_exact_and_of_a_long_one_near() {
+        let mut short = Reservoir::new(8);
+        assert_eq!(short.median(), None);
+        for value in [5, 1, 4, 2] {
+            short.push(value);
+        }
+        assert_eq!(short.median(), Some(2));
+        assert_eq!(short.count_above(3), 2);
+        let mut long = Reservoir::new(1000);
+        for value in 0..100_000 {
+            long.push(value % 100);
+        }
+        let median = long.median().unwrap();
+        assert!((40..60).contains(&median), "{median}");
+        let above = long.count_above(89);
+        assert!((7_000..13_000).contains(&above), "{above}");
+    }
+}

@@ -1,0 +1,230 @@
+//! What is gathered of one topic: counts, log times, header frames, stamps.
+
+use std::collections::BTreeMap;
+
+use crate::read::bag::{Channel, Message};
+use crate::read::messages::header::Header;
+use crate::read::messages::{DecodeError, header, odometry};
+use crate::source::{Place, SourceId};
+use crate::world::bag::{HeaderFrame, TopicEvidence};
+use crate::world::{FrameId, FrameRole, FrameUse};
+
+use super::point::Point;
+use super::stamps::Stamps;
+use super::thin::Share;
+
+/// What is read of the messages of a channel.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) enum Reading {
+    /// Transforms.
+    Tf,
+    /// Header and child frame.
+    Odometry,
+    /// The text of a robot description.
+    Description,
+    /// The header.
+    Header,
+    /// The type has nothing to read.
+    Nothing,
+    /// It cannot be read, and why.
+    Unread(String),
+}
+
+impl Reading {
+    /// Decides by type, definition and encoding.
+    pub(super) fn of(channel: &Channel) -> Self {
+        if channel.message_encoding != "cdr" {
+            let encoding = named(&channel.message_encoding, "unnamed");
+            return Self::Unread(format!("{encoding} messages are not read"));
+        }
+        // These three are read by their published layout, so a missing definition does no harm.
+        match channel.message_type.as_str() {
+            "tf2_msgs/msg/TFMessage" => return Self::Tf,
+            "nav_msgs/msg/Odometry" => return Self::Odometry,
+            "std_msgs/msg/String" if last_segment(&channel.topic) == "robot_description" => return Self::Description,
+            _ => {}
+        }
+        if channel.schema_text.trim().is_empty() {
+            let name = named(&channel.message_type, "the type");
+            return Self::Unread(format!("the recording holds no definition of {name}"));
+        }
+        match channel.schema_encoding.as_str() {
+            "ros2msg" if header::comes_first(&channel.schema_text) => Self::Header,
+            "ros2msg" => Self::Nothing,
+            other => Self::Unread(format!(
+                "definitions in {} are not read",
+                named(other, "an unnamed encoding")
+            )),
+        }
+    }
+}
+
+fn named<'a>(name: &'a str, otherwise: &'a str) -> &'a str {
+    if name.is_empty() { otherwise } else { name }
+}
+
+/// The last part of a topic's path: `tf_static` of `/robot1/tf_static`.
+pub(super) fn last_segment(topic: &str) -> &str {
+    topic.rsplit('/').next().unwrap_or(topic)
+}
+
+/// One topic while it is being collected.
+pub(super) struct Topic {
+    pub(super) name: String,
+    message_type: String,
+    pub(super) count: u64,
+    log_ns: Option<(i64, i64)>,
+    offered_qos_profiles: Option<String>,
+    unread: Option<String>,
+    malformed: u64,
+    first_malformed: Option<(Point, String)>,
+    frames: Names,
+    children: Names,
+    stamps: Stamps,
+}
+
+impl Topic {
+    pub(super) fn new(channel: &Channel, reading: &Reading, share: Share) -> Self {
+        Self {
+            name: channel.topic.clone(),
+            message_type: channel.message_type.clone(),
+            count: 0,
+            log_ns: None,
+            offered_qos_profiles: channel.metadata.get("offered_qos_profiles").cloned(),
+            unread: match reading {
+                Reading::Unread(why) => Some(why.clone()),
+                _ => None,
+            },
+            malformed: 0,
+            first_malformed: None,
+            frames: Names::new(share),
+            children: Names::new(share),
+            stamps: Stamps::new(share),
+        }
+    }
+
+    /// Counts a message and gives its point, without stamp.
+    pub(super) fn next_point(&mut self, message: &Message<'_>) -> Point {
+        let log_ns = message.log_ns;
+        let (first, last) = self.log_ns.unwrap_or((log_ns, log_ns));
+        self.log_ns = Some((first.min(log_ns), last.max(log_ns)));
+        self.count += 1;
+        Point {
+            index: self.count - 1,
+            stamp_ns: None,
+            log_ns,
+            transform: None,
+        }
+    }
+
+    /// Takes in the header of a message.
+    pub(super) fn header(&mut self, point: Point, message: &[u8]) -> Result<(), DecodeError> {
+        self.stamped(point, &Header::of(message)?);
+        Ok(())
+    }
+
+    /// Takes in an odometry message.
+    pub(super) fn odometry(&mut self, point: Point, message: &[u8]) -> Result<(), DecodeError> {
+        let (header, child) = odometry::frames(message)?;
+        let point = self.stamped(point, &header);
+        self.children.add(child, point);
+        Ok(())
+    }
+
+    fn stamped(&mut self, point: Point, header: &Header<'_>) -> Point {
+        let point = Point {
+            stamp_ns: Some(header.stamp_ns),
+            ..point
+        };
+        self.stamps.push(point);
+        self.frames.add(header.frame_id, point);
+        point
+    }
+
+    /// Notes a message that does not decode.
+    pub(super) fn malformed(&mut self, point: Point, error: DecodeError) {
+        self.malformed += 1;
+        self.first_malformed.get_or_insert((point, error.0));
+    }
+
+    /// Names that found no room.
+    pub(super) fn refused_names(&self) -> u64 {
+        self.frames.refused + self.children.refused
+    }
+
+    /// The messages that did not decode, with the first one's error and place.
+    pub(super) fn broken(&self) -> Option<(u64, Point, &str)> {
+        let (point, error) = self.first_malformed.as_ref()?;
+        Some((self.malformed, *point, error))
+    }
+
+    /// The frames named by the topic; the empty id is not a name.
+    pub(super) fn frame_uses(&self, source: SourceId) -> impl Iterator<Item = FrameUse> {
+        let of = move |names: &'_ Names, role| -> Vec<FrameUse> {
+            let named = names.known.iter().filter(|(name, _)| !name.is_empty());
+            named
+                .map(|(name, (count, first))| FrameUse {
+                    frame: FrameId::new(name.as_str()),
+                    role,
+                    place: Place::message(source, first.on(&self.name)),
+                    count: *count,
+                })
+                .collect()
+        };
+        let headers = of(&self.frames, FrameRole::Header);
+        headers.into_iter().chain(of(&self.children, FrameRole::OdometryChild))
+    }
+
+    pub(super) fn finish(self) -> TopicEvidence {
+        let name = self.name;
+        TopicEvidence {
+            message_type: self.message_type,
+            count: self.count,
+            first_log_ns: self.log_ns.map(|(first, _)| first),
+            last_log_ns: self.log_ns.map(|(_, last)| last),
+            offered_qos_profiles: self.offered_qos_profiles,
+            unread: self.unread,
+            malformed: self.malformed,
+            first_malformed: self.first_malformed.map(|(point, error)| (point.on(&name), error)),
+            header_frames: self.frames.finish(&name),
+            child_frames: self.children.finish(&name),
+            stamps: self.stamps.finish(&name),
+            topic: name,
+        }
+    }
+}
+
+/// Frame names with their count and first message, bounded.
+struct Names {
+    bound: usize,
+    known: BTreeMap<String, (u64, Point)>,
+    refused: u64,
+}
+
+impl Names {
+    fn new(share: Share) -> Self {
+        Self {
+            bound: share.names,
+            known: BTreeMap::new(),
+            refused: 0,
+        }
+    }
+
+    fn add(&mut self, name: &str, point: Point) {
+        if let Some((count, _)) = self.known.get_mut(name) {
+            *count += 1;
+        } else if self.known.len() < self.bound {
+            self.known.insert(name.to_owned(), (1, point));
+        } else {
+            self.refused += 1;
+        }
+    }
+
+    fn finish(self, topic: &str) -> BTreeMap<FrameId, HeaderFrame> {
+        let of = |(name, (count, first)): (String, (u64, Point))| {
+            let first = first.on(topic);
+            (FrameId::new(name), HeaderFrame { count, first })
+        };
+        self.known.into_iter().map(of).collect()
+    }
+}

@@ -1,0 +1,152 @@
+//! The channels of an MCAP as they are defined while reading, and what their messages are handed to.
+//!
+//! Owns schemas and channels by their ids in the file, with bounds on how much a hostile file can make us keep.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use ::mcap::records::{Record, op};
+
+use super::{Channel, Message, Visit};
+
+/// Bound on all definitions together, bytes: a schema of a large ROS type has 20 KB, a system some hundred types.
+const MAX_SCHEMA_BYTES: usize = 64 << 20;
+/// Bound on channel definitions. Ids have 16 bits, so more come only from a file that redefines them.
+const MAX_CHANNELS: usize = 1 << 16;
+/// Bound on the names and metadata of all channels together, bytes.
+const MAX_CHANNEL_BYTES: usize = 64 << 20;
+
+struct Schema {
+    name: String,
+    encoding: String,
+    text: Arc<str>,
+}
+
+/// Takes in the records that matter: schemas, channels, messages.
+pub(super) struct Channels<'v> {
+    schemas: BTreeMap<u16, Schema>,
+    by_id: BTreeMap<u16, Channel>,
+    schema_bytes: usize,
+    channel_bytes: usize,
+    visit: &'v mut dyn Visit,
+    /// Channels told so far.
+    pub(super) told: usize,
+    /// Messages handed on.
+    pub(super) messages: u64,
+    /// Messages whose channel the file does not define.
+    pub(super) orphans: u64,
+    /// Topics whose channel id was defined again, differently.
+    pub(super) redefined: u64,
+}
+
+impl<'v> Channels<'v> {
+    pub(super) fn new(visit: &'v mut dyn Visit) -> Self {
+        Self {
+            schemas: BTreeMap::new(),
+            by_id: BTreeMap::new(),
+            schema_bytes: 0,
+            channel_bytes: 0,
+            visit,
+            told: 0,
+            messages: 0,
+            orphans: 0,
+            redefined: 0,
+        }
+    }
+
+    /// Takes in one record; kinds that do not matter are passed over. The error says what is wrong with it.
+    pub(super) fn record(&mut self, opcode: u8, body: &[u8]) -> Result<(), String> {
+        match opcode {
+            op::SCHEMA | op::CHANNEL | op::MESSAGE => {}
+            // The format reserves 0; a run of zeros must not pass for empty records.
+            0 => return Err("a record of kind 0, which the format does not know".to_owned()),
+            _ => return Ok(()),
+        }
+        match ::mcap::parse_record(opcode, body) {
+            Ok(Record::Message { header, data }) => {
+                self.message(header.channel_id, header.log_time, &data);
+                Ok(())
+            }
+            Ok(Record::Channel(channel)) => self.channel(channel),
+            Ok(Record::Schema { header, data }) => self.schema(header, &data),
+            Ok(_) => Ok(()),
+            Err(error) => Err(format!("a record that does not parse ({error})")),
+        }
+    }
+
+    fn message(&mut self, channel: u16, log_time: u64, data: &[u8]) {
+        let Some(channel) = self.by_id.get(&channel) else {
+            self.orphans += 1;
+            return;
+        };
+        let log_ns = i64::try_from(log_time).unwrap_or(i64::MAX);
+        self.messages += 1;
+        self.visit.message(channel, &Message { log_ns, data });
+    }
+
+    fn schema(&mut self, header: ::mcap::records::SchemaHeader, data: &[u8]) -> Result<(), String> {
+        // Binary definitions (protobuf) have no reader: their bytes are not kept.
+        let text = std::str::from_utf8(data).unwrap_or_default();
+        let same = |known: &Schema| {
+            known.name == header.name && known.encoding == header.encoding && known.text.as_ref() == text
+        };
+        if self.schemas.get(&header.id).is_some_and(same) {
+            return Ok(());
+        }
+        self.schema_bytes += text.len() + header.name.len() + header.encoding.len();
+        if self.schema_bytes > MAX_SCHEMA_BYTES {
+            return Err(format!("definitions of more than {MAX_SCHEMA_BYTES} bytes in all"));
+        }
+        self.schemas.insert(
+            header.id,
+            Schema {
+                name: header.name,
+                encoding: header.encoding,
+                text: text.into(),
+            },
+        );
+        Ok(())
+    }
+
+    fn channel(&mut self, record: ::mcap::records::Channel) -> Result<(), String> {
+        // Id 0 says that there is no schema; a missing one leaves the type unknown too.
+        let schema = self.schemas.get(&record.schema_id).filter(|_| record.schema_id != 0);
+        let mut channel = Channel {
+            number: self.told,
+            topic: record.topic,
+            message_type: schema.map_or_else(String::new, |schema| schema.name.clone()),
+            schema_text: schema.map_or_else(|| "".into(), |schema| Arc::clone(&schema.text)),
+            schema_encoding: schema.map_or_else(String::new, |schema| schema.encoding.clone()),
+            message_encoding: record.message_encoding,
+            metadata: record.metadata,
+        };
+        if let Some(known) = self.by_id.get(&record.id) {
+            // Writers repeat channels in every chunk.
+            channel.number = known.number;
+            if *known == channel {
+                return Ok(());
+            }
+            self.redefined += 1;
+            channel.number = self.told;
+        }
+        self.channel_bytes += size(&channel);
+        if self.told >= MAX_CHANNELS || self.channel_bytes > MAX_CHANNEL_BYTES {
+            return Err(format!(
+                "more than {MAX_CHANNELS} channel definitions, or {MAX_CHANNEL_BYTES} bytes of them"
+            ));
+        }
+        self.told += 1;
+        self.visit.channel(&channel);
+        self.by_id.insert(record.id, channel);
+        Ok(())
+    }
+}
+
+fn size(channel: &Channel) -> usize {
+    let metadata: usize = channel
+        .metadata
+        .iter()
+        .map(|(key, value)| key.len() + value.len())
+        .sum();
+    channel.topic.len() + channel.message_encoding.len() + channel.message_type.len() + metadata
+}

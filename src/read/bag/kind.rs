@@ -1,0 +1,89 @@
+//! What a file is, by its first bytes.
+//!
+//! Owns the magics of recordings and of what is mistaken for one, and the words of refusal.
+
+/// How many bytes decide.
+pub(super) const SNIFFED: u64 = 64;
+
+/// What the first bytes of a file say.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Container {
+    /// An MCAP recording.
+    Mcap,
+    /// A ROS 1 bag, any version.
+    Rosbag1,
+    /// An SQLite database, as rosbag2 writes (`.db3`).
+    Sqlite,
+    /// A file compressed with gzip.
+    Gzip,
+    /// A file compressed with zstd, as rosbag2 does in file mode (`.mcap.zstd`).
+    Zstd,
+    /// A file compressed with lz4.
+    Lz4,
+    /// A file compressed with bzip2.
+    Bzip2,
+    /// A ZIP archive.
+    Zip,
+    /// A pointer left by Git LFS where the file was never downloaded.
+    GitLfsPointer,
+    /// No bytes at all.
+    Empty,
+    /// None of these.
+    Unknown,
+}
+
+impl Container {
+    /// Judges the first bytes; 64 are enough.
+    pub fn of(first: &[u8]) -> Self {
+        let magics: [(&[u8], Self); 9] = [
+            (::mcap::MAGIC, Self::Mcap),
+            (b"#ROSBAG V", Self::Rosbag1),
+            (b"SQLite format 3\0", Self::Sqlite),
+            (&[0x1f, 0x8b], Self::Gzip),
+            (&[0x28, 0xb5, 0x2f, 0xfd], Self::Zstd),
+            (&[0x04, 0x22, 0x4d, 0x18], Self::Lz4),
+            (b"BZh", Self::Bzip2),
+            (b"PK\x03\x04", Self::Zip),
+            (b"version https://git-lfs.github.com/spec/", Self::GitLfsPointer),
+        ];
+        if first.is_empty() {
+            return Self::Empty;
+        }
+        magics
+            .iter()
+            .find(|(magic, _)| first.starts_with(magic))
+            .map_or(Self::Unknown, |(_, container)| *container)
+    }
+
+    /// Why such a file is not read as a recording, and what to do. For an MCAP there is nothing to refuse.
+    pub(super) fn refusal(self) -> (String, Option<&'static str>) {
+        let is = |what: &str| format!("not an MCAP: this is {what}");
+        match self {
+            Self::Mcap | Self::Unknown => (
+                "not an MCAP: magic missing at byte 0".to_owned(),
+                Some("give an MCAP recording; a file that should be one is damaged from its first bytes on"),
+            ),
+            Self::Empty => ("the file is empty".to_owned(), None),
+            Self::Rosbag1 => (
+                is("a ROS 1 bag, which is not read"),
+                Some("convert it: `mcap convert in.bag out.mcap`"),
+            ),
+            Self::Sqlite => (
+                is("an SQLite database (rosbag2 `.db3`), which is not read"),
+                Some("convert it: `mcap convert in.db3 out.mcap`, or `ros2 bag convert` with `storage_id: mcap`"),
+            ),
+            Self::Gzip => (is("a file compressed with gzip"), Some("decompress it first: `gunzip`")),
+            Self::Zstd => (is("a file compressed with zstd"), Some("decompress it first: `unzstd`")),
+            Self::Lz4 => (is("a file compressed with lz4"), Some("decompress it first: `unlz4`")),
+            Self::Bzip2 => (
+                is("a file compressed with bzip2"),
+                Some("decompress it first: `bunzip2`"),
+            ),
+            Self::Zip => (is("a ZIP archive"), Some("unpack it first")),
+            Self::GitLfsPointer => (
+                is("a Git LFS pointer, the recording itself was not downloaded"),
+                Some("fetch it: `git lfs pull`"),
+            ),
+        }
+    }
+}

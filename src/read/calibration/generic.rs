@@ -1,0 +1,357 @@
+//! The generic reading: transforms under any key, recognised by what the key says or by what the numbers are.
+//!
+//! Owns which values become claims. Recognition is never by count alone: sixteen numbers are a transform if the key says
+//! so, or if they are one within a wide margin.
+
+use std::collections::BTreeSet;
+
+use crate::source::{Confidence, Span};
+use crate::world::transform_name::{self, NamePart};
+use crate::world::{FrameRole, Literal};
+
+use super::dialect::{self, Dialect};
+use super::document::{Kind, Node};
+use super::names::{self, Half};
+use super::numbers::{self, Numbers};
+use super::shapes::{self, Rotation};
+use super::walk::{Named, Step, Walk};
+
+/// Reads one document. Depth is bounded by the document model.
+pub(super) fn read<'a>(root: &'a Node, walk: &mut Walk<'a>) {
+    let step = Step {
+        key: None,
+        index: None,
+        node: root,
+    };
+    walk.step(step, |walk| visit(root, walk));
+}
+
+fn visit<'a>(node: &'a Node, walk: &mut Walk<'a>) {
+    if let Some(found) = numbers::numbers(node, walk.text) {
+        value(node, &found, walk);
+        return;
+    }
+    match &node.kind {
+        Kind::Scalar { .. } => {}
+        Kind::Sequence(items) => {
+            for (index, item) in items.iter().enumerate() {
+                let step = Step {
+                    key: None,
+                    index: Some(index),
+                    node: item,
+                };
+                walk.step(step, |walk| visit(item, walk));
+            }
+        }
+        Kind::Mapping(_) => mapping(node, walk),
+    }
+}
+
+/// Numbers under a key.
+fn value<'a>(node: &'a Node, found: &Numbers, walk: &mut Walk<'a>) {
+    let key = walk.key();
+    let dialect = dialect::of_key(names::last_part(key));
+    if names::is_never(key) && dialect == dialect::GENERIC {
+        return;
+    }
+    let strong = walk.any_key(names::is_transform);
+    let by = walk.own_key();
+    let label = walk.label("");
+    if let (true, Numbers::Flat(literals)) = (dialect.packed, found) {
+        packed(literals, &label, by, dialect, walk);
+        return;
+    }
+    let metres = if names::says_millimetres(key) {
+        1e-3
+    } else {
+        dialect.metres
+    };
+    if let Some((rows, cols, literals)) = found.matrix() {
+        let rigid = || numbers::looks_rigid(rows, cols, &numbers::values(literals));
+        if strong || rigid() {
+            let draft = shapes::matrix(rows, cols, literals, metres, node.span);
+            let named = walk.named();
+            walk.emit(draft, label, named, by, dialect);
+        }
+    } else if let Some(draft) = found
+        .vector(7)
+        .and_then(|seven| shapes::seven(key, seven, metres, node.span))
+    {
+        if strong {
+            let named = walk.named();
+            walk.emit(draft, label, named, by, dialect);
+        }
+    } else if let (true, Numbers::Misfit(why)) = (strong, found) {
+        walk.problems
+            .push((node.span, format!("`{label}` is no matrix: {why}")));
+    } else {
+        miscounted(node, found.literals().len(), &label, walk);
+    }
+}
+
+/// A transform with a number too few or too many must not pass in silence.
+fn miscounted(node: &Node, count: usize, label: &str, walk: &mut Walk<'_>) {
+    let named = walk.any_key(|key| transform_name::parse(key).is_some_and(|name| name.part == NamePart::Whole));
+    let rotation = walk.any_key(|key| {
+        names::half(key).is_some_and(|(stem, half)| half == Half::Rotation && names::is_transform(stem))
+    });
+    let wrong = (named && matches!(count, 11 | 13..=15 | 17)) || (rotation && matches!(count, 8 | 10));
+    if wrong {
+        let meant = if rotation {
+            "a rotation has 9"
+        } else {
+            "a transform has 7, 12 or 16"
+        };
+        walk.problems
+            .push((node.span, format!("`{label}` holds {count} numbers; {meant}")));
+    }
+}
+
+/// One 3x4 out of each block of sixteen.
+fn packed(literals: &[Literal], label: &str, by: Option<&Node>, dialect: Dialect, walk: &mut Walk<'_>) {
+    let blocks: Vec<&[Literal]> = literals.chunks(16).collect();
+    for (index, block) in blocks.iter().enumerate() {
+        let (Some(upper), Some(last)) = (block.get(..12), block.last()) else {
+            continue;
+        };
+        let span = upper.first().map_or(last.span, |first| first.span.cover(last.span));
+        let label = if blocks.len() > 1 {
+            format!("{label}/{index}")
+        } else {
+            label.to_owned()
+        };
+        let by = by.filter(|_| blocks.len() == 1);
+        walk.emit(
+            shapes::matrix(3, 4, upper, dialect.metres, span),
+            label,
+            None,
+            by,
+            dialect,
+        );
+    }
+}
+
+fn mapping<'a>(node: &'a Node, walk: &mut Walk<'a>) {
+    let mut consumed = BTreeSet::new();
+    flat(node, walk);
+    nested(node, walk, &mut consumed);
+    halves(node, walk, &mut consumed);
+    for (index, (key, child)) in node.pairs().iter().enumerate() {
+        if matches!(key.text(), Some("chain" | "chains")) {
+            chains(key, child, walk);
+        }
+        if !consumed.contains(&index) {
+            let step = Step {
+                key: Some(key),
+                index: None,
+                node: child,
+            };
+            walk.step(step, |walk| visit(child, walk));
+        }
+    }
+}
+
+/// A mapping whose own keys are the numbers.
+fn flat<'a>(node: &'a Node, walk: &mut Walk<'a>) {
+    let key = walk.key();
+    if names::is_never(key) {
+        return;
+    }
+    let dialect = dialect::of_key(key);
+    let draft = shapes::flat_pose(key, node, walk.text, dialect).or_else(|| {
+        let speaks = walk.any_key(names::is_rotation) || parent_speaks_of_rotation(walk);
+        shapes::flat_rotation(node, speaks, names::says_degrees(key))
+    });
+    let draft = draft.or_else(|| {
+        // A known format may state a position alone.
+        let known = dialect != dialect::GENERIC;
+        let (xyz, metres) = shapes::translation(key, node, walk.text, dialect).filter(|_| known)?;
+        shapes::combine(Some(&xyz), None, metres, node.span)
+    });
+    if let Some(draft) = draft {
+        let (label, named, by) = (walk.label(""), walk.named(), walk.own_key());
+        walk.emit(draft, label, named, by, dialect);
+    }
+}
+
+fn parent_speaks_of_rotation(walk: &Walk<'_>) -> bool {
+    walk.parent_key().is_some_and(names::is_rotation)
+}
+
+/// Autoware's nesting: `parent: {child: {x, y, z, roll, pitch, yaw}}`.
+fn nested<'a>(node: &'a Node, walk: &mut Walk<'a>, consumed: &mut BTreeSet<usize>) {
+    let Some(parent) = walk.own_key() else { return };
+    let Some(carrier) = parent.text().filter(|text| names::is_carrier(text)) else {
+        return;
+    };
+    let children: Vec<_> = node
+        .pairs()
+        .iter()
+        .enumerate()
+        .filter(|(_, (_, v))| v.is_mapping())
+        .collect();
+    let six = |child: &Node| {
+        let plain = child.pairs().len() == 6 && ["roll", "pitch", "yaw"].iter().all(|key| child.get(key).is_some());
+        plain.then(|| shapes::flat_pose("", child, walk.text, dialect::AUTOWARE))?
+    };
+    let drafts: Vec<_> = children.iter().filter_map(|(_, (_, child))| six(child)).collect();
+    if drafts.len() != children.len() {
+        return;
+    }
+    for ((index, (key, _)), draft) in children.into_iter().zip(drafts) {
+        let Some(child) = key.text() else { continue };
+        let named = Named {
+            frames: (carrier.to_owned(), child.to_owned()),
+            places: (parent.span, key.span),
+            reading: Confidence::Certain,
+            role: FrameRole::Calibration,
+        };
+        consumed.insert(index);
+        walk.emit(draft, walk.label(child), Some(named), Some(key), dialect::AUTOWARE);
+    }
+}
+
+/// Halves of one transform in a mapping: keys of one stem.
+struct Pair<'a> {
+    stem: String,
+    translation: Option<(&'a Node, Vec<Literal>, f64, Span)>,
+    rotations: Vec<(&'a Node, Rotation, Span)>,
+}
+
+/// Translations and rotations that stand side by side: `extrinsic_T` and `extrinsic_R`, `translation` and `rotation`.
+fn halves<'a>(node: &'a Node, walk: &mut Walk<'a>, consumed: &mut BTreeSet<usize>) {
+    let dialect = if node.get("token").is_some() {
+        dialect::NUSCENES
+    } else {
+        dialect::GENERIC
+    };
+    let order = (dialect == dialect::NUSCENES).then_some(false);
+    let mut pairs: Vec<Pair<'a>> = Vec::new();
+    for (index, (key, child)) in node.pairs().iter().enumerate() {
+        let Some(text) = key.text().filter(|text| !names::is_never(text)) else {
+            continue;
+        };
+        let Some((stem, half)) = stem_of(text) else { continue };
+        let translation = shapes::translation(text, child, walk.text, dialect).filter(|_| half == Half::Translation);
+        let rotation = (half != Half::Translation)
+            .then(|| shapes::rotation(text, half, child, walk.text, dialect, order))
+            .flatten();
+        if translation.is_none() && rotation.is_none() {
+            continue;
+        }
+        let at = pairs.iter().position(|pair| pair.stem == stem).unwrap_or(pairs.len());
+        if at == pairs.len() {
+            pairs.push(Pair {
+                stem,
+                translation: None,
+                rotations: Vec::new(),
+            });
+        }
+        let Some(pair) = pairs.get_mut(at) else { continue };
+        if let Some((literals, metres)) = translation {
+            if pair.translation.is_none() {
+                consumed.insert(index);
+                pair.translation = Some((key, literals, metres, child.span));
+            }
+        } else if let Some(rotation) = rotation {
+            consumed.insert(index);
+            pair.rotations.push((key, rotation, child.span));
+        }
+    }
+    let filter = node.get("Q").is_some();
+    for pair in pairs {
+        emit_pair(pair, filter, dialect, walk);
+    }
+}
+
+/// What halves of one transform share, and which half a key names.
+fn stem_of(key: &str) -> Option<(String, Half)> {
+    if let Some(name) = transform_name::parse(key) {
+        let half = match name.part {
+            NamePart::Translation => Half::Translation,
+            NamePart::Rotation if names::is_angles(key) => Half::Angles,
+            NamePart::Rotation => Half::Rotation,
+            NamePart::Whole => return None,
+        };
+        return Some((format!("{} from {}", name.target, name.source), half));
+    }
+    names::half(key).map(|(stem, half)| (stem.to_owned(), half))
+}
+
+fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, dialect: Dialect, walk: &mut Walk<'a>) {
+    // Names of the frames: the halves' own, else those of the surroundings.
+    let named_of = |key: &Node, walk: &Walk<'a>| walk.named_by(key).or_else(|| walk.named());
+    let best = pair
+        .rotations
+        .iter()
+        .position(|(_, rotation, _)| !matches!(rotation, Rotation::Rpy { .. }));
+    let first = (!pair.rotations.is_empty()).then(|| pair.rotations.remove(best.unwrap_or(0)));
+    match (pair.translation, first) {
+        (Some((t_key, xyz, metres, t_span)), Some((r_key, rotation, r_span))) => {
+            let span = t_span.cover(r_span).cover(t_key.span).cover(r_key.span);
+            let named = named_of(r_key, walk);
+            let last = if pair.stem.contains(' ') {
+                r_key.text().unwrap_or_default()
+            } else {
+                &pair.stem
+            };
+            let mut label = walk.label(last);
+            if label.is_empty() {
+                r_key.text().unwrap_or_default().clone_into(&mut label);
+            }
+            if let Some(draft) = shapes::combine(Some(&xyz), Some(&rotation), metres, span) {
+                walk.emit(draft, label, named, Some(r_key), dialect);
+            }
+        }
+        (Some((key, xyz, metres, span)), None) => {
+            let named = named_of(key, walk);
+            if named.is_some() || names::is_transform(&pair.stem) {
+                if let Some(draft) = shapes::combine(Some(&xyz), None, metres, span) {
+                    walk.emit(
+                        draft,
+                        walk.label(key.text().unwrap_or_default()),
+                        named,
+                        Some(key),
+                        dialect,
+                    );
+                }
+            }
+        }
+        (None, Some(lone)) => pair.rotations.push(lone),
+        (None, None) => {}
+    }
+    for (key, rotation, span) in pair.rotations {
+        let text = key.text().unwrap_or_default();
+        let named = named_of(key, walk);
+        let says = names::is_transform(text);
+        let convincing = match &rotation {
+            Rotation::Matrix(literals) => {
+                let near =
+                    numbers::upper_left(3, &numbers::values(literals)).is_some_and(|m| numbers::near_rotation(&m));
+                says || (near && !filter)
+            }
+            Rotation::Quaternion { literals, .. } => named.is_some() || numbers::near_unit(literals),
+            Rotation::Rpy { .. } => named.is_some() || names::is_transform(&pair.stem),
+        };
+        if convincing && let Some(draft) = shapes::combine(None, Some(&rotation), 1.0, span) {
+            walk.emit(draft, walk.label(text), named, Some(key), dialect);
+        }
+    }
+}
+
+/// Declared chains: a text, a list of texts, or texts under the names of their results.
+fn chains<'a>(key: &'a Node, node: &'a Node, walk: &mut Walk<'a>) {
+    match &node.kind {
+        Kind::Scalar { .. } => walk.chain(key, node),
+        Kind::Sequence(items) => {
+            for item in items {
+                walk.chain(key, item);
+            }
+        }
+        Kind::Mapping(pairs) => {
+            for (name, text) in pairs {
+                walk.chain(name, text);
+            }
+        }
+    }
+}

@@ -1,0 +1,362 @@
+//! What keys say: which are transforms, which never are, which are one half of a pair, and what units they name.
+//!
+//! Knows words only. Keys are looked at in words, never in substrings.
+
+use crate::world::FrameId;
+use crate::world::transform_name;
+
+/// The last part of a dotted or slashed key (`IMU.T_b_c1`, `mapping/extrinsic_T`).
+pub(super) fn last_part(key: &str) -> &str {
+    key.rsplit(['/', '.']).next().unwrap_or(key)
+}
+
+fn words(key: &str) -> Vec<String> {
+    FrameId::new(last_part(key)).tokens()
+}
+
+fn has(key: &str, list: &[&str]) -> bool {
+    words(key).iter().any(|word| list.contains(&word.as_str()))
+}
+
+/// Words of things that are no rigid transforms, however near their numbers are to one: camera and IMU intrinsics,
+/// statistics, weights.
+const NEVER: &[&str] = &[
+    "cov",
+    "covariance",
+    "covariances",
+    "intrinsic",
+    "intrinsics",
+    "projection",
+    "distortion",
+    "dist",
+    "noise",
+    "stddev",
+    "std",
+    "sigma",
+    "variance",
+    "scale",
+    "misalignment",
+    "homography",
+    "inertia",
+    "gain",
+    "gains",
+    "information",
+    "hessian",
+    "weight",
+    "weights",
+    "waypoint",
+    "waypoints",
+    "kernel",
+    "color",
+    "colors",
+    "mask",
+    "bias",
+    "limit",
+    "limits",
+    "vel",
+    "velocity",
+    "acceleration",
+    "gravity",
+    "fundamental",
+    "essential",
+    "affine",
+    "jacobian",
+    "size",
+    "bounds",
+];
+/// Keys that are no rigid transforms, whole: calibration matrices of cameras and IMUs.
+const NEVER_WHOLE: &[&str] = &[
+    "K",
+    "P",
+    "D",
+    "Q",
+    "H",
+    "F",
+    "E",
+    "sm",
+    "SM",
+    "Ka",
+    "Kg",
+    "M_a",
+    "M_g",
+    "T_a",
+    "T_g",
+    "T_w",
+    "Ta",
+    "Tg",
+    "Tw",
+    "Tgs",
+    "camera_matrix",
+    "cameraMatrix",
+];
+/// Poses that someone chose, not where something is mounted.
+const CHOSEN: &[&str] = &["initial", "init", "start", "goal", "target", "home", "dock"];
+
+/// Whether a key names something that is never a rigid transform.
+pub(super) fn is_never(key: &str) -> bool {
+    let last = last_part(key);
+    let numbered = last.trim_end_matches(|c: char| c.is_ascii_digit());
+    NEVER_WHOLE.contains(&last)
+        || matches!(numbered, "P" | "K" | "D")
+        || last.starts_with("P_rect")
+        || last.starts_with("K_")
+        || has(key, NEVER)
+        || (has(key, &["pose", "position"]) && has(key, CHOSEN))
+}
+
+/// Words of transforms.
+const TRANSFORM: &[&str] = &[
+    "extrinsic",
+    "extrinsics",
+    "extr",
+    "ext",
+    "rotation",
+    "rot",
+    "transform",
+    "transforms",
+    "transformation",
+    "tf",
+    "rectification",
+    "pose",
+    "se3",
+    "orientation",
+];
+
+/// Whether a key by itself says that its numbers are a transform or a part of one.
+pub(super) fn is_transform(key: &str) -> bool {
+    let last = last_part(key);
+    !is_never(key) && (matches!(last, "T" | "Tr") || has(key, TRANSFORM) || transform_name::parse(last).is_some())
+}
+
+/// Whether a key speaks of a rotation in any form.
+pub(super) fn is_rotation(key: &str) -> bool {
+    has(
+        key,
+        &["rotation", "rot", "orientation", "quaternion", "quat", "rpy", "euler"],
+    )
+}
+
+/// Whether a key speaks of roll, pitch and yaw.
+pub(super) fn is_angles(key: &str) -> bool {
+    has(key, &["rpy", "euler"])
+}
+
+/// Keys that say "here is a transform" and nothing of its frames: these are looked for further up.
+const NEUTRAL: &[&str] = &[
+    "transform",
+    "transforms",
+    "transformation",
+    "pose",
+    "extrinsic",
+    "extrinsics",
+    "matrix",
+    "mat",
+    "param",
+    "params",
+    "parameters",
+    "value",
+    "values",
+    "data",
+    "sensor_calib",
+    "calibration",
+    "calib",
+    "T",
+    "Tr",
+    "tf",
+    "origin",
+];
+
+/// Whether a key says nothing of frames.
+pub(super) fn is_neutral(key: &str) -> bool {
+    NEUTRAL.contains(&key)
+}
+
+/// Words of frames that sensors are mounted on.
+const CARRIERS: &[&str] = &[
+    "link",
+    "frame",
+    "base",
+    "footprint",
+    "body",
+    "ego",
+    "vehicle",
+    "chassis",
+    "map",
+    "odom",
+    "world",
+    "kit",
+    "platform",
+    "robot",
+    "rig",
+    "baselink",
+];
+
+/// Whether a key can be the parent frame of Autoware's nesting. UR robots nest six numbers under `kinematics`.
+pub(super) fn is_carrier(key: &str) -> bool {
+    !key.contains(char::is_whitespace)
+        && FrameId::new(key)
+            .tokens()
+            .iter()
+            .any(|word| CARRIERS.contains(&word.as_str()))
+}
+
+/// Which half of a pair a key names.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Half {
+    /// A translation.
+    Translation,
+    /// A rotation as a matrix or quaternion.
+    Rotation,
+    /// Roll, pitch and yaw.
+    Angles,
+}
+
+/// Endings of keys that name a half; longer ones first where one ends in another.
+const HALVES: &[(&str, Half)] = &[
+    ("translation", Half::Translation),
+    ("position", Half::Translation),
+    ("trans", Half::Translation),
+    ("xyz", Half::Translation),
+    ("pos", Half::Translation),
+    ("rotation_matrix", Half::Rotation),
+    ("rotation", Half::Rotation),
+    ("orientation", Half::Rotation),
+    ("quaternion", Half::Rotation),
+    ("quat", Half::Rotation),
+    ("rot", Half::Rotation),
+    ("roll_pitch_yaw", Half::Angles),
+    ("rpy", Half::Angles),
+    ("euler", Half::Angles),
+    ("T", Half::Translation),
+    ("t", Half::Translation),
+    ("R", Half::Rotation),
+    ("q", Half::Rotation),
+];
+
+/// Splits a key such as `extrinsicRot` or `camera_ext_t` into its stem and the half it names.
+pub(super) fn half(key: &str) -> Option<(&str, Half)> {
+    let bare = without_units(key);
+    HALVES.iter().find_map(|(ending, half)| {
+        let at = bare.len().checked_sub(ending.len())?;
+        let (stem, tail) = bare.split_at_checked(at)?;
+        let single = ending.len() == 1;
+        let same = if single {
+            tail == *ending
+        } else {
+            tail.eq_ignore_ascii_case(ending)
+        };
+        let before = stem.chars().next_back();
+        let starts_word = match before {
+            None => true,
+            Some(c) if !c.is_alphanumeric() => true,
+            Some(c) => !single && c.is_lowercase() && tail.starts_with(char::is_uppercase),
+        };
+        // `originXYZ`, `extrinsicRPY`: an ending in capitals after a small letter.
+        (same && starts_word).then(|| (stem.trim_end_matches(['_', '.', '-']), *half))
+    })
+}
+
+/// The key without what it says of units and order at its end.
+fn without_units(key: &str) -> &str {
+    let mut bare = key;
+    while let Some((rest, "deg" | "degrees" | "degree" | "rad" | "radians" | "m" | "mm" | "xyzw" | "wxyz")) =
+        bare.rsplit_once('_')
+    {
+        bare = rest;
+    }
+    bare
+}
+
+/// Whether a key says that its angles are degrees.
+pub(super) fn says_degrees(key: &str) -> bool {
+    has(key, &["deg", "degree", "degrees"])
+}
+
+/// Whether a key says that its lengths are millimetres.
+pub(super) fn says_millimetres(key: &str) -> bool {
+    has(key, &["mm", "millimetres", "millimeters"])
+}
+
+/// The order of a quaternion that a key states: `true` for x y z w, `false` for w x y z.
+pub(super) fn says_order(key: &str) -> Option<bool> {
+    if has(key, &["xyzw"]) {
+        Some(true)
+    } else if has(key, &["wxyz"]) {
+        Some(false)
+    } else {
+        None
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn matrices_of_cameras_and_imus_are_never_transforms() {
+        for key in [
+            "camera_matrix",
+            "K",
+            "LEFT.K",
+            "P",
+            "P0",
+            "P_rect_00",
+            "LEFT.P",
+            "T_a",
+            "Tg",
+            "Tw",
+            "sm",
+            "imu_intrinsic",
+            "projection_matrix",
+            "T_G_S_fixed_covariance",
+            "linear_accel_covariance",
+            "initial_pose",
+            "Rot_LI_cov",
+        ] {
+            assert!(is_never(key) && !is_transform(key), "{key}");
+        }
+        for key in [
+            "T_cam_imu",
+            "T_BS",
+            "rectification_matrix",
+            "extrinsicRot",
+            "ExtrinsicMat",
+            "lidar_extr",
+            "Tr_velo_to_cam",
+            "R_rect_00",
+            "IMU.T_b_c1",
+            "T",
+            "lidar_to_cam",
+            "body_T_cam0",
+            "extrinsic_R",
+            "R_IMUtoACC",
+        ] {
+            assert!(!is_never(key), "{key}");
+            assert!(is_transform(key), "{key}");
+        }
+    }
+
+    #[test]
+    fn halves_of_pairs_share_a_stem() {
+        for (key, stem, expected) in [
+            ("extrinsicRot", "extrinsic", Half::Rotation),
+            ("extrinsicTrans", "extrinsic", Half::Translation),
+            ("extrinsicRPY", "extrinsic", Half::Angles),
+            ("extrinsicRotation", "extrinsic", Half::Rotation),
+            ("extrinsicTranslation", "extrinsic", Half::Translation),
+            ("extrinsic_R", "extrinsic", Half::Rotation),
+            ("extrinsic_T", "extrinsic", Half::Translation),
+            ("camera_ext_t", "camera_ext", Half::Translation),
+            ("rotation", "", Half::Rotation),
+            ("t", "", Half::Translation),
+            ("rpy_deg", "", Half::Angles),
+            ("originXYZ", "origin", Half::Translation),
+            ("rotation_xyzw", "", Half::Rotation),
+        ] {
+            assert_eq!(half(key), Some((stem, expected)), "{key}");
+        }
+        for key in ["robot", "lidarT", "start", "rate", "cubic_meter", "freq"] {
+            assert_eq!(half(key), None, "{key}");
+        }
+    }
+}

@@ -1,0 +1,382 @@
+//! Where a value stands: the path of keys to it, the frames its surroundings name, and the claims made so far.
+//!
+//! Owns labels, frames and readings of claims. Knows nothing of the shapes of numbers.
+
+use std::collections::BTreeMap;
+
+use crate::source::{Confidence, Place, SourceId, Span};
+use crate::world::transform_name::{self, NameStyle, TransformName};
+use crate::world::{Claim, ClaimKind, DeclaredChain, Facts, FrameId, FrameRole, FrameUse};
+
+use super::dialect::Dialect;
+use super::document::Node;
+use super::names;
+use super::numbers;
+use super::shapes::Draft;
+
+/// One step of the path: a value and the key it stands under.
+#[derive(Clone, Copy)]
+pub(super) struct Step<'a> {
+    /// The key; `None` for the root and for items of a list.
+    pub(super) key: Option<&'a Node>,
+    /// The index, for items of a list.
+    pub(super) index: Option<usize>,
+    /// The value.
+    pub(super) node: &'a Node,
+}
+
+/// Frames of a claim with where they are named.
+#[derive(Clone, Debug)]
+pub(super) struct Named {
+    /// `(target, source)`.
+    pub(super) frames: (String, String),
+    /// Where each is named.
+    pub(super) places: (Span, Span),
+    /// How sure it is.
+    pub(super) reading: Confidence,
+    /// Whether keys state the frames (`frame_id`), or the name of a key was taken apart.
+    pub(super) role: FrameRole,
+}
+
+/// A claim with the key its frames were taken from, if they were.
+struct Found {
+    claim: Claim,
+    role: FrameRole,
+    named_by: Option<String>,
+}
+
+/// The walk through one source.
+pub(super) struct Walk<'a> {
+    source: SourceId,
+    /// The source's text.
+    pub(super) text: &'a str,
+    path: Vec<Step<'a>>,
+    found: Vec<Found>,
+    chains: Vec<DeclaredChain>,
+    /// Faults that kept a transform from being read.
+    pub(super) problems: Vec<(Span, String)>,
+}
+
+impl<'a> Walk<'a> {
+    pub(super) fn new(source: SourceId, text: &'a str) -> Self {
+        Self {
+            source,
+            text,
+            path: Vec::new(),
+            found: Vec::new(),
+            chains: Vec::new(),
+            problems: Vec::new(),
+        }
+    }
+
+    /// Runs `inside` one step deeper.
+    pub(super) fn step(&mut self, step: Step<'a>, inside: impl FnOnce(&mut Self)) {
+        self.path.push(step);
+        inside(self);
+        self.path.pop();
+    }
+
+    /// The key that the current value stands under; items of a list share the key of the list.
+    pub(super) fn key(&self) -> &'a str {
+        self.key_node().and_then(Node::text).unwrap_or_default()
+    }
+
+    /// The node of [`Walk::key`].
+    pub(super) fn key_node(&self) -> Option<&'a Node> {
+        self.path.iter().rev().find(|step| step.index.is_none())?.key
+    }
+
+    /// The key just above the current value, if it is no item of a list.
+    pub(super) fn own_key(&self) -> Option<&'a Node> {
+        self.path.last()?.key
+    }
+
+    /// The key of the mapping that the current value stands in.
+    pub(super) fn parent_key(&self) -> Option<&'a str> {
+        let mut keys = self.path.iter().rev().filter(|step| step.index.is_none());
+        keys.nth(1)?.key?.text()
+    }
+
+    /// Whether the current value's key, or the one above a key that says nothing, satisfies `test`.
+    pub(super) fn any_key(&self, test: impl Fn(&str) -> bool) -> bool {
+        for step in self.path.iter().rev() {
+            let Some(key) = step.key.and_then(Node::text) else {
+                continue;
+            };
+            if test(key) {
+                return true;
+            }
+            if !names::is_neutral(key) {
+                return false;
+            }
+        }
+        false
+    }
+
+    /// The keys from the root to the current value, with more behind them, joined by `/`.
+    pub(super) fn label(&self, last: &str) -> String {
+        let mut parts: Vec<String> = self
+            .path
+            .iter()
+            .filter_map(|step| match step.index {
+                Some(index) => Some(index.to_string()),
+                None => step.key.map(|key| key.text().unwrap_or("?").to_owned()),
+            })
+            .collect();
+        if !last.is_empty() {
+            parts.push(last.to_owned());
+        }
+        parts.join("/")
+    }
+
+    /// The frames that the surroundings of the current value name: keys that state them, else names of keys, from the
+    /// inside out as long as the keys on the way say nothing themselves.
+    pub(super) fn named(&self) -> Option<Named> {
+        for step in self.path.iter().rev() {
+            if let Some(named) = stated(step.node) {
+                return Some(named);
+            }
+            let Some(key) = step.key else { continue };
+            let text = key.text()?;
+            if let Some(named) = self.named_by(key) {
+                return Some(named);
+            }
+            if !names::is_neutral(text) {
+                break;
+            }
+        }
+        None
+    }
+
+    /// The frames that a key's name speaks of.
+    pub(super) fn named_by(&self, key: &Node) -> Option<Named> {
+        let text = key.text()?;
+        let name = transform_name::parse(text)?;
+        let mut reading = match name.style {
+            NameStyle::From => Confidence::Certain,
+            NameStyle::Infix | NameStyle::Prefix if !name.ambiguous && !name.is_letters() => Confidence::Likely,
+            _ => Confidence::Hint,
+        };
+        let TransformName { target, source, .. } = name;
+        let mut named = Named {
+            frames: (target, source),
+            places: (key.span, key.span),
+            reading,
+            role: FrameRole::CalibrationLabel,
+        };
+        // Kalibr: camera n from the camera before it.
+        if named.frames.0 == "cn" && named.frames.1 == "cnm1" {
+            let (camera, number, place) = self.numbered_ancestor("cam")?;
+            named.frames = (
+                format!("{camera}{number}"),
+                format!("{camera}{}", number.checked_sub(1)?),
+            );
+            named.places.0 = place;
+            reading = Confidence::Likely;
+            named.reading = reading;
+            return Some(named);
+        }
+        // `cam0: {T_cam_imu: ...}`: the camera is cam0.
+        for (frame, place) in [
+            (&mut named.frames.0, &mut named.places.0),
+            (&mut named.frames.1, &mut named.places.1),
+        ] {
+            if let Some((stem, number, span)) = self.numbered_ancestor(frame) {
+                *frame = format!("{stem}{number}");
+                *place = span;
+            }
+        }
+        Some(named)
+    }
+
+    /// The nearest key above that is `stem` with a number behind it.
+    fn numbered_ancestor(&self, stem: &str) -> Option<(String, u32, Span)> {
+        self.path.iter().rev().find_map(|step| {
+            let key = step.key?;
+            let digits = key.text()?.strip_prefix(stem)?;
+            Some((stem.to_owned(), digits.parse().ok()?, key.span))
+        })
+    }
+
+    /// Makes a claim. Numbers that are none become a problem instead.
+    pub(super) fn emit(
+        &mut self,
+        draft: Draft,
+        label: String,
+        named: Option<Named>,
+        by: Option<&Node>,
+        dialect: Dialect,
+    ) {
+        let literals = draft.translation.iter().chain(&draft.rotation);
+        if let Some(bad) = literals.clone().find(|l| numbers::number(&l.text).is_none()) {
+            let launch = ["$(", "${", "{{"].iter().any(|mark| bad.text.contains(mark));
+            let why = if launch {
+                "is filled in by another program"
+            } else {
+                "is no number"
+            };
+            self.problems.push((
+                bad.span,
+                format!("`{}` {why}: the transform `{label}` cannot be read", bad.text),
+            ));
+            return;
+        }
+        let mut reading = dialect
+            .reading
+            .or(named.as_ref().map(|n| n.reading))
+            .unwrap_or(Confidence::Hint);
+        if draft.order_guessed() {
+            let ceiling = if draft.has_translation {
+                Confidence::Likely
+            } else {
+                Confidence::Hint
+            };
+            reading = reading.min(ceiling);
+        }
+        let place = |span: Span| Place::text(self.source, span);
+        let span = by.map_or(draft.span, |key| draft.span.cover(key.span));
+        let role = named.as_ref().map_or(FrameRole::CalibrationLabel, |n| n.role);
+        self.found.push(Found {
+            role,
+            named_by: named
+                .as_ref()
+                .filter(|n| n.role == FrameRole::CalibrationLabel)
+                .map(|_| {
+                    let name = by.and_then(Node::text).unwrap_or_default();
+                    format!("{} {name}", self.key())
+                }),
+            claim: Claim {
+                frames: named
+                    .as_ref()
+                    .map(|n| (FrameId::new(&n.frames.0), FrameId::new(&n.frames.1))),
+                label,
+                pose: draft.pose,
+                has_rotation: draft.has_rotation,
+                has_translation: draft.has_translation,
+                spelling: draft.spelling,
+                translation_literals: draft.translation,
+                rotation_literals: draft.rotation,
+                kind: ClaimKind::File {
+                    dialect: dialect.name.to_owned(),
+                },
+                reading: if named.is_some() { reading } else { Confidence::Hint },
+                place: place(span),
+                target_place: named.as_ref().map(|n| place(n.places.0)),
+                source_place: named.as_ref().map(|n| place(n.places.1)),
+            },
+        });
+    }
+
+    /// Records a declared chain; `key` may name its result.
+    pub(super) fn chain(&mut self, key: &Node, node: &Node) {
+        let Some(text) = node.text() else { return };
+        let Some(parsed) = crate::world::chain::parse(text) else {
+            return;
+        };
+        // Escapes and folded lines move the parts: then the whole text is their place.
+        let inner = (node.span.start..=node.span.start + 1)
+            .find(|start| self.text.get(*start..*start + text.len()) == Some(text));
+        let span = |range: std::ops::Range<usize>| match inner {
+            Some(start) => Span::new(start + range.start, start + range.end),
+            None => node.span,
+        };
+        let named = || Some((transform_name::parse(key.text()?)?, key.span));
+        self.chains.push(DeclaredChain {
+            text: text.to_owned(),
+            place: Place::text(self.source, node.span),
+            factors: parsed
+                .factors
+                .into_iter()
+                .map(|(name, range)| (name, span(range)))
+                .collect(),
+            result: parsed.result.map(|(name, range)| (name, span(range))).or_else(named),
+            not_understood: parsed.not_understood,
+        });
+    }
+
+    /// All that was found. Where one key under several parents would name the same frames for different things
+    /// (`T_SC` of each camera of a list), the names are labels of a formula and are dropped.
+    pub(super) fn finish(mut self) -> (Facts, Vec<(Span, String)>) {
+        let mut same: BTreeMap<(String, FrameId, FrameId), usize> = BTreeMap::new();
+        let name = |found: &Found| {
+            let (target, source) = found.claim.frames.clone()?;
+            Some((found.named_by.clone()?, target, source))
+        };
+        for found in &self.found {
+            if let Some(name) = name(found) {
+                *same.entry(name).or_default() += 1;
+            }
+        }
+        for found in &mut self.found {
+            if name(found).is_some_and(|name| same.get(&name).is_some_and(|n| *n > 1)) {
+                found.claim.frames = None;
+                found.claim.target_place = None;
+                found.claim.source_place = None;
+                found.claim.reading = Confidence::Hint;
+            }
+        }
+        let mut uses: BTreeMap<(FrameId, FrameRole), (Place, u64)> = BTreeMap::new();
+        for Found { claim, role, .. } in &self.found {
+            let Some((target, source)) = &claim.frames else {
+                continue;
+            };
+            for (frame, place) in [(target, &claim.target_place), (source, &claim.source_place)] {
+                let place = place.clone().unwrap_or_else(|| claim.place.clone());
+                let entry = uses.entry((frame.clone(), *role)).or_insert((place.clone(), 0));
+                entry.1 += 1;
+                entry.0 = entry.0.clone().min(place);
+            }
+        }
+        let frames = uses.into_iter().map(|((frame, role), (place, count))| FrameUse {
+            frame,
+            role,
+            place,
+            count,
+        });
+        let facts = Facts {
+            frames: frames.collect(),
+            claims: self.found.into_iter().map(|found| found.claim).collect(),
+            chains: self.chains,
+            ..Facts::default()
+        };
+        (facts, self.problems)
+    }
+}
+
+/// Keys by which a mapping states its frames: `(target, source, how sure)`.
+const STATED: &[(&str, &str, Confidence)] = &[
+    ("frame_id", "child_frame_id", Confidence::Certain),
+    ("parent", "child", Confidence::Certain),
+    ("parent_frame", "child_frame", Confidence::Certain),
+    ("parent_frame_id", "child_frame_id", Confidence::Certain),
+    ("parent_link", "child_link", Confidence::Certain),
+    // ouster-sdk `extrinsic_parameters.json`: source to destination.
+    ("destination_frame", "source_frame", Confidence::Certain),
+    ("target_frame", "source_frame", Confidence::Likely),
+    // The direction of "to" is not agreed.
+    ("to", "from", Confidence::Hint),
+    ("to_frame", "from_frame", Confidence::Hint),
+];
+
+fn stated(node: &Node) -> Option<Named> {
+    let frame = |node: &Node| {
+        let text = node.text()?.trim();
+        let plain = !text.is_empty() && !text.contains(char::is_whitespace) && !text.contains(['$', '{']);
+        (plain && numbers::number(text).is_none()).then(|| text.to_owned())
+    };
+    let child = || node.get("child_frame_id");
+    let header = node.get("header").and_then(|header| header.get("frame_id"));
+    let by_header = header
+        .zip(child())
+        .map(|(target, source)| (target, source, Confidence::Certain));
+    let by_keys = STATED
+        .iter()
+        .find_map(|(target, source, reading)| Some((node.get(target)?, node.get(source)?, *reading)));
+    let (target, source, reading) = by_keys.or(by_header)?;
+    Some(Named {
+        frames: (frame(target)?, frame(source)?),
+        places: (target.span, source.span),
+        reading,
+        role: FrameRole::Calibration,
+    })
+}

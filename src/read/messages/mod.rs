@@ -1,0 +1,28 @@
+//! What is inside messages: CDR decoding of the types that say something about frames.
+//!
+//! Owns the bytes of single messages. Must not know recordings, nor keep anything.
+
+mod cdr;
+pub mod header;
+pub mod odometry;
+pub mod string;
+pub mod tf;
+
+use std::fmt;
+
+pub use cdr::Cdr;
+
+/// Longest frame name that is read, bytes. Real ones have some ten or twenty; longer ones come from wrong bytes.
+pub const MAX_NAME: usize = 256;
+
+/// Why the bytes of a message do not decode.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct DecodeError(pub String);
+
+impl fmt::Display for DecodeError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for DecodeError {}

@@ -1,0 +1,74 @@
+//! `tf2_msgs/msg/TFMessage`: transforms, one after the other.
+//!
+//! Source: `tf2_msgs/msg/TFMessage.msg`, `geometry_msgs/msg/TransformStamped.msg` (geometry2, common_interfaces).
+
+use super::header::Header;
+use super::{Cdr, DecodeError};
+
+/// One `geometry_msgs/msg/TransformStamped`: `parent_from_child` with the numbers as published.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Transform<'a> {
+    /// `header.stamp`, nanoseconds.
+    pub stamp_ns: i64,
+    /// `header.frame_id` as spelled.
+    pub parent: &'a str,
+    /// `child_frame_id` as spelled.
+    pub child: &'a str,
+    /// `[tx, ty, tz]`, metres.
+    pub translation: [f64; 3],
+    /// `[x, y, z, w]`, not normalised.
+    pub rotation: [f64; 4],
+}
+
+/// The transforms of a message, in order. Nothing is set aside for the number that a message claims; the first error
+/// ends the sequence.
+#[derive(Clone, Debug)]
+pub struct Transforms<'a> {
+    cdr: Cdr<'a>,
+    left: u32,
+}
+
+/// Opens a TF message.
+pub fn transforms(message: &[u8]) -> Result<Transforms<'_>, DecodeError> {
+    let mut cdr = Cdr::new(message)?;
+    let left = cdr.u32()?;
+    Ok(Transforms { cdr, left })
+}
+
+impl<'a> Iterator for Transforms<'a> {
+    type Item = Result<Transform<'a>, DecodeError>;
+
+    fn next(&mut self) -> Option<Self::Item> {
+        self.left = self.left.checked_sub(1)?;
+        let transform = read(&mut self.cdr);
+        if transform.is_err() {
+            self.left = 0;
+        }
+        Some(transform)
+    }
+}
+
+fn read<'a>(cdr: &mut Cdr<'a>) -> Result<Transform<'a>, DecodeError> {
+    let header = Header::read(cdr)?;
+    Ok(Transform {
+        stamp_ns: header.stamp_ns,
+        parent: header.frame_id,
+        child: cdr.name()?,
+        translation: cdr.f64s()?,
+        rotation: cdr.f64s()?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_lying_count_ends_with_one_error() {
+        let mut message = vec![0, 1, 0, 0];
+        message.extend(u32::MAX.to_le_bytes());
+        let all: Vec<_> = transforms(&message).unwrap().collect();
+        assert_eq!(all.len(), 1);
+        assert!(all[0].as_ref().unwrap_err().0.contains("run past the end"));
+    }
+}

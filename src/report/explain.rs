@@ -1,0 +1,224 @@
+//! A rule's page for the terminal: front matter as words, limits as a table, prose wrapped, code indented.
+//!
+//! Works on the text of a page; does not know which rules exist.
+
+use std::fmt::Write;
+
+use crate::page::{self, Front, Limit, PageError, Status};
+
+use super::Style;
+use super::style::Ink;
+use super::text::wrap;
+
+/// The page as text.
+pub fn render(page: &str, style: Style) -> Result<String, PageError> {
+    let front = Front::parse(page)?;
+    let (_, body) = page::split(page)?;
+    let mut out = String::new();
+    head(&front, style, &mut out);
+    let mut limits_due = true;
+    for section in page::sections(body) {
+        let _ = writeln!(out, "\n{}", style.paint(Ink::Strong, section.title));
+        prose(section.text, style, &mut out);
+        if section.title == "How it decides" {
+            limits_due = false;
+            limits(&front, style, &mut out);
+        }
+    }
+    if limits_due {
+        limits(&front, style, &mut out);
+    }
+    if !front.references.is_empty() {
+        let _ = writeln!(out, "\n{}", style.paint(Ink::Strong, "References"));
+        for reference in &front.references {
+            item(reference, style, &mut out);
+        }
+    }
+    Ok(out)
+}
+
+fn head(front: &Front, style: Style, out: &mut String) {
+    let title = format!("{} {}", front.code, front.name);
+    let _ = writeln!(out, "{}", style.paint(Ink::Strong, &title));
+    paragraph(&front.summary, style, out);
+    let status = match front.status {
+        Status::Stable => "stable",
+        Status::Trial => "on trial: findings are shown as hints",
+    };
+    let facts = [
+        ("severity", front.severity.word()),
+        ("confidence", front.confidence.word()),
+        ("status", status),
+        ("since", &front.since),
+        ("judges", &front.subject),
+    ];
+    out.push('\n');
+    for (name, value) in facts {
+        let label = format!("  {name:<11} ");
+        let _ = writeln!(
+            out,
+            "{}",
+            wrap(value, Some(style.prose_width()), &label, "              ")
+        );
+    }
+}
+
+/// The limits with unit and reason, columns aligned.
+fn limits(front: &Front, style: Style, out: &mut String) {
+    if front.limits.is_empty() {
+        return;
+    }
+    let rows: Vec<(&str, String, &str)> = front
+        .limits
+        .iter()
+        .map(|(name, limit)| (name.as_str(), value(limit), limit.reason.as_str()))
+        .collect();
+    let width = |cell: fn(&(&str, String, &str)) -> usize| rows.iter().map(cell).max().unwrap_or(0);
+    let (names, values) = (
+        width(|row| row.0.chars().count()).max(5),
+        width(|row| row.1.chars().count()).max(5),
+    );
+    let _ = writeln!(out, "\n{}", style.paint(Ink::Strong, "Limits"));
+    let heading = format!("  {:<names$}  {:<values$}  reason", "limit", "value");
+    let _ = writeln!(out, "{}", style.paint(Ink::Faint, &heading));
+    for (name, value, reason) in &rows {
+        let label = format!("  {name:<names$}  {value:<values$}  ");
+        // Very long names leave no room beside them: the reason then stands on the next line.
+        let indent = if label.chars().count() + 30 > style.prose_width() {
+            let _ = writeln!(out, "{}", label.trim_end());
+            "      ".to_owned()
+        } else {
+            " ".repeat(label.chars().count())
+        };
+        let first = if indent.len() == 6 { indent.clone() } else { label };
+        let _ = writeln!(out, "{}", wrap(reason, Some(style.prose_width()), &first, &indent));
+    }
+}
+
+fn value(limit: &Limit) -> String {
+    let spelled = serde_yaml::to_string(&limit.value).unwrap_or_default();
+    let spelled = spelled.lines().map(str::trim).collect::<Vec<_>>().join(" ");
+    match limit.unit.as_str() {
+        "" | "1" | "count" => spelled,
+        unit => format!("{spelled} {unit}"),
+    }
+}
+
+/// A section: paragraphs and lists wrapped, tables as they are, fenced blocks indented.
+fn prose(text: &str, style: Style, out: &mut String) {
+    let mut running = String::new();
+    let mut in_block = false;
+    for line in text.lines() {
+        if let Some(info) = line.strip_prefix("```") {
+            flush(&mut running, style, out);
+            in_block = !in_block;
+            if in_block {
+                block_title(info.trim(), style, out);
+            } else {
+                out.push('\n');
+            }
+        } else if in_block {
+            let _ = writeln!(out, "{}", format!("      {line}").trim_end());
+        } else if let Some(title) = line.strip_prefix("### ") {
+            flush(&mut running, style, out);
+            let _ = writeln!(out, "  {}", style.paint(Ink::Strong, title));
+        } else if line.trim().is_empty() {
+            flush(&mut running, style, out);
+        } else if line.starts_with('|') {
+            flush(&mut running, style, out);
+            let _ = writeln!(out, "  {line}");
+        } else {
+            if is_item(line) {
+                flush(&mut running, style, out);
+            }
+            if !running.is_empty() {
+                running.push(' ');
+            }
+            running.push_str(line.trim());
+        }
+    }
+    flush(&mut running, style, out);
+    let kept = out.trim_end().len();
+    out.truncate(kept);
+    out.push('\n');
+}
+
+/// What a fenced block is: a file, or what the rule answers to the files above it.
+fn block_title(info: &str, style: Style, out: &mut String) {
+    let (language, name) = info.split_once(' ').unwrap_or((info, ""));
+    let title = match (language, name) {
+        ("expect", _) => "answer",
+        (_, "") => return,
+        (_, name) => name,
+    };
+    let _ = writeln!(out, "    {}", style.paint(Ink::Faint, &format!("{title}:")));
+}
+
+fn is_item(line: &str) -> bool {
+    let line = line.trim_start();
+    let numbered = line
+        .split_once(". ")
+        .is_some_and(|(number, _)| !number.is_empty() && number.bytes().all(|b| b.is_ascii_digit()));
+    line.starts_with("- ") || line.starts_with("* ") || numbered
+}
+
+fn flush(running: &mut String, style: Style, out: &mut String) {
+    let text = std::mem::take(running);
+    if text.is_empty() {
+        return;
+    }
+    match text.strip_prefix("- ").or_else(|| text.strip_prefix("* ")) {
+        Some(text) => item(text, style, out),
+        None => paragraph(&text, style, out),
+    }
+}
+
+fn paragraph(text: &str, style: Style, out: &mut String) {
+    let _ = writeln!(out, "{}", wrap(text, Some(style.prose_width()), "  ", "  "));
+}
+
+fn item(text: &str, style: Style, out: &mut String) {
+    let _ = writeln!(out, "{}", wrap(text, Some(style.prose_width()), "  - ", "    "));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_page_of_a_rule_reads_well() {
+        let page = include_str!("../../rules/tree/orphan-subtree.md");
+        let text = render(page, Style::PLAIN).unwrap();
+        assert!(
+            text.starts_with("TREE01 orphan-subtree\n  frames that no chain"),
+            "{text}"
+        );
+        for part in [
+            "\n  severity    error\n",
+            "\nWhat it checks\n  All frames of the URDF and of TF belong to one tree.\n",
+            "    robot.urdf:\n      <robot name=\"cart\">\n        <link name=\"base_link\"/>\n",
+            "    answer:\n      error certain robot.urdf:9\n",
+            "\nReferences\n  - REP-105",
+        ] {
+            assert!(text.contains(part), "no {part:?} in\n{text}");
+        }
+        assert!(!text.contains("```"), "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+    }
+
+    #[test]
+    fn limits_are_a_table_and_lists_stay_lists() {
+        let page = "---\ncode: X01\nname: x\nsummary: s\nsince: 0.1.0\nstatus: trial\nseverity: note\n\
+                    confidence: hint\nsubject: a frame\nlimits:\n  angle_deg: {value: 1.5, unit: deg, reason: why not}\n  \
+                    ratio: {value: [1, 2], unit: \"1\", reason: two}\n---\n\n## How it decides\n\nFirst:\n\n- one\n  \
+                    more\n- two\n1. three\n\n| a | b |\n|---|---|\n\n### case\n\ntext\n";
+        let text = render(page, Style::PLAIN).unwrap();
+        let body = text.split_once("How it decides\n").unwrap().1;
+        assert_eq!(
+            body,
+            "  First:\n  - one more\n  - two\n  1. three\n  | a | b |\n  |---|---|\n  case\n  text\n\nLimits\n  \
+             limit      value    reason\n  angle_deg  1.5 deg  why not\n  ratio      - 1 - 2  two\n"
+        );
+        assert!(text.contains("on trial"));
+    }
+}

@@ -1,0 +1,311 @@
+//! The JSON document of a run: frozen apart from the types inside, described by `schema/frames-lint-1.json`.
+//!
+//! Every key is always there, `null` where there is nothing to say. Numbers that JSON cannot hold (NaN, infinite) are
+//! `null`. Lines and columns are one-based, ends are exclusive, columns count characters. Changing a key's meaning or
+//! taking one away needs a new schema name.
+
+use serde::Serialize;
+
+use crate::run::{FailOn, Run};
+use crate::source::{Problem, Source};
+use crate::verdict::{Finding, Fix, Label, Measured, PlaceRole, Row, Safety};
+
+use super::place::{Locator, Spot};
+
+/// Name of the document's form.
+pub const SCHEMA: &str = "frames-lint/1";
+
+#[derive(Serialize)]
+struct Document<'a> {
+    schema: &'static str,
+    tool: Tool,
+    inputs: Vec<Input<'a>>,
+    outcomes: Vec<OutcomeRow<'a>>,
+    findings: Vec<FindingRow<'a>>,
+    summary: Counts,
+}
+
+#[derive(Serialize)]
+struct Tool {
+    name: &'static str,
+    version: &'static str,
+}
+
+#[derive(Serialize)]
+struct Input<'a> {
+    path: &'a str,
+    kind: &'static str,
+    status: &'static str,
+    detail: Option<&'a str>,
+    examined: Share,
+    problems: Vec<InputProblem<'a>>,
+}
+
+#[derive(Serialize)]
+struct Share {
+    bytes: u64,
+    bytes_total: u64,
+    messages: Option<u64>,
+}
+
+#[derive(Serialize)]
+struct InputProblem<'a> {
+    message: &'a str,
+    help: Option<&'a str>,
+    #[serde(flatten)]
+    at: PlaceKeys,
+}
+
+#[derive(Serialize)]
+struct OutcomeRow<'a> {
+    rule: &'a str,
+    name: &'a str,
+    subject: &'a str,
+    outcome: &'static str,
+    reason: Option<&'a str>,
+    measured: Vec<Number<'a>>,
+}
+
+#[derive(Serialize)]
+struct FindingRow<'a> {
+    rule: &'a str,
+    name: &'a str,
+    subject: &'a str,
+    severity: &'static str,
+    confidence: &'static str,
+    message: &'a str,
+    help: &'a str,
+    relation: Option<&'a str>,
+    places: Vec<PlaceRow>,
+    measured: Vec<Number<'a>>,
+    fix: Option<FixRow<'a>>,
+}
+
+#[derive(Serialize)]
+struct PlaceRow {
+    role: &'static str,
+    #[serde(flatten)]
+    at: PlaceKeys,
+    note: String,
+}
+
+#[derive(Serialize)]
+struct PlaceKeys {
+    path: String,
+    line: Option<usize>,
+    column: Option<usize>,
+    end_line: Option<usize>,
+    end_column: Option<usize>,
+    topic: Option<String>,
+    index: Option<u64>,
+    stamp_ns: Option<i64>,
+    field: Option<String>,
+}
+
+#[derive(Serialize)]
+struct Number<'a> {
+    what: &'a str,
+    value: Option<f64>,
+    unit: &'a str,
+    limit: Option<f64>,
+    spread: Option<f64>,
+    n: Option<u64>,
+}
+
+#[derive(Serialize)]
+struct FixRow<'a> {
+    title: &'a str,
+    safety: &'static str,
+    edits: Vec<EditRow<'a>>,
+}
+
+#[derive(Serialize)]
+struct EditRow<'a> {
+    path: String,
+    line: usize,
+    column: usize,
+    end_line: usize,
+    end_column: usize,
+    replacement: &'a str,
+}
+
+#[derive(Serialize)]
+struct Counts {
+    errors: usize,
+    warnings: usize,
+    notes: usize,
+    passed: usize,
+    not_evaluated: usize,
+    waived: usize,
+    crashed: usize,
+    verdict: &'static str,
+}
+
+/// The document, indented, with a newline at its end.
+pub fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
+    let locator = Locator::new(&run.sources);
+    let summary = run.summary(fail_on);
+    let document = Document {
+        schema: SCHEMA,
+        tool: Tool {
+            name: env!("CARGO_PKG_NAME"),
+            version: env!("CARGO_PKG_VERSION"),
+        },
+        inputs: run.sources.iter().map(|source| input(source, &locator)).collect(),
+        outcomes: run.verdict.rows.iter().map(outcome).collect(),
+        findings: run
+            .verdict
+            .findings
+            .iter()
+            .map(|finding| finding_row(finding, &locator))
+            .collect(),
+        summary: Counts {
+            errors: summary.errors,
+            warnings: summary.warnings,
+            notes: summary.notes,
+            passed: summary.passed,
+            not_evaluated: summary.not_evaluated,
+            waived: summary.waived,
+            crashed: summary.crashed,
+            verdict: summary.verdict.word(),
+        },
+    };
+    let mut text = serde_json::to_string_pretty(&document)?;
+    text.push('\n');
+    Ok(text)
+}
+
+fn input<'a>(source: &'a Source, locator: &Locator) -> Input<'a> {
+    Input {
+        path: &source.path,
+        kind: source.kind.word(),
+        status: source.status.word(),
+        detail: source.detail.as_deref(),
+        examined: Share {
+            bytes: source.examined.bytes,
+            bytes_total: source.examined.bytes_total,
+            messages: source.examined.messages,
+        },
+        problems: source.problems.iter().map(|problem| fault(problem, locator)).collect(),
+    }
+}
+
+fn fault<'a>(problem: &'a Problem, locator: &Locator) -> InputProblem<'a> {
+    InputProblem {
+        message: &problem.message,
+        help: problem.help.as_deref(),
+        at: keys(&locator.find(&problem.place)),
+    }
+}
+
+fn outcome(row: &Row) -> OutcomeRow<'_> {
+    OutcomeRow {
+        rule: &row.rule,
+        name: &row.name,
+        subject: &row.subject,
+        outcome: row.outcome.word(),
+        reason: row.reason.as_deref(),
+        measured: row.measured.iter().map(number).collect(),
+    }
+}
+
+fn finding_row<'a>(finding: &'a Finding, locator: &Locator) -> FindingRow<'a> {
+    FindingRow {
+        rule: &finding.rule,
+        name: &finding.name,
+        subject: &finding.subject,
+        severity: finding.severity.word(),
+        confidence: finding.confidence.word(),
+        message: &finding.message,
+        help: &finding.help,
+        relation: finding.relation.as_deref(),
+        places: finding.places.iter().map(|label| place(label, locator)).collect(),
+        measured: finding.measured.iter().map(number).collect(),
+        fix: finding.fix.as_ref().and_then(|fix| fix_row(fix, locator)),
+    }
+}
+
+fn place(label: &Label, locator: &Locator) -> PlaceRow {
+    let spot = locator.find(&label.place);
+    let note = match (spot.expanded, spot.start) {
+        (true, Some(at)) => {
+            let line = format!("line {} of the expansion", at.line);
+            if label.note.is_empty() {
+                line
+            } else {
+                format!("{} ({line})", label.note)
+            }
+        }
+        _ => label.note.clone(),
+    };
+    PlaceRow {
+        role: match label.role {
+            PlaceRole::Primary => "primary",
+            PlaceRole::Related => "related",
+        },
+        at: keys(&spot),
+        note,
+    }
+}
+
+/// The keys of a place. Lines of an expansion are not lines of the file at `path`: they are left out here.
+fn keys(spot: &Spot) -> PlaceKeys {
+    let start = spot.start.filter(|_| !spot.expanded);
+    let end = spot.end.filter(|_| !spot.expanded);
+    let message = spot.message.as_ref();
+    PlaceKeys {
+        path: spot.path.clone(),
+        line: start.map(|at| at.line),
+        column: start.map(|at| at.column),
+        end_line: end.map(|at| at.line),
+        end_column: end.map(|at| at.column),
+        topic: message.map(|message| message.topic.clone()),
+        index: message.map(|message| message.index),
+        stamp_ns: message.and_then(|message| message.stamp_ns),
+        field: message.and_then(|message| message.field.clone()),
+    }
+}
+
+fn number(measured: &Measured) -> Number<'_> {
+    // Adding zero turns -0 into 0.
+    let finite = |value: f64| value.is_finite().then_some(value + 0.0);
+    Number {
+        what: &measured.what,
+        value: finite(measured.value),
+        unit: &measured.unit,
+        limit: measured.limit.and_then(finite),
+        spread: measured.spread.and_then(finite),
+        n: measured.n,
+    }
+}
+
+/// A fix whose edits can all be made in files. A text out of a recording or an expansion cannot be edited where it is.
+fn fix_row<'a>(fix: &'a Fix, locator: &Locator) -> Option<FixRow<'a>> {
+    let edits = fix
+        .edits
+        .iter()
+        .map(|edit| {
+            let spot = locator.find(&edit.place);
+            if spot.expanded || spot.message.is_some() {
+                return None;
+            }
+            let (start, end) = (spot.start?, spot.end?);
+            Some(EditRow {
+                path: spot.path,
+                line: start.line,
+                column: start.column,
+                end_line: end.line,
+                end_column: end.column,
+                replacement: &edit.replacement,
+            })
+        })
+        .collect::<Option<Vec<_>>>()?;
+    Some(FixRow {
+        title: &fix.title,
+        safety: match fix.safety {
+            Safety::Safe => "safe",
+            Safety::ChangesBehaviour => "changes-behaviour",
+        },
+        edits,
+    })
+}

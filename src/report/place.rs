@@ -1,0 +1,105 @@
+//! Places in the words of a report: path, line and column, message of a recording.
+//!
+//! Builds one line index for each text, and only for texts that a report points into.
+
+use std::cell::OnceCell;
+
+use crate::source::{At, Derived, LineColumn, LineIndex, MessageRef, Place, Source, SourceId};
+
+/// Finds lines and messages of places.
+pub(super) struct Locator<'a> {
+    sources: &'a [Source],
+    lines: Vec<OnceCell<LineIndex>>,
+}
+
+/// A place, found.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Spot {
+    /// Path of the file or recording.
+    pub(super) path: String,
+    /// First character, where the place is in a text.
+    pub(super) start: Option<LineColumn>,
+    /// One past the last character.
+    pub(super) end: Option<LineColumn>,
+    /// The message, where the place is in a recording or in a text that one carried.
+    pub(super) message: Option<MessageRef>,
+    /// Whether lines count in the expansion of a macro file: `path` has other lines.
+    pub(super) expanded: bool,
+}
+
+impl<'a> Locator<'a> {
+    /// For places of these sources, which stand at the index of their id.
+    pub(super) fn new(sources: &'a [Source]) -> Self {
+        Self {
+            sources,
+            lines: sources.iter().map(|_| OnceCell::new()).collect(),
+        }
+    }
+
+    /// Every source.
+    pub(super) fn sources(&self) -> &'a [Source] {
+        self.sources
+    }
+
+    /// The source with this id.
+    pub(super) fn source(&self, id: SourceId) -> Option<&'a Source> {
+        self.sources.get(id.0 as usize)
+    }
+
+    /// The line index of a source's text.
+    pub(super) fn lines(&self, id: SourceId) -> Option<&LineIndex> {
+        let source = self.source(id)?;
+        let cell = self.lines.get(id.0 as usize)?;
+        Some(cell.get_or_init(|| LineIndex::new(&source.text)))
+    }
+
+    /// Where a place is.
+    pub(super) fn find(&self, place: &Place) -> Spot {
+        let Some(source) = self.source(place.source) else {
+            return Spot {
+                path: "?".to_owned(),
+                start: None,
+                end: None,
+                message: None,
+                expanded: false,
+            };
+        };
+        let locate = |offset| Some(self.lines(place.source)?.locate(&source.text, offset));
+        let span = place.span();
+        let message = match (&place.at, &source.derived) {
+            (At::Message(message), _) | (_, Some(Derived::Message(message))) => Some(message.clone()),
+            _ => None,
+        };
+        Spot {
+            path: source.path.clone(),
+            start: span.and_then(|span| locate(span.start)),
+            end: span.and_then(|span| locate(span.end.max(span.start))),
+            message,
+            expanded: matches!(source.derived, Some(Derived::Expansion)),
+        }
+    }
+
+    /// The source in a few words: its path, and what it came out of.
+    pub(super) fn name(&self, id: SourceId) -> String {
+        match self.source(id) {
+            None => "?".to_owned(),
+            Some(source) => match &source.derived {
+                None => source.path.clone(),
+                Some(Derived::Expansion) => format!("{} (expanded)", source.path),
+                Some(Derived::Message(message)) => {
+                    format!("{} {} message {}", source.path, message.topic, message.index)
+                }
+            },
+        }
+    }
+
+    /// The place in a few words: `robot.urdf:12:5`, `drive.mcap /tf message 3`.
+    pub(super) fn short(&self, place: &Place) -> String {
+        let spot = self.find(place);
+        match (&place.at, spot.start) {
+            (At::Message(message), _) => format!("{} {} message {}", spot.path, message.topic, message.index),
+            (_, Some(at)) => format!("{}:{}:{}", self.name(place.source), at.line, at.column),
+            _ => self.name(place.source),
+        }
+    }
+}

@@ -1,0 +1,58 @@
+//! How text is dressed: colour, drawing characters and width. Knows nothing of what is written.
+
+/// What the receiver of a text can show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Style {
+    /// Whether ANSI colours may be used.
+    pub color: bool,
+    /// Whether characters beyond ASCII may be used for drawing.
+    pub unicode: bool,
+    /// Columns of the terminal; `None` where lines may be as long as they like.
+    pub width: Option<usize>,
+}
+
+/// A meaning that is shown by colour.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Ink {
+    Error,
+    Warning,
+    Note,
+    Good,
+    Strong,
+    Faint,
+}
+
+impl Style {
+    /// No colour, Unicode drawing, lines of any length: for files and pipes.
+    pub const PLAIN: Self = Self {
+        color: false,
+        unicode: true,
+        width: None,
+    };
+
+    /// The text in the colour of `ink`, or as it is.
+    pub(super) fn paint(self, ink: Ink, text: &str) -> String {
+        if !self.color || text.is_empty() {
+            return text.to_owned();
+        }
+        let code = match ink {
+            Ink::Error => "1;31",
+            Ink::Warning => "1;33",
+            Ink::Note => "1;36",
+            Ink::Good => "1;32",
+            Ink::Strong => "1",
+            Ink::Faint => "2",
+        };
+        format!("\u{1b}[{code}m{text}\u{1b}[0m")
+    }
+
+    /// One of two spellings of a drawing.
+    pub(super) fn pick(self, unicode: &'static str, ascii: &'static str) -> &'static str {
+        if self.unicode { unicode } else { ascii }
+    }
+
+    /// Columns for running text: never wider than is pleasant to read, never so narrow that wrapping breaks down.
+    pub(super) fn prose_width(self) -> usize {
+        self.width.unwrap_or(100).clamp(40, 100)
+    }
+}

@@ -1,0 +1,201 @@
+//! The end of the report: one line of counts, one line of verdict in plain words.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
+
+use crate::run::{FailOn, Run, Summary, VerdictWord};
+use crate::source::{Confidence, ReadStatus};
+use crate::verdict::Outcome;
+
+use super::super::Style;
+use super::super::style::Ink;
+use super::super::text::{list, one_line, plural, wrap};
+use super::Options;
+
+/// More names in a sentence are only counted.
+const MAX_NAMES: usize = 3;
+
+pub(super) fn ending(run: &Run, options: &Options, out: &mut String) {
+    let summary = run.summary(options.fail_on);
+    let _ = writeln!(out, "{}", counts(run, &summary, options.style));
+    let (ink, words) = verdict(run, &summary, options);
+    let words = wrap(&words, options.style.width, "", "  ");
+    // Painted line by line, so that a pager that works by lines keeps the colour.
+    for line in words.lines() {
+        let _ = writeln!(out, "{}", options.style.paint(ink, line));
+    }
+}
+
+/// `3 errors, 1 warning, 0 notes · 41 checks passed · 17 not evaluated · 2 of 3 inputs read`.
+fn counts(run: &Run, summary: &Summary, style: Style) -> String {
+    let (read, inputs) = inputs(run);
+    let mut parts = vec![
+        [
+            plural(summary.errors, "error"),
+            plural(summary.warnings, "warning"),
+            plural(summary.notes, "note"),
+        ]
+        .join(", "),
+        format!("{} passed", plural(summary.passed, "check")),
+        format!("{} not evaluated", summary.not_evaluated),
+    ];
+    if summary.waived > 0 {
+        parts.push(format!("{} waived", summary.waived));
+    }
+    if summary.crashed > 0 {
+        parts.push(format!("{} crashed", summary.crashed));
+    }
+    parts.push(format!("{read} of {} read", plural(inputs, "input")));
+    parts.join(style.pick(" · ", " | "))
+}
+
+/// Inputs read in full, and inputs: files by path, without those that nobody asked for and no reader exists for. A text
+/// that came out of a file counts with that file.
+fn inputs(run: &Run) -> (usize, usize) {
+    let mut paths: BTreeMap<&str, bool> = BTreeMap::new();
+    for source in &run.sources {
+        let read = source.status == ReadStatus::Read;
+        if source.required || read {
+            *paths.entry(&source.path).or_insert(true) &= read;
+        }
+    }
+    (paths.values().filter(|read| **read).count(), paths.len())
+}
+
+fn verdict(run: &Run, summary: &Summary, options: &Options) -> (Ink, String) {
+    let mut sentences = Vec::new();
+    let crash = (summary.crashed > 0).then(|| {
+        format!(
+            "{} crashed: a fault of frames-lint, which answers for nothing it did not check.",
+            plural(summary.crashed, "check")
+        )
+    });
+    let ink = match summary.verdict {
+        VerdictWord::Findings => {
+            sentences.push(format!("Not clean: {}.", counting(run, options.fail_on)));
+            sentences.extend(crash);
+            sentences.extend(unread(run));
+            Ink::Error
+        }
+        VerdictWord::Incomplete if !run.checked_anything() => {
+            sentences.push(format!(
+                "Nothing was checked: {}. This is not a pass.",
+                why_nothing(run)
+            ));
+            sentences.extend(crash);
+            Ink::Error
+        }
+        VerdictWord::Incomplete => {
+            let why: Vec<String> = crash.into_iter().chain(unread(run)).collect();
+            sentences.push(format!("Incomplete: {}", why.join(" ")));
+            sentences.push(format!(
+                "What could be checked: {} passed.",
+                plural(summary.passed, "check")
+            ));
+            Ink::Warning
+        }
+        VerdictWord::Clean => {
+            let (_, inputs) = inputs(run);
+            sentences.push(format!(
+                "Clean: {} passed on {}.",
+                plural(summary.passed, "check"),
+                plural(inputs, "input")
+            ));
+            Ink::Good
+        }
+    };
+    sentences.extend(not_counting(run, options.fail_on));
+    (ink, sentences.join(" "))
+}
+
+/// `2 errors and 1 warning`, of the findings that fail the run.
+fn counting(run: &Run, fail_on: FailOn) -> String {
+    let words = ["error", "warning", "note"].map(|word| {
+        let count = run
+            .verdict
+            .findings
+            .iter()
+            .filter(|finding| fail_on.counts(finding) && finding.severity.word() == word)
+            .count();
+        (count, word)
+    });
+    let parts: Vec<String> = words
+        .iter()
+        .filter(|(count, _)| *count > 0)
+        .map(|(count, word)| plural(*count, word))
+        .collect();
+    list(&parts)
+}
+
+/// Findings that do not fail the run: said, so that nobody takes them for nothing.
+fn not_counting(run: &Run, fail_on: FailOn) -> Option<String> {
+    let others = || run.verdict.findings.iter().filter(|finding| !fail_on.counts(finding));
+    let hints = others()
+        .filter(|finding| finding.confidence == Confidence::Hint)
+        .count();
+    let mild = others().count() - hints;
+    let mut parts = Vec::new();
+    if mild > 0 {
+        let relation = if fail_on == FailOn::Never { "under" } else { "below" };
+        parts.push(format!(
+            "{} {relation} --fail-on {}",
+            plural(mild, "finding"),
+            fail_on.word()
+        ));
+    }
+    if hints > 0 {
+        parts.push(plural(hints, "hint"));
+    }
+    let verb = if mild + hints == 1 { "does" } else { "do" };
+    let mut sentence = list(&parts);
+    if sentence.is_empty() {
+        return None;
+    }
+    let _ = write!(sentence, " {verb} not count.");
+    Some(sentence)
+}
+
+fn unread(run: &Run) -> Option<String> {
+    let paths: BTreeSet<String> = run.unread().map(|source| one_line(&source.path)).collect();
+    let paths: Vec<String> = paths.into_iter().collect();
+    (!paths.is_empty()).then(|| format!("{} could not be read in full.", names(&paths)))
+}
+
+fn names(all: &[String]) -> String {
+    match all.split_at_checked(MAX_NAMES) {
+        Some((first, rest)) if !rest.is_empty() => format!("{} and {} more", first.join(", "), rest.len()),
+        _ => list(all),
+    }
+}
+
+/// Why there is not a single judgement.
+fn why_nothing(run: &Run) -> String {
+    if run.sources.is_empty() {
+        return if run.skipped.is_empty() {
+            "there is no file to read".to_owned()
+        } else {
+            format!(
+                "none of the {} there is of a kind that frames-lint reads",
+                plural(run.skipped.values().sum(), "file")
+            )
+        };
+    }
+    if let Some(unread) = unread(run) {
+        return unread.trim_end_matches('.').to_owned();
+    }
+    if run.verdict.count(Outcome::Crashed) > 0 {
+        return "every check that could be made crashed".to_owned();
+    }
+    if run.verdict.rows.is_empty() {
+        return "no rule was asked".to_owned();
+    }
+    let reasons: BTreeSet<String> = run
+        .verdict
+        .rows
+        .iter()
+        .filter_map(|row| row.reason.as_deref())
+        .map(one_line)
+        .collect();
+    let reasons: Vec<String> = reasons.into_iter().collect();
+    format!("no rule found anything it could judge ({})", names(&reasons))
+}

@@ -1,0 +1,209 @@
+//! One finding: headline, source lines, messages of recordings, measured numbers, help and fix.
+
+use std::fmt::Write;
+
+use crate::source::{At, Confidence, MessageRef, Place, SourceId};
+use crate::verdict::{Finding, Fix, Measured, PlaceRole, Safety, Severity};
+
+use super::super::Style;
+use super::super::place::Locator;
+use super::super::style::Ink;
+use super::super::text::{clean, number, one_line, plural, stamp, wrap};
+use super::snippet::{Mark, Painter};
+
+/// More places of one finding are only counted.
+const MAX_PLACES: usize = 12;
+/// More edits of one fix are only counted.
+const MAX_EDITS: usize = 3;
+
+/// A finding with everything it says.
+pub(super) fn full(finding: &Finding, locator: &Locator, painter: &Painter, style: Style, out: &mut String) {
+    let head = format!(
+        "{} {}",
+        head(finding, style),
+        style.paint(Ink::Strong, &one_line(&finding.message))
+    );
+    push(out, &wrap(&head, style.width, "", "  "));
+    places(finding, locator, painter, style, out);
+    for (index, measured) in finding.measured.iter().enumerate() {
+        let label = if index == 0 { "  measured: " } else { "            " };
+        push(
+            out,
+            &wrap(&one_line(&measured_words(measured)), style.width, label, "            "),
+        );
+    }
+    if let Some(relation) = &finding.relation {
+        push(out, &format!("  relation: {}", one_line(relation)));
+    }
+    if !finding.help.is_empty() {
+        push(out, &wrap(&clean(&finding.help), style.width, "  help: ", "        "));
+    }
+    if let Some(fix) = &finding.fix {
+        fix_lines(fix, locator, style, out);
+    }
+}
+
+/// A finding on one line, in the form that editors understand.
+pub(super) fn line(finding: &Finding, locator: &Locator, style: Style, out: &mut String) {
+    let place = finding
+        .places
+        .first()
+        .map_or_else(|| "?".to_owned(), |label| locator.short(&label.place));
+    push(
+        out,
+        &format!(
+            "{}: {} {}",
+            one_line(&place),
+            head(finding, style),
+            one_line(&finding.message)
+        ),
+    );
+}
+
+/// `error[NAME06 optical-suffix]`, with the confidence where it is not certain.
+fn head(finding: &Finding, style: Style) -> String {
+    let ink = match finding.severity {
+        Severity::Error => Ink::Error,
+        Severity::Warning => Ink::Warning,
+        Severity::Note => Ink::Note,
+    };
+    let ink = if finding.confidence == Confidence::Hint {
+        Ink::Note
+    } else {
+        ink
+    };
+    let head = format!("{}[{} {}]", finding.severity.word(), finding.rule, finding.name);
+    let head = style.paint(ink, &one_line(&head));
+    match finding.confidence {
+        Confidence::Certain => head,
+        other => format!("{head} ({})", other.word()),
+    }
+}
+
+/// Places in their order: those in one text together in one snippet, the others on a line each.
+fn places(finding: &Finding, locator: &Locator, painter: &Painter, style: Style, out: &mut String) {
+    let shown = finding.places.get(..MAX_PLACES).unwrap_or(&finding.places);
+    let mut drawn: Vec<SourceId> = Vec::new();
+    for label in shown {
+        let id = label.place.source;
+        if label.place.span().is_some() {
+            if drawn.contains(&id) {
+                continue;
+            }
+            drawn.push(id);
+            let marks: Vec<Mark> = shown
+                .iter()
+                .filter(|other| other.place.source == id)
+                .filter_map(|other| {
+                    Some(Mark {
+                        span: other.place.span()?,
+                        note: other.note.clone(),
+                        primary: other.role == PlaceRole::Primary,
+                    })
+                })
+                .collect();
+            if let Some(snippet) = painter.snippet(id, &marks) {
+                out.push_str(&snippet);
+                continue;
+            }
+        }
+        push(out, &place_line(&label.place, &label.note, locator, style));
+    }
+    if finding.places.len() > shown.len() {
+        let more = plural(finding.places.len() - shown.len(), "more place");
+        push(out, &format!("  ... and {more}"));
+    }
+}
+
+/// A place without source lines, on one line.
+pub(super) fn place_line(place: &Place, note: &str, locator: &Locator, style: Style) -> String {
+    let arrow = style.pick("→", "->");
+    let place = match &place.at {
+        At::Message(message) => format!("{} {}", locator.find(place).path, message_words(message)),
+        _ => locator.short(place),
+    };
+    let place = style.paint(Ink::Strong, &one_line(&place));
+    if note.is_empty() {
+        format!("  {arrow} {place}")
+    } else {
+        format!("  {arrow} {place}: {}", one_line(note))
+    }
+}
+
+/// `/tf message 12, stamp 2023-11-14 22:13:20.000 UTC (1700000000 s), transforms[0]`.
+fn message_words(message: &MessageRef) -> String {
+    let when = match message.stamp_ns {
+        Some(ns) => format!("stamp {}", stamp(ns)),
+        None => format!("recorded {}", stamp(message.log_ns)),
+    };
+    let field = message
+        .field
+        .as_ref()
+        .map_or_else(String::new, |field| format!(", {field}"));
+    format!("{} message {}, {when}{field}", message.topic, message.index)
+}
+
+/// `rotation difference 90 deg, limit 1 deg, spread 0.2 deg, n=12`.
+pub(super) fn measured_words(measured: &Measured) -> String {
+    let unit = match measured.unit.as_str() {
+        "1" | "count" | "" => String::new(),
+        unit => format!(" {unit}"),
+    };
+    // As many digits as it takes to tell the value from its limit.
+    let digits = (4..=17)
+        .find(|digits| {
+            measured.limit.is_none_or(|limit| {
+                limit.total_cmp(&measured.value).is_eq() || number(limit, *digits) != number(measured.value, *digits)
+            })
+        })
+        .unwrap_or(17);
+    let mut words = format!("{} {}{unit}", measured.what, number(measured.value, digits));
+    if let Some(limit) = measured.limit {
+        let _ = write!(words, ", limit {}{unit}", number(limit, digits));
+    }
+    if let Some(spread) = measured.spread {
+        let _ = write!(words, ", spread {}{unit}", number(spread, 4));
+    }
+    if let Some(n) = measured.n {
+        let _ = write!(words, ", n={n}");
+    }
+    words
+}
+
+fn fix_lines(fix: &Fix, locator: &Locator, style: Style, out: &mut String) {
+    let safety = match fix.safety {
+        Safety::Safe => "safe",
+        Safety::ChangesBehaviour => "changes behaviour",
+    };
+    push(
+        out,
+        &wrap(
+            &format!("{} ({safety})", one_line(&fix.title)),
+            style.width,
+            "  fix: ",
+            "       ",
+        ),
+    );
+    for edit in fix.edits.iter().take(MAX_EDITS) {
+        let replacement = match one_line(&edit.replacement) {
+            text if text.is_empty() => "remove".to_owned(),
+            text if text.chars().count() > 80 => format!("write `{}...`", text.chars().take(77).collect::<String>()),
+            text => format!("write `{text}`"),
+        };
+        push(
+            out,
+            &format!("       {}: {replacement}", one_line(&locator.short(&edit.place))),
+        );
+    }
+    if fix.edits.len() > MAX_EDITS {
+        push(
+            out,
+            &format!("       ... and {}", plural(fix.edits.len() - MAX_EDITS, "more edit")),
+        );
+    }
+}
+
+fn push(out: &mut String, line: &str) {
+    out.push_str(line);
+    out.push('\n');
+}

@@ -1,0 +1,158 @@
+//! What was not read: broken inputs with their place, recordings read in part, files without a reader.
+
+use std::fmt::Write;
+
+use crate::run::Run;
+use crate::source::{At, ReadStatus, Source};
+
+use super::super::Style;
+use super::super::place::Locator;
+use super::super::style::Ink;
+use super::super::text::{bytes, clean, one_line, plural, wrap};
+use super::finding::place_line;
+use super::snippet::{Mark, Painter};
+use super::{Options, heading};
+
+/// More problems of one input are only counted.
+const MAX_PROBLEMS: usize = 10;
+/// More kinds of skipped files are only counted.
+const MAX_SKIPPED: usize = 12;
+
+/// Inputs with problems, each with place and help.
+pub(super) fn unread(run: &Run, locator: &Locator, painter: &Painter, style: Style, out: &mut String) {
+    let broken: Vec<&Source> = run
+        .sources
+        .iter()
+        .filter(|source| (source.required && source.status != ReadStatus::Read) || has_placed_problem(source))
+        .collect();
+    if broken.is_empty() {
+        return;
+    }
+    heading(style, "Not read, or not in full", broken.len(), "input", out);
+    for source in broken {
+        let ink = if source.status == ReadStatus::Unreadable {
+            Ink::Error
+        } else {
+            Ink::Warning
+        };
+        let status = style.paint(ink, source.status.word());
+        let name = one_line(&locator.name(source.id));
+        let detail = source.detail.as_deref().unwrap_or_default();
+        let _ = writeln!(out, "  {status} {name} ({})", source.kind.word());
+        let said = source.problems.iter().any(|problem| problem.message == detail);
+        if !detail.is_empty() && !said {
+            let _ = writeln!(out, "{}", wrap(&clean(detail), style.width, "    ", "    "));
+        }
+        for problem in source.problems.iter().take(MAX_PROBLEMS) {
+            let _ = writeln!(out, "{}", wrap(&clean(&problem.message), style.width, "    ", "    "));
+            problem_place(problem, locator, painter, style, out);
+            if let Some(help) = &problem.help {
+                let _ = writeln!(out, "{}", wrap(&clean(help), style.width, "    help: ", "          "));
+            }
+        }
+        if source.problems.len() > MAX_PROBLEMS {
+            let more = plural(source.problems.len() - MAX_PROBLEMS, "more problem");
+            let _ = writeln!(out, "    ... and {more}");
+        }
+    }
+    out.push('\n');
+}
+
+/// Optional inputs whose fault has a place are worth showing; optional files that no reader exists for are not.
+fn has_placed_problem(source: &Source) -> bool {
+    source.problems.iter().any(|problem| problem.place.at != At::Whole)
+}
+
+fn problem_place(
+    problem: &crate::source::Problem,
+    locator: &Locator,
+    painter: &Painter,
+    style: Style,
+    out: &mut String,
+) {
+    let snippet = problem.place.span().and_then(|span| {
+        let mark = Mark {
+            span,
+            note: String::new(),
+            primary: true,
+        };
+        painter.snippet(problem.place.source, &[mark])
+    });
+    match (snippet, &problem.place.at) {
+        (Some(snippet), _) => out.push_str(&snippet),
+        (None, At::Whole) => {}
+        (None, _) => {
+            let _ = writeln!(out, "  {}", place_line(&problem.place, "", locator, style));
+        }
+    }
+}
+
+/// Recordings of which only a part was examined.
+pub(super) fn partly_examined(run: &Run, style: Style, out: &mut String) {
+    let partly: Vec<&Source> = run
+        .sources
+        .iter()
+        .filter(|source| source.kind.is_bag() && source.status != ReadStatus::Unreadable)
+        .filter(|source| source.examined.bytes < source.examined.bytes_total)
+        .collect();
+    if partly.is_empty() {
+        return;
+    }
+    heading(style, "Examined in part", partly.len(), "recording", out);
+    for source in partly {
+        let share = source.examined.bytes as f64 / source.examined.bytes_total.max(1) as f64 * 100.0;
+        let messages = source
+            .examined
+            .messages
+            .map_or_else(String::new, |count| format!(", {}", plural_u64(count)));
+        let _ = writeln!(
+            out,
+            "  {}: {} of {} ({share:.1} %){messages}",
+            one_line(&source.path),
+            bytes(source.examined.bytes),
+            bytes(source.examined.bytes_total),
+        );
+    }
+    out.push('\n');
+}
+
+fn plural_u64(count: u64) -> String {
+    if count == 1 {
+        "1 message".to_owned()
+    } else {
+        format!("{count} messages")
+    }
+}
+
+/// Files met in folders that no reader exists for, by kind; with `--verbose` all kinds.
+pub(super) fn skipped(run: &Run, options: &Options, out: &mut String) {
+    let unsupported = run
+        .sources
+        .iter()
+        .filter(|source| !source.required && source.status != ReadStatus::Read && !has_placed_problem(source));
+    let mut named: Vec<String> = unsupported.map(|source| one_line(&source.path)).collect();
+    let mut kinds: Vec<(&String, &usize)> = run.skipped.iter().collect();
+    kinds.sort_by(|a, b| (b.1, a.0).cmp(&(a.1, b.0)));
+    named.extend(
+        kinds
+            .into_iter()
+            .map(|(kind, count)| format!("{} {}", count, one_line(kind))),
+    );
+    if named.is_empty() {
+        return;
+    }
+    let shown = if options.verbose {
+        named.len()
+    } else {
+        named.len().min(MAX_SKIPPED)
+    };
+    let more = named.len() - shown;
+    named.truncate(shown);
+    let rest = if more > 0 {
+        format!(" and {}", plural(more, "more kind"))
+    } else {
+        String::new()
+    };
+    let line = format!("Passed over, no reader for them: {}{rest}", named.join(", "));
+    let _ = writeln!(out, "{}\n", wrap(&line, options.style.width, "", "  "));
+}

@@ -1,0 +1,110 @@
+//! The report of a run for people: findings with their source lines, unread inputs, what was not evaluated, a verdict.
+//!
+//! Owns the order of the parts and how much is shown. `snippet` is the only file that knows miette.
+
+mod ending;
+mod finding;
+mod inputs;
+mod rows;
+mod snippet;
+#[cfg(test)]
+mod tests;
+
+use std::collections::BTreeMap;
+
+use crate::run::{FailOn, Run};
+
+use super::Style;
+use super::place::Locator;
+use super::style::Ink;
+use super::text::plural;
+use snippet::Painter;
+
+/// Findings shown in full; rendering a snippet costs far more than a line.
+const FULL: usize = 100;
+/// Findings shown at all, unless all are asked for.
+const SHOWN: usize = 200;
+/// So many findings of each rule are shown in full, however many findings of other rules stand before them.
+const FULL_PER_RULE: usize = 3;
+
+/// What to show, and how.
+#[derive(Clone, Copy, Debug)]
+pub struct Options {
+    /// Colours, characters and width.
+    pub style: Style,
+    /// From which severity on findings fail the run; for the verdict.
+    pub fail_on: FailOn,
+    /// Every row that was not evaluated, instead of a summary by reason.
+    pub verbose: bool,
+    /// Every finding, instead of the first few hundred.
+    pub all: bool,
+}
+
+/// The whole report.
+pub fn render(run: &Run, options: &Options) -> String {
+    let locator = Locator::new(&run.sources);
+    let painter = Painter::new(&locator, options.style);
+    let mut out = String::new();
+    findings(run, options, &locator, &painter, &mut out);
+    inputs::unread(run, &locator, &painter, options.style, &mut out);
+    inputs::partly_examined(run, options.style, &mut out);
+    inputs::skipped(run, options, &mut out);
+    rows::not_evaluated(run, options, &mut out);
+    rows::crashed(run, options.style, &mut out);
+    ending::ending(run, options, &mut out);
+    out
+}
+
+/// The last two lines of the report: the counts and the verdict in plain words.
+pub fn render_ending(run: &Run, options: &Options) -> String {
+    let mut out = String::new();
+    ending::ending(run, options, &mut out);
+    out
+}
+
+/// The inputs that could not be read, or not in full; empty where there are none.
+pub fn render_unread(run: &Run, style: Style) -> String {
+    let locator = Locator::new(&run.sources);
+    let mut out = String::new();
+    inputs::unread(run, &locator, &Painter::new(&locator, style), style, &mut out);
+    out
+}
+
+fn findings(run: &Run, options: &Options, locator: &Locator, painter: &Painter, out: &mut String) {
+    let mut of_rule: BTreeMap<&str, usize> = BTreeMap::new();
+    let mut hidden: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    let mut in_list = false;
+    for (position, finding) in run.verdict.findings.iter().enumerate() {
+        let before = of_rule.entry(&finding.rule).or_default();
+        let in_full = position < FULL || *before < FULL_PER_RULE;
+        *before += 1;
+        if in_full {
+            if std::mem::take(&mut in_list) {
+                out.push('\n');
+            }
+            finding::full(finding, locator, painter, options.style, out);
+            out.push('\n');
+        } else if position < SHOWN || options.all {
+            in_list = true;
+            finding::line(finding, locator, options.style, out);
+        } else {
+            *hidden.entry((&finding.rule, &finding.name)).or_default() += 1;
+        }
+    }
+    for ((rule, name), count) in &hidden {
+        in_list = true;
+        let more = format!("... and {count} more of {rule} {name}");
+        out.push_str(&options.style.paint(Ink::Strong, &more));
+        out.push_str(" (--all shows them)\n");
+    }
+    if in_list {
+        out.push('\n');
+    }
+}
+
+/// A heading of a part, with a count of what stands under it.
+fn heading(style: Style, title: &str, count: usize, noun: &str, out: &mut String) {
+    let heading = format!("{title} ({})", plural(count, noun));
+    out.push_str(&style.paint(Ink::Strong, &heading));
+    out.push('\n');
+}

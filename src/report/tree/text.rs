@@ -1,0 +1,256 @@
+//! The frame tree as text, for a terminal.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
+
+use crate::run::Run;
+use crate::world::graph::Component;
+use crate::world::{FrameId, World};
+
+use super::super::Style;
+use super::super::place::Locator;
+use super::super::style::Ink;
+use super::super::text::plural;
+use super::{Link, Links, outsiders, pose_words, shown, title, worlds};
+
+/// Deeper frames are not indented further: a chain of thousands of frames stays readable, and small.
+const MAX_INDENT: usize = 24;
+
+/// The trees of all worlds.
+pub fn render(run: &Run, style: Style) -> String {
+    let locator = Locator::new(&run.sources);
+    let mut out = String::new();
+    let several = worlds(run).count() > 1;
+    for world in worlds(run) {
+        if several {
+            let title = format!("{}Platform {}", if out.is_empty() { "" } else { "\n" }, title(world));
+            let _ = writeln!(out, "{}\n", style.paint(Ink::Strong, &title));
+        }
+        world_text(world, &locator, style, &mut out);
+    }
+    if out.is_empty() {
+        out.push_str("No frames: nothing that was read names one.\n");
+    }
+    out
+}
+
+fn world_text(world: &World, locator: &Locator, style: Style, out: &mut String) {
+    let links = Links::new(world, locator, style.pick("×", "x"));
+    let components = world.graph().components();
+    for (index, component) in components.iter().enumerate() {
+        if components.len() > 1 {
+            let frames = plural(component.members.len(), "frame");
+            let heading = format!("Tree {} of {}, {frames}", index + 1, components.len());
+            let _ = writeln!(out, "{}", style.paint(Ink::Strong, &heading));
+        }
+        Walk {
+            world,
+            links: &links,
+            style,
+            opened: BTreeSet::new(),
+            path: BTreeSet::new(),
+        }
+        .component(component, out);
+        if index + 1 < components.len() {
+            out.push('\n');
+        }
+    }
+    let [messages, files] = outsiders(world, locator);
+    list("Named by messages, not in the tree", &messages, style, out);
+    list("Named by files, not in the tree", &files, style, out);
+}
+
+fn list(heading: &str, frames: &BTreeMap<&str, Vec<String>>, style: Style, out: &mut String) {
+    if frames.is_empty() {
+        return;
+    }
+    let gap = if out.is_empty() { "" } else { "\n" };
+    let _ = writeln!(out, "{gap}{}", style.paint(Ink::Strong, heading));
+    for (frame, places) in frames {
+        let _ = writeln!(
+            out,
+            "  {}  {}",
+            shown(frame),
+            style.paint(Ink::Faint, &places.join(", "))
+        );
+    }
+}
+
+/// One walk over a component, with its own stack: input decides how deep it goes.
+struct Walk<'a> {
+    world: &'a World,
+    links: &'a Links<'a>,
+    style: Style,
+    opened: BTreeSet<&'a FrameId>,
+    path: BTreeSet<&'a FrameId>,
+}
+
+enum Step<'a> {
+    Enter {
+        frame: &'a FrameId,
+        parent: Option<&'a FrameId>,
+        /// What stands before the children of the parent.
+        indent: String,
+        depth: usize,
+        last: bool,
+    },
+    Leave(&'a FrameId),
+}
+
+impl<'a> Walk<'a> {
+    fn component(&mut self, component: &'a Component, out: &mut String) {
+        for root in &component.roots {
+            self.from(root, out);
+        }
+        // What no root leads to hangs on a cycle.
+        if component.members.iter().all(|frame| self.opened.contains(frame)) {
+            return;
+        }
+        for cycle in self.world.graph().cycles() {
+            let start = cycle.first().and_then(|frame| component.members.get(frame));
+            if let Some(start) = start.filter(|start| !self.opened.contains(start)) {
+                let arrow = self.style.pick(" → ", " -> ");
+                let names: Vec<String> = cycle.iter().chain(cycle.first()).map(|f| shown(f.as_str())).collect();
+                let warning = format!("! no root, parents go round in a cycle: {}", names.join(arrow));
+                let _ = writeln!(out, "{}", self.style.paint(Ink::Error, &warning));
+                self.from(start, out);
+            }
+        }
+        for rest in &component.members {
+            if !self.opened.contains(rest) {
+                self.from(rest, out);
+            }
+        }
+    }
+
+    fn from(&mut self, root: &'a FrameId, out: &mut String) {
+        let mut stack = vec![Step::Enter {
+            frame: root,
+            parent: None,
+            indent: String::new(),
+            depth: 0,
+            last: true,
+        }];
+        while let Some(step) = stack.pop() {
+            match step {
+                Step::Leave(frame) => {
+                    self.path.remove(frame);
+                }
+                Step::Enter {
+                    frame,
+                    parent,
+                    indent,
+                    depth,
+                    last,
+                } => {
+                    let below = self.line(frame, parent, &indent, depth, last, out);
+                    if !self.opened.insert(frame) {
+                        continue;
+                    }
+                    self.path.insert(frame);
+                    stack.push(Step::Leave(frame));
+                    let children = self.links.children(frame);
+                    for (index, child) in children.iter().enumerate().rev() {
+                        stack.push(Step::Enter {
+                            frame: child,
+                            parent: Some(frame),
+                            indent: below.clone(),
+                            depth: depth + 1,
+                            last: index + 1 == children.len(),
+                        });
+                    }
+                }
+            }
+        }
+    }
+
+    /// Writes a frame and who states its edge; returns what stands before its children.
+    fn line(
+        &self,
+        frame: &'a FrameId,
+        parent: Option<&'a FrameId>,
+        indent: &str,
+        depth: usize,
+        last: bool,
+        out: &mut String,
+    ) -> String {
+        let style = self.style;
+        let name = style.paint(Ink::Strong, &shown(frame.as_str()));
+        let Some(parent) = parent else {
+            let _ = writeln!(out, "{name}");
+            return String::new();
+        };
+        let branch = if last {
+            style.pick("└─ ", "`- ")
+        } else {
+            style.pick("├─ ", "|- ")
+        };
+        let mut below = indent.to_owned();
+        if depth <= MAX_INDENT {
+            below.push_str(if last { "   " } else { style.pick("│  ", "|  ") });
+        }
+        let deep = if depth > MAX_INDENT {
+            format!("(depth {depth}) ")
+        } else {
+            String::new()
+        };
+        let link = self.links.get(parent, frame);
+        let pose = link.map_or_else(String::new, link_pose);
+        let note = self.note(frame, parent);
+        let _ = writeln!(
+            out,
+            "{}",
+            format!("{indent}{branch}{deep}{name}{pose}{note}").trim_end()
+        );
+        for statement in link.into_iter().flat_map(|link| &link.statements) {
+            let who = style.paint(Ink::Faint, &statement.who);
+            let differs = match (&statement.differs, &statement.parent_from_child) {
+                (Some(differs), Some(pose)) => {
+                    let mark = style.paint(Ink::Error, &format!("! {differs}"));
+                    format!("  {mark}: {}", pose_words(pose))
+                }
+                _ => String::new(),
+            };
+            let _ = writeln!(out, "{below}    {who}{differs}");
+        }
+        below
+    }
+
+    /// What is odd about the frame under this parent.
+    fn note(&self, frame: &FrameId, parent: &FrameId) -> String {
+        let mut notes = Vec::new();
+        if self.path.contains(frame) {
+            notes.push("! cycle: leads back to itself".to_owned());
+        } else if self.opened.contains(frame) && !self.links.children(frame).is_empty() {
+            notes.push("children shown above".to_owned());
+        }
+        let others: Vec<String> = self
+            .world
+            .graph()
+            .parents_of(frame)
+            .into_iter()
+            .filter(|other| *other != parent)
+            .map(|other| format!("`{}`", shown(other.as_str())))
+            .collect();
+        if !others.is_empty() {
+            notes.push(format!("! also under {}", others.join(", ")));
+        }
+        if notes.is_empty() {
+            String::new()
+        } else {
+            format!("  [{}]", notes.join("; "))
+        }
+    }
+}
+
+fn link_pose(link: &Link) -> String {
+    let Some(leading) = link.leading() else {
+        return "  (no valid pose)".to_owned();
+    };
+    let pose = leading.parent_from_child.as_ref().map(pose_words).unwrap_or_default();
+    if leading.constant {
+        format!("  {pose}")
+    } else {
+        format!("  {pose} ({})", leading.moment)
+    }
+}

@@ -1,0 +1,97 @@
+//! CROSS01: two sources state different transforms for one pair of frames.
+
+use serde::Deserialize;
+
+use crate::math::relation::Relation;
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::World;
+
+use super::statements::{Pair, pairs};
+
+/// CROSS01.
+pub struct ExtrinsicConsistency;
+
+/// Limits of CROSS01.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    equal_deg: f64,
+    equal_m: f64,
+    warn_deg: f64,
+    warn_m: f64,
+}
+
+impl Rule for ExtrinsicConsistency {
+    const PAGE: &'static str = include_str!("../../../rules/cross/extrinsic-consistency.md");
+    const NEEDS: &'static [Need] = &[Need::Transforms];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for pair in pairs(world) {
+            judge_pair(world, &pair, limits, out);
+        }
+    }
+}
+
+fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
+    let subject = pair.subject(world);
+    let found = pair.classify();
+    let (angle_deg, distance_m) = (found.angle_rad.to_degrees(), found.distance_m);
+    let measured = [
+        Measured::new("rotation difference", angle_deg, "deg").limit(limits.equal_deg),
+        Measured::new("translation difference", distance_m, "m").limit(limits.equal_m),
+    ];
+    if angle_deg <= limits.equal_deg && distance_m <= limits.equal_m {
+        out.pass(subject, measured);
+        return;
+    }
+    if pair.alternatives {
+        let why =
+            "the same key in sibling files: two devices, or two versions; only a named convention error is reported";
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return;
+    }
+    let small = angle_deg <= limits.warn_deg && distance_m <= limits.warn_m;
+    if let (false, Some(relation)) = (small, found.error()) {
+        let why = format!("CROSS02 names the convention error: {}", relation.word());
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return;
+    }
+    let (severity, words, help) = if small {
+        (
+            Severity::Warning,
+            "slightly different transforms",
+            "if the sensor was calibrated again, update the older one; if not, find out which is measured and use it in both",
+        )
+    } else {
+        (
+            Severity::Error,
+            "different transforms",
+            "no known convention error turns one into the other: find out which is measured, and use it in both",
+        )
+    };
+    let message = format!(
+        "two sources state {words} of `{}` from `{}`: they differ by {angle_deg:.2} deg and {distance_m:.3} m",
+        pair.reference.target, pair.reference.source_frame,
+    );
+    let [rotation, translation] = measured;
+    let mut finding = Finding::new(severity, subject, message, pair.other.place.clone())
+        .confidence(pair.reading())
+        .label(format!(
+            "stated by {}{}",
+            pair.other.who,
+            if pair.turned { " (the other way round)" } else { "" }
+        ))
+        .related(
+            pair.reference.place.clone(),
+            format!("stated by {}", pair.reference.who),
+        )
+        .help(help)
+        .measured(rotation)
+        .measured(translation);
+    if found.best == Some(Relation::Equal) {
+        finding = finding.relation(Relation::Equal.word());
+    }
+    out.fail(finding);
+}

@@ -1,0 +1,133 @@
+//! CROSS02: a named convention error turns one source's transform into another's.
+
+use serde::Deserialize;
+
+use crate::math::relation::{Classification, Relation, Tolerance, classify_either_way};
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+
+use super::statements::{Pair, Statement, pairs};
+
+/// CROSS02.
+pub struct ExtrinsicRelation;
+
+/// Limits of CROSS02.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    small_deg: f64,
+    small_m: f64,
+    alternatives_turn_deg: f64,
+}
+
+impl Rule for ExtrinsicRelation {
+    const PAGE: &'static str = include_str!("../../../rules/cross/extrinsic-relation.md");
+    const NEEDS: &'static [Need] = &[Need::Transforms];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for pair in pairs(world) {
+            judge_pair(world, pair, limits, out);
+        }
+    }
+}
+
+fn judge_pair(world: &World, mut pair: Pair, limits: &Limits, out: &mut Judge) {
+    let subject = pair.subject(world);
+    let mut found = pair.classify();
+    let (angle_deg, distance_m) = (found.angle_rad.to_degrees(), found.distance_m);
+    let complete = |s: &Statement| s.has_rotation && s.has_translation;
+    if found.best.is_none() && complete(&pair.reference) && complete(&pair.other) {
+        let either = classify_either_way(&pair.reference.pose, &pair.other.pose, &Tolerance::default());
+        if either.reversed {
+            std::mem::swap(&mut pair.reference, &mut pair.other);
+            found = either.classification;
+        }
+    }
+    // Metres read as millimetres are far rarer than the other way round: the larger numbers are the culprit.
+    if matches!(found.best, Some(Relation::Metres | Relation::Radians)) {
+        std::mem::swap(&mut pair.reference, &mut pair.other);
+        found = pair.classify();
+    }
+    let difference = [
+        Measured::new("rotation difference", angle_deg, "deg").limit(Tolerance::default().angle_rad.to_degrees()),
+        Measured::new("translation difference", distance_m, "m").limit(Tolerance::default().distance_m),
+    ];
+    let small = angle_deg <= limits.small_deg && distance_m <= limits.small_m;
+    match (found.best, small) {
+        (_, true) | (Some(Relation::Equal), _) => out.pass(subject, difference),
+        (None, _) => {
+            let why = format!(
+                "they differ by {angle_deg:.2} deg and {distance_m:.3} m, and no convention error explains that; see CROSS01"
+            );
+            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        }
+        (Some(_), _) if pair.alternatives && !distinctive(&pair, limits) => {
+            let why = "the same key in sibling files, and mounts along the axes: two devices look like this as well";
+            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        }
+        (Some(relation), _) => out.fail(finding(&pair, subject, relation, &found, difference)),
+    }
+}
+
+fn finding(
+    pair: &Pair,
+    subject: String,
+    relation: Relation,
+    found: &Classification,
+    difference: [Measured; 2],
+) -> Finding {
+    let also: Vec<&str> = found.class.iter().skip(1).map(|other| other.word()).collect();
+    let message = format!(
+        "`{}` from `{}` is stated twice, and the second is the first with a convention error: {}{}",
+        pair.reference.target,
+        pair.reference.source_frame,
+        relation.word(),
+        if also.is_empty() {
+            String::new()
+        } else {
+            format!(" (indistinguishable here: {})", also.join(", "))
+        }
+    );
+    let help = format!(
+        "{} Find out which of the two is right and state it in both; explained to {:.2} deg and {:.3} m.",
+        relation.describe(),
+        found.residual_angle_rad.to_degrees(),
+        found.residual_m,
+    );
+    let [rotation, translation] = difference;
+    Finding::error(subject, message, pair.other.place.clone())
+        .confidence(pair.reading())
+        .label(format!(
+            "stated by {}{}",
+            pair.other.who,
+            if pair.turned { " (the other way round)" } else { "" }
+        ))
+        .related(
+            pair.reference.place.clone(),
+            format!("stated by {}", pair.reference.who),
+        )
+        .help(help)
+        .relation(relation.word())
+        .measured(rotation)
+        .measured(translation)
+        .measured(Measured::new(
+            "left by the relation",
+            found.residual_angle_rad.to_degrees(),
+            "deg",
+        ))
+        .measured(Measured::new("left by the relation", found.residual_m, "m"))
+        .measured(Measured::count("relations that fit alike", found.class.len()))
+}
+
+/// Whether a rotation lies well off the axes, so that two devices would not be related by chance.
+fn distinctive(pair: &Pair, limits: &Limits) -> bool {
+    let matrix = pair.reference.pose.rotation.to_rotation_matrix();
+    let off_axis = matrix
+        .matrix()
+        .column_iter()
+        .map(|column| column.iter().fold(0.0_f64, |most, v| most.max(v.abs())).min(1.0).acos())
+        .fold(0.0_f64, f64::max);
+    off_axis.to_degrees() >= limits.alternatives_turn_deg && pair.reference.pose.translation.vector.norm() > 0.05
+}

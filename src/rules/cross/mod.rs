@@ -1,0 +1,6 @@
+//! CROSS: what several sources say of the same pair of frames.
+
+pub mod extrinsic_consistency;
+pub mod extrinsic_relation;
+mod statements;
+pub mod urdf_tf_topology;

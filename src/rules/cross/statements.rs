@@ -1,0 +1,287 @@
+//! Statements about rigid transforms, brought into pairs that speak of the same two frames.
+//!
+//! Owns which sources may be compared with which. Alternatives are not disagreements: two URDF files, or the same key
+//! in the files of two devices, state different robots, so only a recording's own description is held against a file.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nalgebra::Isometry3;
+
+use crate::math::relation::{Classification, Tolerance, classify, classify_rotation};
+use crate::source::{Confidence, Place, SourceId, SourceKind};
+use crate::world::graph::{Edge, EdgeOrigin};
+use crate::world::{Claim, ClaimKind, FrameId, Spelling, World};
+
+/// How far a source is trusted to be the one that is right, when two disagree: descriptions before files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Rank {
+    Urdf,
+    Description,
+    Tf,
+    File,
+}
+
+/// One source's word on `target_from_source`, of a rigid pair.
+#[derive(Clone, Debug)]
+pub(super) struct Statement {
+    /// Target (parent) frame, canonical.
+    pub(super) target: FrameId,
+    /// Source (child) frame, canonical.
+    pub(super) source_frame: FrameId,
+    /// `target_from_source`.
+    pub(super) pose: Isometry3<f64>,
+    /// Whether a rotation was stated.
+    pub(super) has_rotation: bool,
+    /// Whether a translation was stated.
+    pub(super) has_translation: bool,
+    /// Who says so, in words.
+    pub(super) who: String,
+    /// Where.
+    pub(super) place: Place,
+    /// How sure the reading of the statement is.
+    pub(super) reading: Confidence,
+    /// The key or joint it stands under.
+    pub(super) label: String,
+    rank: Rank,
+    bare_quaternion: bool,
+}
+
+/// Two statements about one pair, the more trusted one first, both as `target_from_source` of the first.
+#[derive(Clone, Debug)]
+pub(super) struct Pair {
+    /// The statement taken for the reference.
+    pub(super) reference: Statement,
+    /// The statement held against it, turned to the reference's direction where it was stated the other way round.
+    pub(super) other: Statement,
+    /// Whether the other was stated the other way round.
+    pub(super) turned: bool,
+    /// Whether the two stand under the same key of sibling files: perhaps alternatives, not a disagreement.
+    pub(super) alternatives: bool,
+}
+
+impl Pair {
+    /// What is judged, in words.
+    pub(super) fn subject(&self, world: &World) -> String {
+        format!(
+            "`{}` from `{}`: {} and {}",
+            self.reference.target,
+            self.reference.source_frame,
+            world.path(self.reference.place.source),
+            world.path(self.other.place.source),
+        )
+    }
+
+    /// How sure the reading of both is.
+    pub(super) fn reading(&self) -> Confidence {
+        self.reference.reading.min(self.other.reading)
+    }
+
+    /// The relation between the two and their plain difference; parts that one does not state are not compared.
+    pub(super) fn classify(&self) -> Classification {
+        let tolerance = Tolerance::default();
+        let (a, b) = (&self.reference, &self.other);
+        if a.has_translation && b.has_translation {
+            let mut a_pose = a.pose;
+            if !(a.has_rotation && b.has_rotation) {
+                a_pose.rotation = b.pose.rotation;
+            }
+            return classify(&a_pose, &b.pose, &tolerance);
+        }
+        classify_rotation(&a.pose.rotation, &b.pose.rotation, &tolerance)
+    }
+}
+
+/// All pairs of a world, in a fixed order.
+pub(super) fn pairs(world: &World) -> Vec<Pair> {
+    let mut by_frames: BTreeMap<(FrameId, FrameId), Vec<Statement>> = BTreeMap::new();
+    for statement in statements(world) {
+        let (a, b) = (&statement.target, &statement.source_frame);
+        let key = if a <= b {
+            (a.clone(), b.clone())
+        } else {
+            (b.clone(), a.clone())
+        };
+        by_frames.entry(key).or_default().push(statement);
+    }
+    let mut pairs = Vec::new();
+    for (frames, mut statements) in by_frames {
+        add_chains(world, &frames, &mut statements);
+        statements.sort_by(|a, b| (a.rank, a.bare_quaternion, &a.place).cmp(&(b.rank, b.bare_quaternion, &b.place)));
+        for (index, reference) in statements.iter().enumerate() {
+            for other in statements.iter().skip(index + 1) {
+                pairs.extend(pair(world, reference, other));
+            }
+        }
+    }
+    pairs
+}
+
+fn pair(world: &World, reference: &Statement, other: &Statement) -> Option<Pair> {
+    let comparable = comparable(world, reference, other)?;
+    let turned = reference.target != other.target;
+    if turned && !(other.has_rotation && other.has_translation) {
+        // Half a transform can't be turned round.
+        return None;
+    }
+    let both_rotations = reference.has_rotation && other.has_rotation;
+    let both_translations = reference.has_translation && other.has_translation;
+    if !both_rotations && !both_translations {
+        return None;
+    }
+    let mut other = other.clone();
+    if turned {
+        other.pose = other.pose.inverse();
+    }
+    Some(Pair {
+        reference: reference.clone(),
+        other,
+        turned,
+        alternatives: comparable == Comparable::Alternatives,
+    })
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Comparable {
+    Same,
+    Alternatives,
+}
+
+fn comparable(world: &World, a: &Statement, b: &Statement) -> Option<Comparable> {
+    let last = |statement: &Statement| statement.label.rsplit('/').next().map(str::to_owned);
+    match (a.rank, b.rank) {
+        // Descriptions of several robots; TF of one recording is TREE05's, of several they are several drives.
+        (Rank::Urdf, Rank::Urdf) | (Rank::Description, Rank::Description) | (Rank::Tf, Rank::Tf) => None,
+        (Rank::File, Rank::File) if a.place.source == b.place.source => {
+            (last(a) != last(b) && a.label != b.label).then_some(Comparable::Same)
+        }
+        (Rank::File, Rank::File) => {
+            let folder = |id: SourceId| Path::new(world.path(id)).parent().map(Path::to_path_buf);
+            if folder(a.place.source) != folder(b.place.source) {
+                return None;
+            }
+            Some(if a.label == b.label {
+                Comparable::Alternatives
+            } else {
+                Comparable::Same
+            })
+        }
+        _ => Some(Comparable::Same),
+    }
+}
+
+fn statements(world: &World) -> Vec<Statement> {
+    let files = world.claims.iter().filter_map(|claim| from_claim(world, claim));
+    let tf = world.bags.iter().flat_map(|bag| &bag.tf).filter_map(|edge| {
+        let constant = edge.is_static || (edge.count >= 10 && edge.extreme.as_ref().is_none_or(is_tiny));
+        let first = edge.first().filter(|_| constant)?;
+        let source = world
+            .bags
+            .iter()
+            .find(|bag| bag.tf.iter().any(|e| std::ptr::eq(e, edge)))?
+            .source;
+        Some(Statement {
+            target: edge.parent.canonical(),
+            source_frame: edge.child.canonical(),
+            pose: first.pose.isometry(),
+            has_rotation: true,
+            has_translation: true,
+            who: format!("TF on `{}`", edge.topic),
+            place: Place::message(source, first.at.clone()),
+            reading: Confidence::Certain,
+            label: edge.topic.clone(),
+            rank: Rank::Tf,
+            bare_quaternion: false,
+        })
+    });
+    files.chain(tf).collect()
+}
+
+fn is_tiny(extreme: &(crate::world::bag::TfSample, f64, f64)) -> bool {
+    extreme.1 < 1e-9 && extreme.2 < 1e-9
+}
+
+fn from_claim(world: &World, claim: &Claim) -> Option<Statement> {
+    let (target, source_frame) = claim.frames.clone()?;
+    if !claim.is_rigid() {
+        return None;
+    }
+    let (rank, who) = match &claim.kind {
+        ClaimKind::Joint { joint, .. } => (joint_rank(world, claim.place.source), format!("joint `{joint}`")),
+        ClaimKind::File { .. } => (Rank::File, format!("`{}`", claim.label)),
+    };
+    Some(Statement {
+        target: target.canonical(),
+        source_frame: source_frame.canonical(),
+        pose: claim.pose?.isometry(),
+        has_rotation: claim.has_rotation,
+        has_translation: claim.has_translation,
+        who,
+        place: claim.place.clone(),
+        reading: claim.reading,
+        label: claim.label.clone(),
+        rank,
+        bare_quaternion: matches!(claim.spelling, Spelling::Quaternion { .. }),
+    })
+}
+
+fn joint_rank(world: &World, id: SourceId) -> Rank {
+    match world.source(id).map(|source| source.kind) {
+        Some(SourceKind::RobotDescription) => Rank::Description,
+        _ => Rank::Urdf,
+    }
+}
+
+/// Where a description reaches both frames only over other frames, its composed chain speaks as one more statement.
+fn add_chains(world: &World, (a, b): &(FrameId, FrameId), statements: &mut Vec<Statement>) {
+    let Some(first) = statements.iter().find(|s| s.rank == Rank::File || s.rank == Rank::Tf) else {
+        return;
+    };
+    let (target, source_frame) = (first.target.clone(), first.source_frame.clone());
+    debug_assert!(&target == a || &target == b);
+    let graph = world.graph();
+    let rank_of = |edge: &Edge| match edge.origin {
+        EdgeOrigin::Joint(index) => world
+            .claims
+            .get(index)
+            .map_or(Rank::Urdf, |claim| joint_rank(world, claim.place.source)),
+        EdgeOrigin::Tf(..) => Rank::Tf,
+    };
+    for rank in [Rank::Urdf, Rank::Description, Rank::Tf] {
+        if statements.iter().any(|statement| statement.rank == rank) {
+            continue;
+        }
+        let chain = graph.chain(&target, &source_frame, |edge| edge.is_rigid && rank_of(edge) == rank);
+        let Some((pose, steps)) = chain else { continue };
+        let Some(place) = steps
+            .last()
+            .and_then(|step| graph.edges.get(step.edge))
+            .and_then(|edge| place_of(world, edge))
+        else {
+            continue;
+        };
+        statements.push(Statement {
+            target: target.clone(),
+            source_frame: source_frame.clone(),
+            pose,
+            has_rotation: true,
+            has_translation: true,
+            who: format!("the chain of {} transforms", steps.len()),
+            place,
+            reading: Confidence::Certain,
+            label: "chain".to_owned(),
+            rank,
+            bare_quaternion: false,
+        });
+    }
+}
+
+fn place_of(world: &World, edge: &Edge) -> Option<Place> {
+    match edge.origin {
+        EdgeOrigin::Joint(index) => world.claims.get(index).map(|claim| claim.place.clone()),
+        EdgeOrigin::Tf(bag, index) => {
+            let bag = world.bags.get(bag)?;
+            Some(Place::message(bag.source, bag.tf.get(index)?.first_at.clone()))
+        }
+    }
+}

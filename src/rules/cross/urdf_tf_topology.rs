@@ -1,0 +1,142 @@
+//! CROSS06: the recording's tree hangs together otherwise than the URDF says.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::bag::TfEdge;
+use crate::world::{BagEvidence, FrameId, Robot, World, robot::Joint};
+
+/// CROSS06.
+pub struct UrdfTfTopology;
+
+/// Limits of CROSS06.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    moves_deg: f64,
+    moves_m: f64,
+}
+
+impl Rule for UrdfTfTopology {
+    const PAGE: &'static str = include_str!("../../../rules/cross/urdf-tf-topology.md");
+    const NEEDS: &'static [Need] = &[Need::Robot, Need::Tf];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for robot in world.robots.iter().filter(|robot| robot.fragment.is_none()) {
+            let joints: BTreeMap<FrameId, &Joint> = robot
+                .joints
+                .iter()
+                .filter_map(|joint| Some((FrameId::new(&joint.child.as_ref()?.value).canonical(), joint)))
+                .collect();
+            for bag in world.bags.iter().filter(|bag| !bag.tf.is_empty()) {
+                judge_bag(world, robot, &joints, bag, limits, out);
+            }
+        }
+    }
+}
+
+fn judge_bag(
+    world: &World,
+    robot: &Robot,
+    joints: &BTreeMap<FrameId, &Joint>,
+    bag: &BagEvidence,
+    limits: &Limits,
+    out: &mut Judge,
+) {
+    let subject = format!("robot `{}` in {}", robot.name.value, world.path(bag.source));
+    let shared: Vec<(&TfEdge, &Joint)> = bag
+        .tf
+        .iter()
+        .filter_map(|edge| Some((edge, *joints.get(&edge.child.canonical())?)))
+        .collect();
+    if shared.is_empty() {
+        out.not_evaluated(
+            subject,
+            NotEvaluated::MissingInput,
+            "no child frame of TF is a link of this robot",
+        );
+        return;
+    }
+    let mut differing = 0;
+    for (edge, joint) in &shared {
+        for finding in [parent_differs(bag, edge, joint), fixed_moves(bag, edge, joint, limits)]
+            .into_iter()
+            .flatten()
+        {
+            differing += 1;
+            out.fail(finding);
+        }
+    }
+    if differing == 0 {
+        out.pass(
+            subject,
+            [
+                Measured::count("edges that differ", 0).limit(0.0),
+                Measured::count("edges in both", shared.len()),
+            ],
+        );
+    }
+}
+
+fn parent_differs(bag: &BagEvidence, edge: &TfEdge, joint: &Joint) -> Option<Finding> {
+    let stated = joint.parent.as_ref()?;
+    let parent = edge.parent.canonical();
+    if FrameId::new(&stated.value).canonical() == parent {
+        return None;
+    }
+    let message = format!(
+        "TF hangs `{}` under `{parent}`, the URDF under `{}`: with both published, tf2 answers with whichever came last",
+        edge.child, stated.value,
+    );
+    Some(
+        Finding::warning(
+            format!("frame `{}`", edge.child),
+            message,
+            Place::message(bag.source, edge.first_at.clone()),
+        )
+        .label(format!("parent `{parent}` on `{}`", edge.topic))
+        .related(stated.place.clone(), format!("parent of joint `{}`", joint.name.value))
+        .help("let one source publish the frame, and bring the other in line with it")
+        .measured(Measured::count("parents stated", 2).limit(1.0)),
+    )
+}
+
+fn fixed_moves(bag: &BagEvidence, edge: &TfEdge, joint: &Joint, limits: &Limits) -> Option<Finding> {
+    let (sample, angle_rad, distance_m) = edge.extreme.as_ref()?;
+    let angle_deg = angle_rad.to_degrees();
+    if !joint.is_fixed() || (angle_deg <= limits.moves_deg && *distance_m <= limits.moves_m) {
+        return None;
+    }
+    let message = format!(
+        "joint `{}` is fixed in the URDF, but `{}` moves on `{}`: by up to {angle_deg:.2} deg and {distance_m:.3} m",
+        joint.name.value, edge.child, edge.topic,
+    );
+    Some(
+        Finding::warning(
+            format!("frame `{}`", edge.child),
+            message,
+            Place::message(bag.source, sample.at.clone()),
+        )
+        .label("differs most from the first transform")
+        .related(
+            joint.kind.place.clone(),
+            format!("joint `{}` is fixed here", joint.name.value),
+        )
+        .help("give the joint its real type, or stop whoever moves a frame that is bolted on")
+        .measured(
+            Measured::new("rotation", angle_deg, "deg")
+                .limit(limits.moves_deg)
+                .samples(edge.count),
+        )
+        .measured(
+            Measured::new("translation", *distance_m, "m")
+                .limit(limits.moves_m)
+                .samples(edge.count),
+        ),
+    )
+}

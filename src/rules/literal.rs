@@ -1,0 +1,82 @@
+//! Literals rewritten: how a number is spelled in a fix, and what its text says about it.
+
+use crate::source::{Place, SourceId, Span};
+use crate::verdict::Edit;
+use crate::world::Literal;
+
+/// A number with at most twelve decimals and no trailing zeros: enough for a picometre and for 1e-12 rad.
+pub(super) fn spell(value: f64) -> String {
+    let text = format!("{value:.12}");
+    let text = text.trim_end_matches('0').trim_end_matches('.');
+    match text {
+        "-0" | "" => "0".to_owned(),
+        text => text.to_owned(),
+    }
+}
+
+/// Replaces a literal by another number.
+pub(super) fn rewrite(source: SourceId, literal: &Literal, text: impl Into<String>) -> Edit {
+    Edit {
+        place: Place::text(source, literal.span),
+        replacement: text.into(),
+    }
+}
+
+/// Whether the text is spelled as NaN or infinity (`nan`, `.inf`, `1e999`), as against no number at all.
+pub(super) fn is_spelled_non_finite(literal: &Literal) -> bool {
+    let text = literal.text.trim();
+    let (sign, digits) = text
+        .split_at_checked(1)
+        .map_or(("", text), |(first, rest)| match first {
+            "+" | "-" => (first, rest),
+            _ => ("", text),
+        });
+    let plain = format!("{sign}{}", digits.strip_prefix('.').unwrap_or(digits));
+    [text, plain.as_str()]
+        .iter()
+        .any(|text| text.parse::<f64>().is_ok_and(|value| !value.is_finite()))
+}
+
+/// Whether the text is a macro (`${width/2}`, `$(optenv ...)`) that something else expands.
+pub(super) fn is_macro(text: &str) -> bool {
+    text.contains("${") || text.contains("$(")
+}
+
+/// The place that covers all of the literals; `whole` where there are none.
+pub(super) fn cover(literals: &[Literal], whole: &Place) -> Place {
+    let span = literals.iter().map(|literal| literal.span).reduce(Span::cover);
+    span.map_or_else(|| whole.clone(), |span| Place::text(whole.source, span))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn literal(text: &str) -> Literal {
+        Literal {
+            text: text.to_owned(),
+            value: text.parse().unwrap_or(f64::NAN),
+            span: Span::new(0, text.len()),
+        }
+    }
+
+    #[test]
+    fn numbers_are_spelled_short_and_without_negative_zero() {
+        assert_eq!(spell(1.0), "1");
+        assert_eq!(spell(-0.0), "0");
+        assert_eq!(spell(-1e-14), "0");
+        assert_eq!(spell(0.25), "0.25");
+        assert_eq!(spell(1000.0), "1000");
+        assert_eq!(spell(std::f64::consts::FRAC_PI_2), "1.570796326795");
+    }
+
+    #[test]
+    fn non_finite_spellings_of_xml_and_yaml_are_known_and_words_are_not() {
+        for text in ["nan", "NaN", "-inf", ".nan", "-.inf", ".Inf", "1e999", "+infinity"] {
+            assert!(is_spelled_non_finite(&literal(text)), "{text}");
+        }
+        for text in ["", "-", "1,5", "abc", "1.5", "${x}", ".", "é"] {
+            assert!(!is_spelled_non_finite(&literal(text)), "{text}");
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Who else states the transform between the same two frames.
+//!
+//! Only constant statements count: fixed joints, static TF and files. Names are compared as tf2 stores them.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Isometry3;
+
+use crate::source::{Place, SourceId};
+use crate::world::{FrameId, World};
+
+/// One statement of a transform.
+#[derive(Clone, Debug)]
+pub(super) struct Statement {
+    /// Who states it.
+    pub source: SourceId,
+    /// Where.
+    pub place: Place,
+    /// `target_from_source` of the pair that was asked for.
+    pub pose: Isometry3<f64>,
+    /// Whether a rotation was stated.
+    pub has_rotation: bool,
+    /// Whether a translation was stated.
+    pub has_translation: bool,
+}
+
+/// All constant statements by their pair of frames.
+#[derive(Debug, Default)]
+pub(super) struct Pairs {
+    by_pair: BTreeMap<(FrameId, FrameId), Vec<Statement>>,
+}
+
+impl Pairs {
+    /// Collects the statements of a world.
+    pub(super) fn new(world: &World) -> Self {
+        let mut pairs = Self::default();
+        for claim in world.claims.iter().filter(|claim| claim.is_rigid()) {
+            if let (Some((target, source)), Some(pose)) = (&claim.frames, &claim.pose) {
+                let statement = Statement {
+                    source: claim.place.source,
+                    place: claim.place.clone(),
+                    pose: pose.isometry(),
+                    has_rotation: claim.has_rotation,
+                    has_translation: claim.has_translation,
+                };
+                pairs.add(target, source, statement);
+            }
+        }
+        for bag in &world.bags {
+            for edge in bag.tf.iter().filter(|edge| edge.is_static) {
+                if let Some(sample) = edge.first() {
+                    let statement = Statement {
+                        source: bag.source,
+                        place: Place::message(bag.source, sample.at.clone()),
+                        pose: sample.pose.isometry(),
+                        has_rotation: true,
+                        has_translation: true,
+                    };
+                    pairs.add(&edge.parent, &edge.child, statement);
+                }
+            }
+        }
+        pairs
+    }
+
+    fn add(&mut self, target: &FrameId, source: &FrameId, statement: Statement) {
+        let key = (target.canonical(), source.canonical());
+        self.by_pair.entry(key).or_default().push(statement);
+    }
+
+    /// What other sources than `asking` state of `target_from_source`, in either direction. A half of a transform
+    /// cannot be turned round, so half statements are given in their own direction only.
+    pub(super) fn others(&self, target: &FrameId, source: &FrameId, asking: SourceId) -> Vec<Statement> {
+        let (target, source) = (target.canonical(), source.canonical());
+        let direct = self.by_pair.get(&(target.clone(), source.clone()));
+        let reverse = self.by_pair.get(&(source, target));
+        let turned = reverse
+            .into_iter()
+            .flatten()
+            .filter(|statement| statement.has_rotation && statement.has_translation)
+            .map(|statement| Statement {
+                pose: statement.pose.inverse(),
+                ..statement.clone()
+            });
+        direct
+            .into_iter()
+            .flatten()
+            .cloned()
+            .chain(turned)
+            .filter(|statement| statement.source != asking)
+            .collect()
+    }
+}
+
+/// Whether one of the words is a token of the name, digits behind it aside: `lidar_2`, `cam0` and `FrontLidar` have
+/// the tokens `lidar`, `cam`, `lidar`.
+pub(super) fn has_word(frame: &FrameId, words: &[&str]) -> bool {
+    frame.tokens().iter().any(|token| {
+        let stem = token.trim_end_matches(|c: char| c.is_ascii_digit());
+        words.contains(&stem) || words.contains(&token.as_str())
+    })
+}

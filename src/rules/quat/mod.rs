@@ -1,0 +1,3 @@
+//! QUAT: the order and the algebra of quaternions.
+
+pub mod quaternion_order_static;

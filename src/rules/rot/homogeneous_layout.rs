@@ -1,0 +1,106 @@
+//! ROT03: a 4x4 matrix whose bottom row is not 0 0 0 1.
+
+use crate::rules::literal::rewrite;
+use crate::rules::tally::Tally;
+use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::verdict::{Edit, Finding, Measured, NotEvaluated, Safety};
+use crate::world::World;
+
+use super::parts::Parts;
+
+/// ROT03.
+pub struct HomogeneousLayout;
+
+impl Rule for HomogeneousLayout {
+    const PAGE: &'static str = include_str!("../../../rules/rot/homogeneous-layout.md");
+    const NEEDS: &'static [Need] = &[Need::Matrices];
+    type Limits = NoLimits;
+
+    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+        let mut right = Tally::new("4x4 matrices");
+        for parts in Parts::all(world) {
+            let Some(row) = parts.bottom_row() else {
+                out.not_evaluated(
+                    parts.subject(world),
+                    NotEvaluated::NotApplicable,
+                    "not a 4x4 matrix: it has no bottom row",
+                );
+                continue;
+            };
+            let measured = deviation(row);
+            if parts.has_unit_bottom_row() == Some(true) {
+                right.pass(parts.source(), measured);
+            } else if parts.transposed {
+                out.fail(transposed(world, &parts, measured));
+            } else {
+                out.fail(wrong_row(world, &parts, row, measured));
+            }
+        }
+        right.report(world, out);
+    }
+}
+
+fn deviation([a, b, c, d]: [f64; 4]) -> Measured {
+    let worst = [a, b, c, d - 1.0].iter().fold(0.0_f64, |worst, entry| {
+        if entry.is_nan() {
+            f64::NAN
+        } else {
+            worst.max(entry.abs())
+        }
+    });
+    Measured::new("largest deviation of the bottom row from 0 0 0 1", worst, "1").limit(1e-9)
+}
+
+fn transposed(world: &World, parts: &Parts, measured: Measured) -> Finding {
+    let message = format!(
+        "the matrix `{}` is stored transposed: its last column is 0 0 0 1 and the translation stands in the bottom row",
+        parts.claim.label
+    );
+    let finding = Finding::error(parts.subject(world), message, parts.claim.place.clone())
+        .label("translation in the bottom row")
+        .help(
+            "write the matrix row by row with the translation in the last column: a reader of this file takes the \
+               rotation for its inverse and the translation for zero",
+        )
+        .measured(measured)
+        .relation("transposed");
+    match transposing_edits(parts) {
+        Some(edits) => finding.fix("transpose the matrix", Safety::Safe, edits),
+        None => finding,
+    }
+}
+
+/// Every literal takes the text of its mirror image.
+fn transposing_edits(parts: &Parts) -> Option<Vec<Edit>> {
+    let mut edits = Vec::new();
+    for row in 0..4 {
+        for col in (0..4).filter(|col| *col != row) {
+            let (here, there) = (parts.literal(row, col)?, parts.literal(col, row)?);
+            if here.text != there.text {
+                edits.push(rewrite(parts.source(), here, there.text.clone()));
+            }
+        }
+    }
+    Some(edits)
+}
+
+fn wrong_row(world: &World, parts: &Parts, [a, b, c, d]: [f64; 4], measured: Measured) -> Finding {
+    let message = format!(
+        "the bottom row of the matrix `{}` is {a} {b} {c} {d}, not 0 0 0 1",
+        parts.claim.label
+    );
+    let place = parts.literal(3, 0).zip(parts.literal(3, 3)).map_or_else(
+        || parts.claim.place.clone(),
+        |(first, last)| crate::source::Place::text(parts.source(), first.span.cover(last.span)),
+    );
+    let is_zero = [a, b, c, d].iter().all(|entry| *entry == 0.0);
+    let finding = if is_zero {
+        // SLICT and SVO-Pro ship such matrices: their readers take the upper three rows only.
+        Finding::note(parts.subject(world), message, place)
+            .help("end the row in 1: a reader that multiplies by the full matrix gets no transform")
+    } else {
+        Finding::error(parts.subject(world), message, place)
+            .help("a rigid transform ends in the row 0 0 0 1: look for a lost number, or for another layout")
+    };
+    finding.label("bottom row").measured(measured)
+}

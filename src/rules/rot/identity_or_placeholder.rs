@@ -1,0 +1,88 @@
+//! ROT07: a sensor mounted exactly nowhere, or exactly where another one is.
+
+use nalgebra::Isometry3;
+
+use crate::rules::tally::Tally;
+use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::verdict::{Finding, Measured};
+use crate::world::World;
+
+use super::sensors::{Mounting, mountings};
+
+/// ROT07.
+pub struct IdentityOrPlaceholder;
+
+impl Rule for IdentityOrPlaceholder {
+    const PAGE: &'static str = include_str!("../../../rules/rot/identity-or-placeholder.md");
+    const NEEDS: &'static [Need] = &[Need::Transforms];
+    type Limits = NoLimits;
+
+    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+        let mut right = Tally::new("sensor mountings");
+        let all = mountings(world);
+        for (index, mounting) in all.iter().enumerate() {
+            // Only the earlier ones: of a pair of copies the later one is told.
+            let copied_from = all
+                .iter()
+                .take(index)
+                .find(|other| !mounting.is_identity() && mounting.is_copy_of(other));
+            if mounting.is_identity() {
+                out.fail(identity(world, mounting));
+            } else if let Some(original) = copied_from {
+                out.fail(copy(world, mounting, original));
+            } else {
+                right.pass(mounting.place.source, measured(&mounting.parent_from_sensor));
+            }
+        }
+        right.report(world, out);
+    }
+}
+
+fn measured(parent_from_sensor: &Isometry3<f64>) -> Measured {
+    Measured::new(
+        "distance of the sensor from its parent",
+        parent_from_sensor.translation.vector.norm(),
+        "m",
+    )
+}
+
+fn identity(world: &World, mounting: &Mounting) -> Finding {
+    let how = if mounting.is_unstated {
+        "no origin is given, which means identity"
+    } else {
+        "the transform is exactly identity"
+    };
+    let message = format!(
+        "`{}` is mounted exactly at `{}`: {how}",
+        mounting.sensor, mounting.parent
+    );
+    Finding::warning(subject(world, mounting), message, mounting.place.clone())
+        .hint()
+        .label("a placeholder?")
+        .help(
+            "write the measured mounting; if the two frames coincide by design, say so in a comment and waive this hint",
+        )
+        .measured(measured(&mounting.parent_from_sensor))
+}
+
+fn copy(world: &World, mounting: &Mounting, original: &Mounting) -> Finding {
+    let message = format!(
+        "`{}` is mounted on `{}` with exactly the numbers of `{}`: two sensors of one kind cannot share a place",
+        mounting.sensor, mounting.parent, original.sensor
+    );
+    Finding::warning(subject(world, mounting), message, mounting.place.clone())
+        .hint()
+        .label("a copy?")
+        .help("write the measured mounting of this sensor")
+        .related(original.place.clone(), "the same numbers")
+        .measured(measured(&mounting.parent_from_sensor))
+}
+
+fn subject(world: &World, mounting: &Mounting) -> String {
+    format!(
+        "`{}` from `{}` of {}",
+        mounting.parent,
+        mounting.sensor,
+        world.path(mounting.place.source)
+    )
+}

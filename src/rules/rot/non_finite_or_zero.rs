@@ -1,0 +1,135 @@
+//! ROT05: NaN, infinity and the quaternion of all zeros.
+
+use crate::math::rotation::quaternion_norm;
+use crate::rules::literal::{cover, is_spelled_non_finite};
+use crate::rules::tally::Tally;
+use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured};
+use crate::world::bag::{BagEvidence, Faults, TfEdge};
+use crate::world::{Claim, ClaimKind, Literal, Robot, Spelling, World};
+
+use super::quaternions;
+use super::urdf_numbers::number_lists;
+
+/// ROT05.
+pub struct NonFiniteOrZero;
+
+impl Rule for NonFiniteOrZero {
+    const PAGE: &'static str = include_str!("../../../rules/rot/non-finite-or-zero.md");
+    const NEEDS: &'static [Need] = &[Need::Transforms];
+    type Limits = NoLimits;
+
+    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+        let mut right = Tally::new("statements of numbers");
+        for robot in &world.robots {
+            judge_robot(world, robot, &mut right, out);
+        }
+        for claim in &world.claims {
+            if let ClaimKind::File { .. } = claim.kind {
+                judge_file(world, claim, &mut right, out);
+            }
+        }
+        for stated in quaternions::stated(world) {
+            if quaternion_norm(stated.xyzw) <= quaternions::ZERO_NORM {
+                let message = format!("the quaternion of {} is all zeros: it states no rotation", stated.name);
+                let place = cover(stated.literals, &stated.place);
+                let finding = Finding::error(stated.subject(world), message, place)
+                    .label("0 0 0 0")
+                    .help("write the measured rotation, or 0 0 0 1 (x y z w) where none is meant")
+                    .measured(Measured::new("norm of the quaternion", 0.0, "1").limit(1.0));
+                out.fail(finding);
+            }
+        }
+        for bag in &world.bags {
+            for edge in &bag.tf {
+                judge_edge(bag, edge, &mut right, out);
+            }
+        }
+        right.report(world, out);
+    }
+}
+
+fn judge_robot(world: &World, robot: &Robot, right: &mut Tally, out: &mut Judge) {
+    for numbers in number_lists(robot) {
+        let broken: Vec<&Literal> = numbers.literals.iter().filter(|l| is_spelled_non_finite(l)).collect();
+        let subject = format!("{} of {}", numbers.owner, world.path(robot.source));
+        report(subject, &broken, numbers.literals.len(), &numbers.place, right, out);
+    }
+}
+
+fn judge_file(world: &World, claim: &Claim, right: &mut Tally, out: &mut Judge) {
+    let literals = claim.translation_literals.iter().chain(&claim.rotation_literals);
+    let broken: Vec<&Literal> = literals.filter(|literal| !literal.value.is_finite()).collect();
+    let subject = format!("`{}` of {}", claim.label, world.path(claim.place.source));
+    let numbers = spelled(&claim.spelling);
+    if broken.is_empty() && numbers.iter().any(|number| !number.is_finite()) {
+        // The text of the numbers is not known: the statement as a whole is the place.
+        out.fail(not_finite(subject, "NaN or infinite", 1, claim.place.clone()));
+    } else {
+        report(subject, &broken, numbers.len(), &claim.place, right, out);
+    }
+}
+
+fn spelled(spelling: &Spelling) -> Vec<f64> {
+    match spelling {
+        Spelling::Rpy { xyz, rpy } => xyz.iter().chain(rpy).copied().collect(),
+        Spelling::Quaternion { xyz, xyzw, .. } => xyz.iter().chain(xyzw).copied().collect(),
+        Spelling::Matrix { values, .. } => values.clone(),
+        Spelling::Translation { xyz } => xyz.to_vec(),
+    }
+}
+
+/// One finding for all broken numbers of a statement, or one more statement that is right.
+fn report(subject: String, broken: &[&Literal], total: usize, whole: &Place, right: &mut Tally, out: &mut Judge) {
+    match broken.first() {
+        Some(first) => {
+            let place = Place::text(whole.source, first.span);
+            out.fail(not_finite(subject, &format!("`{}`", first.text), broken.len(), place));
+        }
+        None if total > 0 => right.pass(
+            whole.source,
+            Measured::count("numbers that are not finite", 0).limit(0.0),
+        ),
+        None => {}
+    }
+}
+
+fn not_finite(subject: String, what: &str, count: usize, place: Place) -> Finding {
+    let message = format!("{subject} holds a number that is {what}: no transform can be computed from it");
+    Finding::error(subject, message, place)
+        .label("not finite")
+        .help("write the measured number; a value that is not known is left out, not written as NaN")
+        .measured(Measured::count("numbers that are not finite", count).limit(0.0))
+}
+
+fn judge_edge(bag: &BagEvidence, edge: &TfEdge, right: &mut Tally, out: &mut Judge) {
+    let subject = format!("`{}` from `{}` on {}", edge.parent, edge.child, edge.topic);
+    let kinds: [(&Faults, &str); 2] = [
+        (&edge.non_finite, "hold NaN or infinity"),
+        (&edge.zero_quaternion, "have a quaternion of all zeros"),
+    ];
+    let mut sound = true;
+    for (faults, what) in kinds {
+        let Some(example) = faults.examples.first() else {
+            continue;
+        };
+        sound = false;
+        let message = format!(
+            "{} of {} transforms {subject} {what}: tf2 drops them",
+            faults.count, edge.count
+        );
+        let finding = Finding::error(subject.clone(), message, Place::message(bag.source, example.at.clone()))
+            .label("first broken transform")
+            .help("do not publish before the rotation is known, and check the node that computes it")
+            .measured(
+                Measured::new("broken transforms", faults.count as f64, "count")
+                    .limit(0.0)
+                    .samples(edge.count),
+            );
+        out.fail(finding);
+    }
+    if sound && edge.count > 0 {
+        right.pass(bag.source, Measured::count("broken transforms", 0).limit(0.0));
+    }
+}

@@ -1,0 +1,127 @@
+//! ROT04: a quaternion that is not of length one.
+
+use crate::math::rotation::{allowed_quaternion_norm_error, quaternion_norm};
+use crate::rules::literal::{cover, rewrite, spell};
+use crate::rules::tally::Tally;
+use crate::rules::{Judge, Need, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, Safety, Severity};
+use crate::world::bag::TfEdge;
+use crate::world::{BagEvidence, Literal, World};
+
+use super::quaternions::{self, Stated};
+
+/// ROT04.
+pub struct QuaternionNorm;
+
+/// Limits of ROT04.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// `| |q|^2 - 1 |` at which tf2 drops a transform.
+    pub dropped: f64,
+    /// `| |q| - 1 |` of a published quaternion that is worth a warning.
+    pub published: f64,
+    /// A fix is offered where the norm is off by less than this.
+    pub fix: f64,
+}
+
+impl Rule for QuaternionNorm {
+    const PAGE: &'static str = include_str!("../../../rules/rot/quaternion-norm.md");
+    const NEEDS: &'static [Need] = &[Need::Transforms];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let mut right = Tally::new("quaternions");
+        for stated in quaternions::stated(world) {
+            judge_stated(world, &stated, limits, &mut right, out);
+        }
+        for bag in &world.bags {
+            for edge in &bag.tf {
+                judge_edge(bag, edge, limits, &mut right, out);
+            }
+        }
+        right.report(world, out);
+    }
+}
+
+fn judge_stated(world: &World, stated: &Stated, limits: &Limits, right: &mut Tally, out: &mut Judge) {
+    let norm = quaternion_norm(stated.xyzw);
+    // NaN and zero are ROT05's.
+    if !norm.is_finite() || norm <= quaternions::ZERO_NORM {
+        return;
+    }
+    let error = norm - 1.0;
+    let dropped = (norm * norm - 1.0).abs() >= limits.dropped;
+    let allowed = allowed_quaternion_norm_error(stated.xyzw);
+    let measured = Measured::new("norm of the quaternion minus 1", error, "1").limit(allowed);
+    if error.abs() <= allowed && !dropped {
+        right.pass(stated.place.source, measured);
+        return;
+    }
+    let severity = if dropped { Severity::Error } else { Severity::Warning };
+    let message = format!(
+        "the quaternion of {} has the norm {norm:.6}: off by {:.1e}, and its printed digits explain {allowed:.1e}",
+        stated.name,
+        error.abs()
+    );
+    let help = if dropped {
+        "tf2 drops a transform with such a quaternion: normalise it, and look for a wrong or a lost component"
+    } else {
+        "normalise it: readers that do not, scale and shear what they rotate"
+    };
+    let place = cover(stated.literals, &stated.place);
+    let finding = Finding::new(severity, stated.subject(world), message, place)
+        .label("not of length one")
+        .help(help)
+        .measured(measured);
+    out.fail(match normalised(stated.literals, norm) {
+        Some(texts) if error.abs() < limits.fix => {
+            let edits = stated.literals.iter().zip(texts);
+            let edits = edits.map(|(literal, text)| rewrite(stated.place.source, literal, text));
+            finding.fix("normalise the quaternion", Safety::Safe, edits.collect())
+        }
+        _ => finding,
+    });
+}
+
+fn normalised(literals: &[Literal], norm: f64) -> Option<Vec<String>> {
+    (literals.len() == 4).then(|| literals.iter().map(|literal| spell(literal.value / norm)).collect())
+}
+
+fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, right: &mut Tally, out: &mut Judge) {
+    let subject = format!("`{}` from `{}` on {}", edge.parent, edge.child, edge.topic);
+    if let Some(example) = edge.denormalized.examples.first() {
+        let norm = quaternion_norm(example.rotation);
+        let message = format!(
+            "{} of {} transforms {subject} have a quaternion that is not of length one (norm {norm:.4}): tf2 drops them",
+            edge.denormalized.count, edge.count
+        );
+        let finding = Finding::error(subject.clone(), message, Place::message(bag.source, example.at.clone()))
+            .label("first dropped transform")
+            .help("normalise the quaternion where it is published")
+            .measured(
+                Measured::new("norm of the quaternion", norm, "1")
+                    .limit(1.0)
+                    .samples(edge.denormalized.count),
+            );
+        out.fail(finding);
+        return;
+    }
+    let measured = Measured::new("largest deviation of the norm from 1", edge.worst_norm_error, "1")
+        .limit(limits.published)
+        .samples(edge.count);
+    if edge.worst_norm_error > limits.published {
+        let message = format!(
+            "the quaternions of {subject} are off length one by up to {:.1e}: tf2 takes them as they are",
+            edge.worst_norm_error
+        );
+        let finding = Finding::warning(subject, message, Place::message(bag.source, edge.first_at.clone()))
+            .label("first transform of this edge")
+            .help("normalise the quaternion where it is published")
+            .measured(measured);
+        out.fail(finding);
+    } else if !edge.samples.is_empty() {
+        right.pass(bag.source, measured);
+    }
+}

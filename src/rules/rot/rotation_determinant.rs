@@ -1,0 +1,112 @@
+//! ROT01: a matrix that mirrors.
+
+use nalgebra::Rotation3;
+
+use crate::math::rotation::{Diagnosis, Flip, allowed_orthogonality_error, det, diagnose};
+use crate::rules::pairs::Pairs;
+use crate::rules::tally::Tally;
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+
+use super::parts::Parts;
+
+/// ROT01.
+pub struct RotationDeterminant;
+
+/// Limits of ROT01.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Largest `|det - 1|` of a rotation.
+    pub proper: f64,
+    /// Largest `|det + 1|` that is called a reflection.
+    pub reflection: f64,
+}
+
+impl Rule for RotationDeterminant {
+    const PAGE: &'static str = include_str!("../../../rules/rot/rotation-determinant.md");
+    const NEEDS: &'static [Need] = &[Need::Matrices];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let pairs = Pairs::new(world);
+        let mut right = Tally::new("matrices");
+        for parts in Parts::all(world) {
+            let determinant = det(&parts.rotation);
+            let measured = Measured::new("determinant of the rotation minus 1", determinant - 1.0, "1");
+            if !parts.is_finite() {
+                out.not_evaluated(
+                    parts.subject(world),
+                    NotEvaluated::InputBroken,
+                    "an entry is not finite",
+                );
+            } else if (determinant - 1.0).abs() <= limits.proper {
+                right.pass(parts.source(), measured.limit(limits.proper));
+            } else if (determinant + 1.0).abs() <= limits.reflection {
+                out.fail(reflection(world, &parts, determinant, &pairs));
+            } else {
+                out.not_evaluated(
+                    parts.subject(world),
+                    NotEvaluated::InputBroken,
+                    format!("the determinant {determinant:.4} is neither near 1 nor near -1: not a rotation at all"),
+                );
+            }
+        }
+        right.report(world, out);
+    }
+}
+
+fn reflection(world: &World, parts: &Parts, determinant: f64, pairs: &Pairs) -> Finding {
+    let reference = parts.claim.frames.as_ref().and_then(|(target, source)| {
+        pairs
+            .others(target, source, parts.source())
+            .into_iter()
+            .find(|other| other.has_rotation)
+    });
+    let against = reference
+        .as_ref()
+        .map_or_else(Rotation3::identity, |other| other.pose.rotation.to_rotation_matrix());
+    let allowed = allowed_orthogonality_error(&parts.rotation);
+    let flip = match diagnose(&parts.rotation, allowed, &against) {
+        Diagnosis::Reflection { flip, .. } => Some(flip),
+        _ => None,
+    };
+    let explanation = match (flip, &reference) {
+        (None, _) => String::new(),
+        (Some(flip), None) => format!("; the simplest explanation is that {}", flip.describe()),
+        (Some(flip), Some(other)) => {
+            format!("; against {}, {}", world.path(other.source), flip.describe())
+        }
+    };
+    let message = format!(
+        "the matrix `{}` mirrors: its determinant is {determinant:.4}{explanation}",
+        parts.claim.label
+    );
+    let mut finding = Finding::error(parts.subject(world), message, parts.claim.place.clone())
+        .label("a left-handed set of axes")
+        .help(
+            "a rigid sensor cannot be mounted mirrored: undo the sign of one axis or the exchange of two where the \
+             matrix was made; the nearest rotation would only hide it",
+        )
+        .measured(Measured::new("determinant", determinant, "1").limit(1.0));
+    if let Some(flip) = flip {
+        finding = finding.relation(word(flip));
+    }
+    match reference {
+        Some(other) => finding.related(other.place, "the same pair of frames, as a rotation"),
+        None => finding,
+    }
+}
+
+/// The word of the relation for a slip that mirrors.
+fn word(flip: Flip) -> &'static str {
+    match flip {
+        Flip::ColumnX | Flip::RowX => "mirrored-x",
+        Flip::ColumnY | Flip::RowY => "mirrored-y",
+        Flip::ColumnZ | Flip::RowZ => "mirrored-z",
+        Flip::SwapXY => "swapped-xy",
+        Flip::SwapYZ => "swapped-yz",
+        Flip::SwapZX => "swapped-zx",
+    }
+}

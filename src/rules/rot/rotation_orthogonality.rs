@@ -1,0 +1,102 @@
+//! ROT02: a matrix whose axes are not perpendicular or not of length one.
+
+use nalgebra::Rotation3;
+
+use crate::math::rotation::{Diagnosis, allowed_orthogonality_error, diagnose, nearest_rotation, orthogonality_error};
+use crate::rules::tally::Tally;
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated, Safety, Severity};
+use crate::world::World;
+
+use super::parts::Parts;
+
+/// ROT02.
+pub struct RotationOrthogonality;
+
+/// Limits of ROT02.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Error that no printing excuses, as the Frobenius norm of `R^T R - I`.
+    pub error: f64,
+    /// The most that few printed digits may excuse.
+    pub excused: f64,
+    /// A fix is offered where it moves no axis by more than this, degrees.
+    pub fix_deg: f64,
+}
+
+impl Rule for RotationOrthogonality {
+    const PAGE: &'static str = include_str!("../../../rules/rot/rotation-orthogonality.md");
+    const NEEDS: &'static [Need] = &[Need::Matrices];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let mut right = Tally::new("matrices");
+        for parts in Parts::all(world) {
+            if !parts.is_finite() {
+                out.not_evaluated(
+                    parts.subject(world),
+                    NotEvaluated::InputBroken,
+                    "an entry is not finite",
+                );
+                continue;
+            }
+            let allowed = allowed_orthogonality_error(&parts.rotation).min(limits.excused);
+            let error = orthogonality_error(&parts.rotation);
+            if error <= allowed {
+                right.pass(parts.source(), measured(error, allowed));
+            } else {
+                out.fail(finding(world, &parts, error, allowed, limits));
+            }
+        }
+        right.report(world, out);
+    }
+}
+
+fn measured(error: f64, allowed: f64) -> Measured {
+    Measured::new("orthogonality error (Frobenius norm of R^T R - I)", error, "1").limit(allowed)
+}
+
+fn finding(world: &World, parts: &Parts, error: f64, allowed: f64, limits: &Limits) -> Finding {
+    let severity = if error > limits.error {
+        Severity::Error
+    } else {
+        Severity::Warning
+    };
+    let scale = match diagnose(&parts.rotation, allowed, &Rotation3::identity()) {
+        Diagnosis::Scaled { factor } => Some(factor),
+        _ => None,
+    };
+    let cause = match scale {
+        Some(factor) => format!("all three axes have the length {factor:.6}, a scale is mixed in"),
+        None => format!("its printed digits explain {allowed:.1e}"),
+    };
+    let message = format!(
+        "the matrix `{}` is no rotation: R^T R differs from the identity by {error:.1e}; {cause}",
+        parts.claim.label
+    );
+    let help = match scale {
+        Some(_) => "divide the rotation by the scale, and keep a similarity out of an extrinsic",
+        None => "print at least six decimals where the matrix is written, or correct the entry that is wrong",
+    };
+    let mut finding = Finding::new(severity, parts.subject(world), message, parts.claim.place.clone())
+        .label("not orthogonal")
+        .help(help)
+        .measured(measured(error, allowed));
+    if let Some(factor) = scale {
+        finding = finding
+            .relation("scaled")
+            .measured(Measured::new("common length of the axes", factor, "1"));
+    }
+    let Some(nearest) = nearest_rotation(&parts.rotation) else {
+        return finding;
+    };
+    let moved_deg = nearest.angle_moved_rad.to_degrees();
+    finding = finding.measured(Measured::new("angle to the nearest rotation", moved_deg, "deg").limit(limits.fix_deg));
+    match parts.replace_rotation(nearest.rotation.matrix()) {
+        Some(edits) if moved_deg <= limits.fix_deg => {
+            finding.fix("replace it by the nearest rotation", Safety::Safe, edits)
+        }
+        _ => finding,
+    }
+}

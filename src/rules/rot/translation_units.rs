@@ -1,0 +1,153 @@
+//! ROT06: a translation in millimetres or centimetres where metres are read.
+
+use nalgebra::Vector3;
+
+use crate::rules::literal::{rewrite, spell};
+use crate::rules::pairs::{Pairs, Statement};
+use crate::rules::tally::Tally;
+use crate::rules::{Judge, Need, Rule};
+use crate::source::SourceId;
+use crate::verdict::{Finding, Measured, Safety, Severity};
+use crate::world::World;
+
+use super::translations::{Stated, by_source};
+
+/// ROT06.
+pub struct TranslationUnits;
+
+/// Limits of ROT06.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Length from which a mounting is looked at, metres.
+    pub far_m: f64,
+    /// Length that no mounting has, metres.
+    pub impossible_m: f64,
+    /// How many times longer than everything else in the source.
+    pub outlier: f64,
+    /// Longest mounting that the number may mean in millimetres, metres.
+    pub plausible_m: f64,
+    /// Tolerance of a ratio of 1000 or 100 against another source.
+    pub ratio_tolerance: f64,
+}
+
+/// Lengths in millimetres that Ouster prints in its metadata (36.18: sensor to lidar; 6.253 -11.775 7.645: IMU; ...).
+const OUSTER_MM: [f64; 10] = [36.18, 38.195, 74.296, 78.296, 6.253, 11.775, 7.645, 2.441, 9.725, 7.533];
+
+impl Rule for TranslationUnits {
+    const PAGE: &'static str = include_str!("../../../rules/rot/translation-units.md");
+    const NEEDS: &'static [Need] = &[Need::Transforms];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let pairs = Pairs::new(world);
+        let mut right = Tally::new("translations");
+        for (source, group) in by_source(world) {
+            // The longest translation that nobody would doubt: what the rest of the source is measured by.
+            let usual = group
+                .iter()
+                .map(Stated::norm)
+                .filter(|norm| *norm < limits.far_m)
+                .fold(0.0, f64::max);
+            for stated in &group {
+                let found = against_others(world, source, stated, &pairs, limits)
+                    .or_else(|| by_size(world, source, stated, usual, limits));
+                match found {
+                    Some(finding) => out.fail(finding),
+                    None => right.pass(source, Measured::new("length", stated.norm(), "m").limit(limits.far_m)),
+                }
+            }
+        }
+        right.report(world, out);
+    }
+}
+
+/// Certain: another source states the same mounting a thousand or a hundred times shorter.
+fn against_others(world: &World, source: SourceId, stated: &Stated, pairs: &Pairs, limits: &Limits) -> Option<Finding> {
+    let (target, from) = stated.frames.as_ref()?;
+    let here = Vector3::from(stated.xyz);
+    let others = pairs.others(target, from, source);
+    others
+        .into_iter()
+        .filter(|other| other.has_translation)
+        .find_map(|other: Statement| {
+            let there = other.pose.translation.vector;
+            let ratio = here.norm() / there.norm();
+            let unit = [(1000.0, "millimetres"), (100.0, "centimetres")]
+                .into_iter()
+                .find(|(factor, _)| (ratio / factor - 1.0).abs() <= limits.ratio_tolerance);
+            let (factor, unit) = unit.filter(|_| there.norm() >= 1e-3)?;
+            let parallel = here.dot(&there) >= 0.999 * here.norm() * there.norm();
+            let message = format!(
+                "the translation of {} is {factor} times that of {}: {unit} where metres are read",
+                stated.name,
+                world.path(other.source)
+            );
+            parallel.then(|| {
+                finish(
+                    Finding::error(subject(world, source, stated), message, stated.place.clone()),
+                    source,
+                    stated,
+                    factor,
+                )
+                .relation(unit)
+                .related(other.place, "the same mounting in metres")
+                .measured(Measured::new("ratio of the lengths", ratio, "1").limit(factor))
+            })
+        })
+}
+
+/// Likely: longer than any mounting, and right when read in millimetres.
+fn by_size(world: &World, source: SourceId, stated: &Stated, usual: f64, limits: &Limits) -> Option<Finding> {
+    let norm = stated.norm();
+    let suspicious = norm >= limits.far_m && norm >= limits.outlier * usual && !stated.is_from_a_world();
+    if !suspicious || norm / 1000.0 > limits.plausible_m {
+        return None;
+    }
+    let ouster = stated
+        .xyz
+        .iter()
+        .filter(|value| OUSTER_MM.iter().any(|mm| (value.abs() - mm).abs() < 1e-6))
+        .count();
+    let is_ouster = ouster > 0 && stated.xyz.iter().filter(|value| **value != 0.0).count() == ouster;
+    let severity = if is_ouster || (norm >= limits.impossible_m && usual > 0.0) {
+        Severity::Error
+    } else {
+        Severity::Warning
+    };
+    let why = match (is_ouster, usual > 0.0) {
+        (true, _) => "these are millimetres of Ouster's metadata".to_owned(),
+        (false, true) => format!("everything else here is within {usual:.3} m"),
+        (false, false) => "no sensor is mounted so far away".to_owned(),
+    };
+    let message = format!(
+        "the translation of {} is {norm:.3} m long, and {why}: millimetres where metres are read?",
+        stated.name
+    );
+    let finding = Finding::new(severity, subject(world, source, stated), message, stated.place.clone()).likely();
+    // A length that a big machine may have, with nothing to compare it with, is only worth a look.
+    let lone = usual == 0.0 && norm < limits.impossible_m && !is_ouster;
+    let finding = if lone { finding.hint() } else { finding };
+    Some(finish(finding.relation("millimetres"), source, stated, 1000.0))
+}
+
+fn subject(world: &World, source: SourceId, stated: &Stated) -> String {
+    format!("{} of {}", stated.name, world.path(source))
+}
+
+fn finish(finding: Finding, source: SourceId, stated: &Stated, factor: f64) -> Finding {
+    let finding = finding
+        .label("read as metres")
+        .help(format!(
+            "divide the three numbers by {factor}, or convert where the file is written"
+        ))
+        .measured(Measured::new("length", stated.norm(), "m").limit(10.0));
+    if stated.literals.len() != 3 {
+        return finding;
+    }
+    let edits = stated
+        .literals
+        .iter()
+        .map(|literal| rewrite(source, literal, spell(literal.value / factor)));
+    finding.fix(format!("divide by {factor}"), Safety::ChangesBehaviour, edits.collect())
+}

@@ -1,0 +1,126 @@
+//! TIME04: stamps that are zero, or of another clock than the rest of the recording.
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::{BagEvidence, World};
+
+use super::known_offsets::unit_error;
+use super::streams::{Stream, UPTIME_BELOW_S, is_simulated, streams};
+
+/// TIME04.
+pub struct ClockDomain;
+
+/// Limits of TIME04.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    min_messages: u64,
+    zero_share: f64,
+    same_clock_s: f64,
+}
+
+impl Rule for ClockDomain {
+    const PAGE: &'static str = include_str!("../../../rules/time/clock-domain.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in &world.bags {
+            let simulated = is_simulated(bag);
+            for stream in streams(bag) {
+                judge_stream(bag, &stream, simulated, limits, out);
+            }
+        }
+    }
+}
+
+fn judge_stream(bag: &BagEvidence, stream: &Stream<'_>, simulated: bool, limits: &Limits, out: &mut Judge) {
+    let subject = stream.subject.clone();
+    let n = stream.stamps.count;
+    if n < limits.min_messages {
+        let why = format!("{n} stamped messages, {} are needed", limits.min_messages);
+        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return;
+    }
+    let share = stream.zero_share();
+    if share > limits.zero_share {
+        out.fail(zero(stream, share, limits));
+        return;
+    }
+    let (Some((offset, spread)), Some(stamp_s)) = (stream.offset_s(), stream.median_stamp_s()) else {
+        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, "no stamps were sampled");
+        return;
+    };
+    let log_s = bag.start_ns.unwrap_or(0) as f64 / 1e9;
+    let measured = Measured::new("stamp minus log time", offset, "s")
+        .limit(limits.same_clock_s)
+        .spread(spread)
+        .samples(n);
+    if simulated {
+        judge_simulated(bag, stream, stamp_s, measured, out);
+    } else if stamp_s < UPTIME_BELOW_S && unit_error(stamp_s, log_s).is_none() {
+        out.fail(uptime(stream, stamp_s, measured));
+    } else if offset.abs() > limits.same_clock_s {
+        // A calendar clock that is off is TIME01's: it names the offset where it has a name.
+        let why = format!("stamps run {offset:.1} s off the log clock, but count calendar time; see TIME01");
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    } else {
+        out.pass(subject, [measured]);
+    }
+}
+
+fn zero(stream: &Stream<'_>, share: f64, limits: &Limits) -> Finding {
+    let place = stream.stamps.first_zero.clone();
+    let message = format!(
+        "{:.0} % of the stamps on {} are zero: the data have no time, and look-ups answer with the latest transform",
+        share * 100.0,
+        stream.subject
+    );
+    let place = place.map_or_else(|| stream.place(), |first| Place::message(stream.source, first));
+    Finding::error(stream.subject.clone(), message, place)
+        .label("first zero stamp")
+        .help("let the driver set `header.stamp` to the time of measurement")
+        .measured(
+            Measured::new("share of zero stamps", share, "1")
+                .limit(limits.zero_share)
+                .samples(stream.stamps.count),
+        )
+}
+
+fn uptime(stream: &Stream<'_>, stamp_s: f64, measured: Measured) -> Finding {
+    let message = format!(
+        "stamps on {} are near {stamp_s:.1} s: a clock that counts from power-up or midnight, beside a log in calendar time",
+        stream.subject
+    );
+    Finding::error(stream.subject.clone(), message, stream.place())
+        .label("first stamp")
+        .help("synchronise the sensor (PTP, GPS, NTP), or let the driver stamp with the host clock")
+        .measured(Measured::new("median stamp", stamp_s, "s").limit(UPTIME_BELOW_S))
+        .measured(measured)
+}
+
+/// In simulated time stamps count from the start of the simulation; calendar stamps beside it are of another clock.
+fn judge_simulated(bag: &BagEvidence, stream: &Stream<'_>, stamp_s: f64, measured: Measured, out: &mut Judge) {
+    let calendar = |stream: &Stream<'_>| stream.median_stamp_s().is_some_and(|s| s >= UPTIME_BELOW_S);
+    let others = streams(bag);
+    let simulated_others = others.iter().filter(|other| !calendar(other)).count();
+    if stamp_s >= UPTIME_BELOW_S && simulated_others * 2 > others.len() {
+        let message = format!(
+            "stamps on {} are calendar time, but the recording runs in simulated time",
+            stream.subject
+        );
+        out.fail(
+            Finding::error(stream.subject.clone(), message, stream.place())
+                .likely()
+                .label("first stamp")
+                .help("set `use_sim_time` for the node that publishes it")
+                .measured(Measured::new("median stamp", stamp_s, "s").limit(UPTIME_BELOW_S))
+                .measured(Measured::count("streams in simulated time", simulated_others)),
+        );
+    } else {
+        out.pass(stream.subject.clone(), [measured]);
+    }
+}

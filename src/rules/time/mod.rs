@@ -1,0 +1,7 @@
+//! TIME: stamps, clocks and their offsets.
+
+pub mod clock_domain;
+pub mod epoch_offset;
+mod known_offsets;
+pub mod stamp_monotonic;
+mod streams;

@@ -1,0 +1,151 @@
+//! TIME03: stamps of one stream run backwards, repeat, or leave gaps.
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::source::{MessageRef, Place};
+use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::World;
+
+use super::streams::{Stream, streams};
+
+/// TIME03.
+pub struct StampMonotonic;
+
+/// Limits of TIME03.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    min_messages: u64,
+    jump_back_s: f64,
+    repeated_share: f64,
+    gap_s: f64,
+    gap_medians: f64,
+    regular_share: f64,
+}
+
+impl Rule for StampMonotonic {
+    const PAGE: &'static str = include_str!("../../../rules/time/stamp-monotonic.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in &world.bags {
+            for stream in streams(bag) {
+                judge_stream(&stream, limits, out);
+            }
+        }
+    }
+}
+
+fn judge_stream(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) {
+    let subject = stream.subject.clone();
+    let stamps = stream.stamps;
+    if stamps.count < limits.min_messages {
+        let why = format!("{} stamped messages, {} are needed", stamps.count, limits.min_messages);
+        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return;
+    }
+    if stamps.zero == stamps.count {
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, "every stamp is zero; see TIME04");
+        return;
+    }
+    let findings = [backward(stream, limits), repeated(stream, limits), gap(stream, limits)];
+    let mut sound = true;
+    for finding in findings.into_iter().flatten() {
+        sound = false;
+        out.fail(finding);
+    }
+    if sound {
+        let back_s = stamps.largest_backward.as_ref().map_or(0.0, |(ns, _)| *ns as f64 / 1e9);
+        out.pass(
+            subject,
+            [Measured::new("largest step back", back_s, "s")
+                .limit(limits.jump_back_s)
+                .samples(stamps.count)],
+        );
+    }
+}
+
+fn at(stream: &Stream<'_>, message: &MessageRef) -> Place {
+    Place::message(stream.source, message.clone())
+}
+
+/// Small steps back are normal where several publishers share a topic; one publisher's stamps only grow.
+fn backward(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
+    let (step_ns, message) = stream.stamps.largest_backward.as_ref()?;
+    let step_s = *step_ns as f64 / 1e9;
+    let jump = step_s >= limits.jump_back_s;
+    if !jump && !stream.single_frame {
+        return None;
+    }
+    let severity = if jump && stream.single_frame {
+        Severity::Error
+    } else {
+        Severity::Warning
+    };
+    let what = format!(
+        "stamps on {} run backwards {} time(s), at most by {step_s:.3} s",
+        stream.subject, stream.stamps.backward
+    );
+    let finding = Finding::new(severity, stream.subject.clone(), what, at(stream, message))
+        .help(if jump {
+            "look for a clock that was set back, a recording that was joined or looped, or two publishers on one topic"
+        } else {
+            "look for two publishers on one topic, or messages sent out of order"
+        })
+        .measured(
+            Measured::new("largest step back", step_s, "s")
+                .limit(limits.jump_back_s)
+                .samples(stream.stamps.count),
+        )
+        .measured(Measured::new("steps back", stream.stamps.backward as f64, "count"));
+    Some(if jump { finding } else { finding.likely() })
+}
+
+fn repeated(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
+    let stamps = stream.stamps;
+    let share = stamps.repeated as f64 / stamps.count as f64;
+    let message = stamps.first_repeated.as_ref()?;
+    if share <= limits.repeated_share || !stream.single_frame {
+        return None;
+    }
+    let what = format!(
+        "{:.0} % of the stamps on {} equal the one before: tf2 ignores the repetition, filters divide by zero time",
+        share * 100.0,
+        stream.subject
+    );
+    Some(
+        Finding::note(stream.subject.clone(), what, at(stream, message))
+            .help("stamp each message with the time of its own measurement")
+            .measured(
+                Measured::new("share of repeated stamps", share, "1")
+                    .limit(limits.repeated_share)
+                    .samples(stamps.count),
+            ),
+    )
+}
+
+/// Only a stream that is otherwise regular can have a gap.
+fn gap(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
+    let stamps = stream.stamps;
+    let (gap_ns, message) = stamps.largest_gap.as_ref()?;
+    let (gap_s, step_s) = (*gap_ns as f64 / 1e9, stamps.median_step_ns? as f64 / 1e9);
+    let regular = stamps.long_gaps as f64 <= (limits.regular_share * stamps.count as f64).max(1.0) && step_s > 0.0;
+    if !regular || gap_s <= limits.gap_s || gap_s <= limits.gap_medians * step_s {
+        return None;
+    }
+    let what = format!(
+        "{} has a gap of {gap_s:.2} s, at {:.1} messages a second otherwise",
+        stream.subject,
+        1.0 / step_s
+    );
+    Some(
+        Finding::warning(stream.subject.clone(), what, at(stream, message))
+            .likely()
+            .label("first message after the gap")
+            .help("look for dropped messages, a stalled driver or a recorder that fell behind; look-ups in the gap fail or interpolate over it")
+            .measured(Measured::new("largest gap", gap_s, "s").limit(limits.gap_s).samples(stamps.count))
+            .measured(Measured::new("median step", step_s, "s")),
+    )
+}

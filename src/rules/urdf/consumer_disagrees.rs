@@ -1,0 +1,159 @@
+//! URDF13: another parser refuses the description, or reads another robot from it.
+
+use std::collections::BTreeMap;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+use crate::world::robot::{ConsumerJoint, ConsumerOpinion, Joint, NumberList, Robot};
+
+use super::subject;
+
+/// URDF13.
+pub struct ConsumerDisagrees;
+
+/// Limits of URDF13.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Difference of a number that only its parsing can explain, metres or radians.
+    pub number: f64,
+}
+
+/// The consumer that is asked.
+const CONSUMER: &str = "urdf-rs";
+
+impl Rule for ConsumerDisagrees {
+    const PAGE: &'static str = include_str!("../../../rules/urdf/consumer-disagrees.md");
+    const NEEDS: &'static [Need] = &[Need::Robot];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for robot in subject::whole_robots(world, out) {
+            match &robot.consumer {
+                ConsumerOpinion::Loads(joints) => judge_loaded(world, robot, joints, limits, out),
+                ConsumerOpinion::Refuses(why) => out.fail(refused(world, robot, why)),
+                ConsumerOpinion::NotAsked(why) => {
+                    out.not_evaluated(subject::robot(world, robot), NotEvaluated::MissingInput, why);
+                }
+            }
+        }
+    }
+}
+
+/// One parser's refusal is an opinion: urdfdom takes files that it does not, and the other way round.
+fn refused(world: &World, robot: &Robot, why: &str) -> Finding {
+    let message = format!(
+        "{CONSUMER} refuses the description: {}",
+        why.lines().next().unwrap_or_default().trim()
+    );
+    let explained = !robot.malformed.is_empty() || !robot.repeated.is_empty();
+    let finding = Finding::note(subject::robot(world, robot), message, place(robot))
+        .label("refused")
+        .help("mend what the other rules find here first; programs in Rust cannot load the file as it stands")
+        .measured(Measured::count("consumers that refuse the file", 1).limit(0.0));
+    if explained { finding } else { finding.hint() }
+}
+
+fn judge_loaded(world: &World, robot: &Robot, loaded: &[ConsumerJoint], limits: &Limits, out: &mut Judge) {
+    let mut by_name: BTreeMap<&str, Vec<&ConsumerJoint>> = BTreeMap::new();
+    for joint in loaded {
+        by_name.entry(joint.name.as_str()).or_default().push(joint);
+    }
+    let mut compared = 0;
+    let mut differing = 0;
+    for joint in &robot.joints {
+        // Joints of one name are URDF05's: which is which cannot be said.
+        let [read] = by_name.get(joint.name.value.as_str()).map_or(&[][..], Vec::as_slice) else {
+            continue;
+        };
+        compared += 1;
+        if let Some(finding) = compare(world, robot, joint, read, limits) {
+            differing += 1;
+            out.fail(finding);
+        }
+    }
+    let lost = robot.joints.len().abs_diff(loaded.len());
+    let measured = [
+        Measured::count("joints read otherwise", differing).limit(0.0),
+        Measured::count("joints compared", compared),
+    ];
+    if lost > 0 {
+        let message = format!(
+            "{CONSUMER} reads {} joints where {} are written",
+            loaded.len(),
+            robot.joints.len()
+        );
+        let finding = Finding::error(subject::robot(world, robot), message, place(robot))
+            .label("another tree is read")
+            .help("look for joints that stand where a consumer does not look, or that share a name");
+        out.fail(finding.measured(Measured::count("joints lost", lost).limit(0.0)));
+    } else if differing == 0 {
+        out.pass(subject::robot(world, robot), measured);
+    }
+}
+
+fn compare(world: &World, robot: &Robot, joint: &Joint, read: &ConsumerJoint, limits: &Limits) -> Option<Finding> {
+    let name = &joint.name.value;
+    let owner = subject::joint(world, robot, joint);
+    let ends = [(&joint.parent, &read.parent), (&joint.child, &read.child)];
+    if let Some((written, read)) = ends.into_iter().find_map(|(written, read)| {
+        let written = written.as_ref()?;
+        (written.value != *read).then_some((written, read))
+    }) {
+        let message = format!(
+            "{CONSUMER} reads `{read}` where joint `{name}` names the link `{}`",
+            written.value
+        );
+        let finding = Finding::error(owner, message, written.place.clone()).label("read otherwise");
+        return Some(
+            finding
+                .help("write the name plainly, without blanks or entities")
+                .measured(Measured::count("links read otherwise", 1).limit(0.0)),
+        );
+    }
+    // With several origins it is URDF07 that says so.
+    let origin = match joint.origins.as_slice() {
+        [] => None,
+        [origin] => Some(origin),
+        _ => return None,
+    };
+    if let Some(quaternion) = origin.and_then(|origin| origin.quat_xyzw.as_ref()) {
+        let message = format!("{CONSUMER} does not know `quat_xyzw`: it reads joint `{name}` without its rotation");
+        let finding = Finding::note(owner, message, quaternion.text.place.clone()).label("ignored by older consumers");
+        return Some(
+            finding
+                .help("write `rpy` as long as consumers of URDF 1.0 and 1.1 read the file")
+                .measured(Measured::count("attributes ignored", 1).limit(0.0)),
+        );
+    }
+    let lists = [
+        ("xyz", origin.and_then(|origin| origin.xyz.as_ref()), read.xyz),
+        ("rpy", origin.and_then(|origin| origin.rpy.as_ref()), read.rpy),
+    ];
+    lists.into_iter().find_map(|(attribute, written, read)| {
+        let difference = difference(written, read)?;
+        let place = written.map_or_else(|| joint.place.clone(), |list| list.text.place.clone());
+        let message = format!("{CONSUMER} reads {attribute} {read:?} at joint `{name}`, off by {difference:.3e}");
+        (difference > limits.number).then(|| {
+            Finding::error(owner.clone(), message, place)
+                .label("read otherwise")
+                .help("write plain numbers with a decimal point")
+                .measured(
+                    Measured::new(format!("difference of {attribute}"), difference, "m or rad").limit(limits.number),
+                )
+        })
+    })
+}
+
+/// Largest difference of a component; `None` where the text is malformed or not finite, which other rules say.
+fn difference(written: Option<&NumberList>, read: [f64; 3]) -> Option<f64> {
+    let written = written.map_or(Some([0.0; 3]), NumberList::array::<3>)?;
+    let differences = written.iter().zip(read).map(|(a, b)| (a - b).abs());
+    differences.reduce(f64::max).filter(|largest| largest.is_finite())
+}
+
+fn place(robot: &Robot) -> Place {
+    robot.name.place.clone()
+}

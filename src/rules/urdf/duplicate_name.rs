@@ -1,0 +1,66 @@
+//! URDF05: two links or two joints of one name.
+
+use std::collections::BTreeMap;
+
+use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::source::Placed;
+use crate::verdict::{Finding, Measured};
+use crate::world::World;
+
+use super::subject;
+
+/// URDF05.
+pub struct DuplicateName;
+
+impl Rule for DuplicateName {
+    const PAGE: &'static str = include_str!("../../../rules/urdf/duplicate-name.md");
+    const NEEDS: &'static [Need] = &[Need::Robot];
+    type Limits = NoLimits;
+
+    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+        for robot in subject::whole_robots(world, out) {
+            let path = world.path(robot.source);
+            let links = duplicates("link", path, robot.links.iter().map(|link| &link.name));
+            let joints = duplicates("joint", path, robot.joints.iter().map(|joint| &joint.name));
+            let found: Vec<Finding> = links.into_iter().chain(joints).collect();
+            if found.is_empty() {
+                out.pass(
+                    subject::robot(world, robot),
+                    [
+                        Measured::count("names given twice", 0).limit(0.0),
+                        Measured::count("links and joints", robot.links.len() + robot.joints.len()),
+                    ],
+                );
+            }
+            for finding in found {
+                out.fail(finding);
+            }
+        }
+    }
+}
+
+fn duplicates<'a>(what: &str, path: &str, names: impl Iterator<Item = &'a Placed<String>>) -> Vec<Finding> {
+    let mut by_name: BTreeMap<&str, Vec<&Placed<String>>> = BTreeMap::new();
+    // An empty name is a missing one, not a duplicate.
+    for name in names.filter(|name| !name.value.is_empty()) {
+        by_name.entry(name.value.as_str()).or_default().push(name);
+    }
+    let repeated = by_name.into_iter().filter(|(_, places)| places.len() > 1);
+    repeated
+        .filter_map(|(name, places)| {
+            let (first, second) = places.first().zip(places.get(1))?;
+            let count = places.len();
+            Some(
+                Finding::error(
+                    format!("{what} `{name}` of {path}"),
+                    format!("{count} {what}s are called `{name}`: consumers refuse the file or keep one of them"),
+                    second.place.clone(),
+                )
+                .label("again")
+                .related(first.place.clone(), "first")
+                .help(format!("give each {what} its own name"))
+                .measured(Measured::count(format!("{what}s of this name"), count).limit(1.0)),
+            )
+        })
+        .collect()
+}

@@ -1,0 +1,62 @@
+//! URDF11: a misspelt attribute or element, which consumers ignore.
+
+use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::verdict::{Edit, Finding, Measured, Safety};
+use crate::world::World;
+use crate::world::robot::{Ignored, Robot};
+
+use super::subject;
+
+/// URDF11.
+pub struct IgnoredName;
+
+impl Rule for IgnoredName {
+    const PAGE: &'static str = include_str!("../../../rules/urdf/ignored-name.md");
+    const NEEDS: &'static [Need] = &[Need::Robot];
+    type Limits = NoLimits;
+
+    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+        for robot in &world.robots {
+            let mut misspelt = 0;
+            for ignored in &robot.ignored {
+                // A name that is near to none is an extension of some tool, and none of ours to judge.
+                if let Some(meant) = &ignored.meant {
+                    misspelt += 1;
+                    out.fail(finding(world, robot, ignored, meant));
+                }
+            }
+            if misspelt == 0 {
+                out.pass(
+                    subject::robot(world, robot),
+                    [
+                        Measured::count("misspelt names", 0).limit(0.0),
+                        Measured::count("names of other tools", robot.ignored.len()),
+                    ],
+                );
+            }
+        }
+    }
+}
+
+fn finding(world: &World, robot: &Robot, ignored: &Ignored, meant: &str) -> Finding {
+    let (what, name, parent) = (&ignored.what, &ignored.name.value, &ignored.parent);
+    let byte = ignored.name.place.span().unwrap_or_default().start;
+    let subject = format!("{what} `{name}` at byte {byte} of {}", world.path(robot.source));
+    let message = format!("the {what} `{name}` of <{parent}> is ignored: consumers know `{meant}`");
+    let finding = Finding::warning(subject, message, ignored.name.place.clone())
+        .likely()
+        .label("ignored")
+        .help(format!(
+            "write `{meant}`: what stands here has no effect, and the default is used"
+        ))
+        .measured(Measured::count("misspelt names", 1).limit(0.0));
+    // An element has a second name in its end tag, which an edit at this place would not reach.
+    if ignored.what != "attribute" {
+        return finding;
+    }
+    let edit = Edit {
+        place: ignored.name.place.clone(),
+        replacement: meant.to_owned(),
+    };
+    finding.fix(format!("rename it to `{meant}`"), Safety::ChangesBehaviour, vec![edit])
+}

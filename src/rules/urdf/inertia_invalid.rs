@@ -1,0 +1,162 @@
+//! URDF08: a mass or an inertia that no body has.
+
+use nalgebra::{Matrix3, SymmetricEigen};
+
+use crate::math::rotation::decimals_of;
+use crate::rules::tally::Tally;
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, Measured};
+use crate::world::World;
+use crate::world::robot::{Inertial, Link, Robot};
+
+use super::subject;
+
+/// URDF08.
+pub struct InertiaInvalid;
+
+/// Limits of URDF08.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Share of the largest principal moment that rounding may take.
+    pub relative: f64,
+    /// The most that printed digits may excuse, as a share of the largest principal moment.
+    pub digits: f64,
+    /// Moments that are taken for zero, kg m².
+    pub absolute: f64,
+}
+
+impl Rule for InertiaInvalid {
+    const PAGE: &'static str = include_str!("../../../rules/urdf/inertia-invalid.md");
+    const NEEDS: &'static [Need] = &[Need::Robot];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let mut right = Tally::new("inertias");
+        for robot in &world.robots {
+            let bodies = robot
+                .links
+                .iter()
+                .filter_map(|link| Some((link, link.inertial.as_ref()?)));
+            let bodies: Vec<(&Link, &Inertial)> = bodies.collect();
+            if bodies.is_empty() {
+                subject::nothing(world, robot, "inertial element", out);
+            }
+            let mut zero = Vec::new();
+            for (link, body) in bodies {
+                if body.inertia == Some([0.0; 6]) && body.mass_kg.is_none_or(|mass| mass >= 0.0) {
+                    zero.push((link, body));
+                } else if let Some(finding) = judge_body(world, robot, link, body, limits) {
+                    out.fail(finding);
+                } else {
+                    right.count(robot.source);
+                }
+            }
+            if let Some(finding) = all_zero(world, robot, &zero) {
+                out.fail(finding);
+            }
+        }
+        right.report(world, out);
+    }
+}
+
+fn judge_body(world: &World, robot: &Robot, link: &Link, body: &Inertial, limits: &Limits) -> Option<Finding> {
+    let owner = subject::link(world, robot, link);
+    let name = &link.name.value;
+    if let Some(mass) = body.mass_kg.filter(|mass| *mass < 0.0) {
+        let finding = Finding::error(owner, format!("the mass of `{name}` is {mass} kg"), body.place.clone())
+            .label("negative mass")
+            .help("write the mass of the link; leave <inertial> out where it is not known")
+            .measured(Measured::new("mass", mass, "kg").limit(0.0));
+        return Some(finding);
+    }
+    let inertia = body
+        .inertia
+        .filter(|inertia| inertia.iter().all(|moment| moment.is_finite()))?;
+    let [least, middle, largest] = principal_moments(inertia)?;
+    let tolerance =
+        limits.absolute + (limits.relative * largest.abs()).max(rounding(inertia).min(limits.digits * largest.abs()));
+    let finding = if least < -tolerance {
+        let message =
+            format!("the inertia of `{name}` is not positive: its smallest principal moment is {least:.3e} kg m²");
+        Finding::warning(owner, message, body.place.clone())
+            .label("a principal moment is negative")
+            .help("look for a wrong sign or for products of inertia that are too large; simulators refuse or explode")
+            .measured(Measured::new("smallest principal moment", least, "kg m²").limit(0.0))
+    } else if least + middle < largest - tolerance {
+        let message = format!(
+            "the inertia of `{name}` belongs to no body: its largest principal moment {largest:.3e} kg m² is over the \
+             sum of the others, {:.3e} kg m²",
+            least + middle
+        );
+        Finding::warning(owner, message, body.place.clone())
+            .label("breaks the triangle inequality")
+            .help("take the inertia from CAD, about the centre of mass, or from the formula of a box or cylinder")
+            .measured(Measured::new("largest principal moment", largest, "kg m²").limit(least + middle))
+    } else {
+        return None;
+    };
+    Some(finding)
+}
+
+/// What rounding the six numbers to their printed decimals can move a principal moment by, kg m². Trailing zeros are
+/// not seen, which errs on the quiet side.
+fn rounding(inertia: [f64; 6]) -> f64 {
+    let half_unit = |moment: &f64| match i32::try_from(decimals_of(*moment)) {
+        Ok(decimals) if *moment != 0.0 => 0.5 * 10f64.powi(-decimals),
+        _ => 0.0,
+    };
+    2.0 * inertia.iter().map(half_unit).sum::<f64>()
+}
+
+/// Principal moments, smallest first, of `ixx ixy ixz iyy iyz izz`.
+fn principal_moments([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Option<[f64; 3]> {
+    let inertia = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
+    let mut moments: [f64; 3] = SymmetricEigen::try_new(inertia, f64::EPSILON, 200)?.eigenvalues.into();
+    moments.sort_by(f64::total_cmp);
+    Some(moments)
+}
+
+fn all_zero(world: &World, robot: &Robot, zero: &[(&Link, &Inertial)]) -> Option<Finding> {
+    let (link, body) = zero.first()?;
+    let heavy = zero
+        .iter()
+        .filter(|(_, body)| body.mass_kg.is_some_and(|mass| mass > 0.0))
+        .count();
+    let message = format!(
+        "{} of {} links have an inertia of zero, {heavy} of them with a mass; the first is `{}`",
+        zero.len(),
+        robot.links.len(),
+        link.name.value
+    );
+    Some(
+        Finding::note(
+            format!("zero inertias of {}", world.path(robot.source)),
+            message,
+            body.place.clone(),
+        )
+        .label("all moments are zero")
+        .help("harmless on links that only carry a frame; a simulator needs moments on those that move")
+        .measured(Measured::count("links with zero inertia", zero.len())),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn principal_moments_of_a_turned_box_are_those_of_the_box() {
+        // diag(1, 2, 3) turned by 45 deg about z: ixx = iyy = 1.5, ixy = -0.5 or 0.5 by the sense of the turn.
+        let moments = principal_moments([1.5, -0.5, 0.0, 1.5, 0.0, 3.0]).unwrap();
+        for (moment, expected) in moments.iter().zip([1.0, 2.0, 3.0]) {
+            assert!((moment - expected).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn digits_excuse_half_a_unit_of_each_number() {
+        assert!((rounding([0.083, 0.0, 0.0, 0.083, 0.0, 0.167]) - 3e-3).abs() < 1e-15);
+        assert!(rounding([0.0; 6]).abs() < 1e-15);
+    }
+}

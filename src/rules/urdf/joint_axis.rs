@@ -1,0 +1,89 @@
+//! URDF03: the axis of a moving joint is zero, or not of length one.
+
+use crate::rules::literal::{rewrite, spell};
+use crate::rules::tally::Tally;
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, Safety};
+use crate::world::World;
+use crate::world::robot::{Joint, NumberList, Robot};
+
+use super::subject;
+
+/// URDF03.
+pub struct JointAxis;
+
+/// Limits of URDF03.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Largest deviation of the length from 1.
+    pub off_unit: f64,
+    /// Length under which an axis is zero.
+    pub zero: f64,
+}
+
+impl Rule for JointAxis {
+    const PAGE: &'static str = include_str!("../../../rules/urdf/joint-axis.md");
+    const NEEDS: &'static [Need] = &[Need::Robot];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let mut right = Tally::new("axes");
+        for robot in &world.robots {
+            let mut axes = 0;
+            for joint in robot.joints.iter().filter(|joint| moves_along_an_axis(joint)) {
+                // Lists that no consumer reads are URDF10's, NaN is ROT05's.
+                let axis = joint.axis.as_ref().and_then(|list| Some((list, list.array::<3>()?)));
+                let Some((list, [x, y, z])) = axis else { continue };
+                let length = x.hypot(y).hypot(z);
+                if !length.is_finite() {
+                    continue;
+                }
+                axes += 1;
+                let measured = Measured::new("length of the axis minus 1", length - 1.0, "1").limit(limits.off_unit);
+                if (length - 1.0).abs() <= limits.off_unit {
+                    right.pass(robot.source, measured);
+                } else {
+                    out.fail(finding(world, robot, joint, list, length, limits).measured(measured));
+                }
+            }
+            if axes == 0 {
+                subject::nothing(world, robot, "moving joint with a readable axis", out);
+            }
+        }
+        right.report(world, out);
+    }
+}
+
+fn moves_along_an_axis(joint: &Joint) -> bool {
+    matches!(
+        joint.kind.value.as_str(),
+        "revolute" | "continuous" | "prismatic" | "planar"
+    )
+}
+
+fn finding(world: &World, robot: &Robot, joint: &Joint, list: &NumberList, length: f64, limits: &Limits) -> Finding {
+    let owner = subject::joint(world, robot, joint);
+    let (name, text) = (&joint.name.value, &list.text.value);
+    if length < limits.zero {
+        return Finding::error(
+            owner,
+            format!("the axis of joint `{name}` is zero"),
+            list.text.place.clone(),
+        )
+        .label("no direction")
+        .help("write the direction the joint moves about or along; a joint that does not move is `fixed`");
+    }
+    let edits = list
+        .literals
+        .iter()
+        .map(|literal| rewrite(robot.source, literal, spell(literal.value / length)));
+    Finding::warning(
+        owner,
+        format!("the axis `{text}` of joint `{name}` has the length {length:.4}"),
+        list.text.place.clone(),
+    )
+    .label("not of length one")
+    .help("normalise it: some consumers do so, others turn or shift the joint by that much more")
+    .fix("normalise the axis", Safety::Safe, edits.collect())
+}

@@ -1,0 +1,115 @@
+//! URDF10: an attribute that a consumer cannot read as numbers.
+
+use std::collections::BTreeSet;
+
+use crate::rules::literal::{is_macro, is_spelled_non_finite, rewrite};
+use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::source::{Place, SourceId};
+use crate::verdict::{Edit, Finding, Measured, NotEvaluated, Safety};
+use crate::world::robot::{NumberList, Robot};
+use crate::world::{Literal, World};
+
+use super::subject;
+
+/// URDF10.
+pub struct MalformedNumber;
+
+impl Rule for MalformedNumber {
+    const PAGE: &'static str = include_str!("../../../rules/urdf/malformed-number.md");
+    const NEEDS: &'static [Need] = &[Need::Robot];
+    type Limits = NoLimits;
+
+    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+        for robot in &world.robots {
+            let lists = robot.malformed.iter().filter(|list| !only_non_finite(list));
+            let (macros, broken): (Vec<&NumberList>, Vec<&NumberList>) =
+                lists.partition(|list| is_macro(&list.text.value));
+            let known: BTreeSet<&Place> = broken.iter().map(|list| &list.text.place).collect();
+            let limits = broken_limits(robot);
+            let limits = limits.into_iter().filter(|(_, place)| !known.contains(place));
+            let limits: Vec<Finding> = limits
+                .map(|(literal, place)| no_number(world, robot, literal, place))
+                .collect();
+            if broken.is_empty() && limits.is_empty() && macros.is_empty() {
+                out.pass(
+                    subject::robot(world, robot),
+                    [
+                        Measured::count("attributes that are no numbers", 0).limit(0.0),
+                        Measured::count("links and joints", robot.links.len() + robot.joints.len()),
+                    ],
+                );
+            }
+            if let Some(first) = macros.first() {
+                out.not_evaluated(
+                    subject::robot(world, robot),
+                    NotEvaluated::MissingInput,
+                    format!(
+                        "{} attributes hold macros, the first `{}`: expand the file",
+                        macros.len(),
+                        first.text.value
+                    ),
+                );
+            }
+            broken
+                .into_iter()
+                .map(|list| finding(world, robot, list))
+                .chain(limits)
+                .for_each(|found| out.fail(found));
+        }
+    }
+}
+
+/// Numbers all, and as many as there should be: then NaN or infinity is what is wrong, and ROT05 says so.
+fn only_non_finite(list: &NumberList) -> bool {
+    let is_number = |literal: &Literal| literal.value.is_finite() || is_spelled_non_finite(literal);
+    list.literals.len() == list.expected
+        && list.literals.iter().any(is_spelled_non_finite)
+        && list.literals.iter().all(is_number)
+}
+
+fn broken_limits(robot: &Robot) -> Vec<(&Literal, Place)> {
+    let limits = robot.joints.iter().filter_map(|joint| joint.limit.as_ref());
+    let literals = limits.flat_map(|limit| [&limit.lower, &limit.upper]).flatten();
+    literals
+        .filter(|literal| !literal.value.is_finite() && !is_spelled_non_finite(literal) && !is_macro(&literal.text))
+        .map(|literal| (literal, Place::text(robot.source, literal.span)))
+        .collect()
+}
+
+fn no_number(world: &World, robot: &Robot, literal: &Literal, place: Place) -> Finding {
+    let message = format!("the limit `{}` is no number", literal.text);
+    fail(world, robot.source, "limit", message, place)
+}
+
+fn finding(world: &World, robot: &Robot, list: &NumberList) -> Finding {
+    let why = list.malformed.as_deref().unwrap_or("not what a consumer reads");
+    let message = format!("`{}=\"{}\"` cannot be read: {why}", list.attribute, list.text.value);
+    let finding = fail(world, robot.source, &list.attribute, message, list.text.place.clone());
+    match commas_replaced(robot.source, list) {
+        Some(edit) => finding.fix("separate the numbers by blanks", Safety::Safe, vec![edit]),
+        None => finding,
+    }
+}
+
+fn fail(world: &World, source: SourceId, attribute: &str, message: String, place: Place) -> Finding {
+    let span = place.span().unwrap_or_default();
+    // The byte tells two broken attributes of one name apart.
+    let subject = format!("`{attribute}` at byte {} of {}", span.start, world.path(source));
+    Finding::error(subject, message, place)
+        .label("no list of numbers")
+        .help("write plain numbers with a decimal point, separated by blanks")
+        .measured(Measured::count("attributes that are no numbers", 1).limit(0.0))
+}
+
+/// `1, 2, 3` and `1,2,3` become `1 2 3` where that gives exactly the numbers expected; a decimal comma does not.
+fn commas_replaced(source: SourceId, list: &NumberList) -> Option<Edit> {
+    let text = list.text.value.replace(',', " ");
+    let numbers: Vec<&str> = text.split_whitespace().collect();
+    let is_read = numbers.len() == list.expected && numbers.iter().all(|number| number.parse::<f64>().is_ok());
+    let whole = Literal {
+        text: list.text.value.clone(),
+        value: f64::NAN,
+        span: list.text.place.span()?,
+    };
+    (list.text.value.contains(',') && is_read).then(|| rewrite(source, &whole, numbers.join(" ")))
+}

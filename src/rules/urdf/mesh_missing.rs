@@ -1,0 +1,88 @@
+//! URDF09: meshes that are not where the description says.
+
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+use crate::world::robot::{Link, Mesh, Robot};
+
+use super::subject;
+
+/// URDF09.
+pub struct MeshMissing;
+
+/// Limits of URDF09.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// How many places are shown beside the first one.
+    pub shown: usize,
+}
+
+impl Rule for MeshMissing {
+    const PAGE: &'static str = include_str!("../../../rules/urdf/mesh-missing.md");
+    const NEEDS: &'static [Need] = &[Need::Robot];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for robot in &world.robots {
+            let meshes: Vec<(&Link, &Mesh)> = robot
+                .links
+                .iter()
+                .flat_map(|link| link.meshes.iter().map(move |mesh| (link, mesh)))
+                .collect();
+            let missing: Vec<(&Link, &Mesh)> = meshes
+                .iter()
+                .copied()
+                .filter(|(_, mesh)| mesh.found == Some(false))
+                .collect();
+            let found = meshes.iter().filter(|(_, mesh)| mesh.found == Some(true)).count();
+            let unknown = meshes.len() - missing.len() - found;
+            if meshes.is_empty() {
+                subject::nothing(world, robot, "mesh", out);
+            } else if let Some(finding) = finding(world, robot, &missing, limits) {
+                out.fail(finding);
+            } else if found > 0 {
+                out.pass(
+                    format!("meshes of {}", world.path(robot.source)),
+                    [
+                        Measured::count("meshes that are not there", 0).limit(0.0),
+                        Measured::count("meshes found", found),
+                    ],
+                );
+            }
+            if unknown > 0 {
+                out.not_evaluated(
+                    format!("meshes elsewhere of {}", world.path(robot.source)),
+                    NotEvaluated::MissingInput,
+                    format!(
+                        "{unknown} of {} meshes are in packages that are not among the inputs",
+                        meshes.len()
+                    ),
+                );
+            }
+        }
+    }
+}
+
+fn finding(world: &World, robot: &Robot, missing: &[(&Link, &Mesh)], limits: &Limits) -> Option<Finding> {
+    let (link, first) = missing.first()?;
+    let message = match missing.len() {
+        1 => format!(
+            "the {} mesh `{}` of `{}` is not there",
+            first.usage, first.filename.value, link.name.value
+        ),
+        n => format!(
+            "{n} meshes are not there, the first is `{}` of `{}`",
+            first.filename.value, link.name.value
+        ),
+    };
+    let subject = format!("meshes of {}", world.path(robot.source));
+    let mut finding = Finding::warning(subject, message, first.filename.place.clone())
+        .label("no such file")
+        .help("correct the path (upper and lower case count), or add the mesh")
+        .measured(Measured::count("meshes that are not there", missing.len()).limit(0.0));
+    for (link, mesh) in missing.iter().skip(1).take(limits.shown) {
+        finding = finding.related(mesh.filename.place.clone(), format!("of `{}`", link.name.value));
+    }
+    Some(finding)
+}

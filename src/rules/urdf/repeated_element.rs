@@ -1,0 +1,78 @@
+//! URDF07: an element that stands twice where consumers read one.
+
+use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, Severity};
+use crate::world::World;
+use crate::world::robot::{Repeated, Robot};
+
+use super::subject;
+
+/// URDF07.
+pub struct RepeatedElement;
+
+/// Elements that place or move frames: which of two is read decides where a link is.
+const PLACING: &[&str] = &["origin", "parent", "child", "axis", "limit", "mimic"];
+
+impl Rule for RepeatedElement {
+    const PAGE: &'static str = include_str!("../../../rules/urdf/repeated-element.md");
+    const NEEDS: &'static [Need] = &[Need::Robot];
+    type Limits = NoLimits;
+
+    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+        // In a fragment both may stand in branches of which one is taken.
+        for robot in subject::whole_robots(world, out) {
+            if robot.repeated.is_empty() {
+                out.pass(
+                    subject::robot(world, robot),
+                    [
+                        Measured::count("elements written too often", 0).limit(0.0),
+                        Measured::count("joints", robot.joints.len()),
+                    ],
+                );
+            }
+            for repeated in &robot.repeated {
+                if let Some(finding) = finding(world, robot, repeated) {
+                    out.fail(finding);
+                }
+            }
+        }
+    }
+}
+
+fn finding(world: &World, robot: &Robot, repeated: &Repeated) -> Option<Finding> {
+    let (first, second) = repeated.places.first().zip(repeated.places.get(1))?;
+    let same = repeated
+        .places
+        .iter()
+        .all(|place| text(world, place) == text(world, first));
+    let places_frames = PLACING.contains(&repeated.element.as_str());
+    let severity = match (same, places_frames) {
+        (true, _) => Severity::Note,
+        (false, true) => Severity::Error,
+        (false, false) => Severity::Warning,
+    };
+    let (element, owner, count) = (&repeated.element, &repeated.owner, repeated.places.len());
+    let verb = if same { "all alike" } else { "and they differ" };
+    let message = format!("{owner} has {count} <{element}> elements, {verb}: a consumer reads one of them");
+    let subject = format!("<{element}> of {owner} of {}", world.path(robot.source));
+    Some(
+        Finding::new(severity, subject, message, second.clone())
+            .label("again")
+            .related(first.clone(), "first")
+            .help("keep the one that is meant: which one is read differs from consumer to consumer")
+            .measured(Measured::count(format!("<{element}> elements"), count).limit(1.0)),
+    )
+}
+
+/// The text of an element without blanks, as far as its place covers it; empty where there is no text.
+fn text(world: &World, place: &Place) -> String {
+    let source = world.source(place.source);
+    let text = source
+        .zip(place.span())
+        .and_then(|(source, span)| source.text.get(span.start..span.end));
+    text.unwrap_or_default()
+        .split_whitespace()
+        .collect::<Vec<_>>()
+        .join(" ")
+}

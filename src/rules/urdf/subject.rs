@@ -1,0 +1,45 @@
+//! How robots, joints and links are called in rows, and which robots can be judged as a whole.
+
+use crate::rules::Judge;
+use crate::verdict::NotEvaluated;
+use crate::world::World;
+use crate::world::robot::{Joint, Link, Robot};
+
+/// "robot `cart` of robot.urdf".
+pub(super) fn robot(world: &World, robot: &Robot) -> String {
+    format!("robot `{}` of {}", robot.name.value, world.path(robot.source))
+}
+
+/// "joint `lidar_joint` of robot.urdf".
+pub(super) fn joint(world: &World, robot: &Robot, joint: &Joint) -> String {
+    format!("joint `{}` of {}", joint.name.value, world.path(robot.source))
+}
+
+/// "link `lidar` of robot.urdf".
+pub(super) fn link(world: &World, robot: &Robot, link: &Link) -> String {
+    format!("link `{}` of {}", link.name.value, world.path(robot.source))
+}
+
+/// The robots that were read whole. A fragment gets its row here: what it lacks may stand in another file.
+pub(super) fn whole_robots<'a>(world: &'a World, out: &mut Judge) -> Vec<&'a Robot> {
+    let (fragments, whole): (Vec<&Robot>, Vec<&Robot>) =
+        world.robots.iter().partition(|robot| robot.fragment.is_some());
+    for fragment in fragments {
+        let why = fragment.fragment.as_deref().unwrap_or_default();
+        out.not_evaluated(
+            robot(world, fragment),
+            NotEvaluated::MissingInput,
+            format!("only a part of the robot could be read: {why}"),
+        );
+    }
+    whole
+}
+
+/// A row for a robot that has nothing of the kind the rule is about.
+pub(super) fn nothing(world: &World, of: &Robot, what: &str, out: &mut Judge) {
+    out.not_evaluated(
+        robot(world, of),
+        NotEvaluated::NotApplicable,
+        format!("it has no {what}"),
+    );
+}

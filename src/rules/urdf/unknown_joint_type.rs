@@ -1,0 +1,81 @@
+//! URDF12: a joint type that no consumer knows.
+
+use crate::rules::literal::is_macro;
+use crate::rules::tally::Tally;
+use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::verdict::{Edit, Finding, Measured, Safety};
+use crate::world::World;
+use crate::world::robot::{Joint, Robot};
+
+use super::subject;
+
+/// URDF12.
+pub struct UnknownJointType;
+
+/// The types of the URDF specification.
+const KNOWN: &[&str] = &["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
+
+/// Types that some consumers add: PyBullet and Drake read `spherical`/`ball`, Drake `universal` and `screw`.
+const EXTENSIONS: &[&str] = &["spherical", "ball", "universal", "screw"];
+
+impl Rule for UnknownJointType {
+    const PAGE: &'static str = include_str!("../../../rules/urdf/unknown-joint-type.md");
+    const NEEDS: &'static [Need] = &[Need::Robot];
+    type Limits = NoLimits;
+
+    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+        let mut right = Tally::new("joint types");
+        for robot in &world.robots {
+            if robot.joints.is_empty() {
+                subject::nothing(world, robot, "joints", out);
+            }
+            for joint in robot.joints.iter().filter(|joint| !is_macro(&joint.kind.value)) {
+                let measured = Measured::count("types that the specification does not know", 1).limit(0.0);
+                match finding(world, robot, joint) {
+                    Some(finding) => out.fail(finding.measured(measured)),
+                    None => right.count(robot.source),
+                }
+            }
+        }
+        right.report(world, out);
+    }
+}
+
+fn finding(world: &World, robot: &Robot, joint: &Joint) -> Option<Finding> {
+    let (name, kind) = (&joint.name.value, joint.kind.value.as_str());
+    let owner = subject::joint(world, robot, joint);
+    let place = joint.kind.place.clone();
+    if KNOWN.contains(&kind) {
+        return None;
+    }
+    if EXTENSIONS.contains(&kind) {
+        let message = format!("joint `{name}` is of type `{kind}`, which only some consumers know");
+        let finding = Finding::note(owner, message, place).label("an extension");
+        return Some(finding.help("urdfdom refuses the file: keep it to the simulator that reads it"));
+    }
+    let message = if kind.is_empty() {
+        format!("joint `{name}` has no type")
+    } else {
+        format!("joint `{name}` is of type `{kind}`, which does not exist")
+    };
+    let lower = kind.trim().to_lowercase();
+    let near = KNOWN
+        .iter()
+        .find(|known| strsim::damerau_levenshtein(known, &lower) <= 2);
+    let finding = Finding::error(owner, message, place.clone()).label("unknown type");
+    Some(match near {
+        Some(near) if lower == **near => {
+            let edit = Edit {
+                place,
+                replacement: (*near).to_owned(),
+            };
+            finding
+                .help(format!(
+                    "write `{near}`: types are written in lower case, without blanks"
+                ))
+                .fix(format!("write `{near}`"), Safety::Safe, vec![edit])
+        }
+        Some(near) => finding.help(format!("is `{near}` meant?")),
+        None => finding.help(format!("the types are {}", KNOWN.join(", "))),
+    })
+}

@@ -1,0 +1,304 @@
+//! The result of one run: inputs, worlds and verdict, as pure data, with the counts and the exit code that follow from it.
+//!
+//! Must not know how a run comes about nor how it is shown.
+
+use std::collections::BTreeMap;
+
+use crate::page::{Front, Status};
+use crate::source::{Confidence, ReadStatus, Source};
+use crate::verdict::{Finding, Outcome, Severity, Verdict};
+use crate::world::World;
+
+/// Exit code of a run that found nothing to complain about.
+pub const EXIT_CLEAN: u8 = 0;
+/// Exit code of a run with findings at or above the limit.
+pub const EXIT_FINDINGS: u8 = 1;
+/// Exit code of a call that cannot be carried out.
+pub const EXIT_USAGE: u8 = 2;
+/// Exit code of a run that could not look at everything it had to.
+pub const EXIT_INCOMPLETE: u8 = 3;
+/// Exit code of a fault of ours.
+pub const EXIT_CRASHED: u8 = 70;
+
+/// Everything one run read and judged.
+#[derive(Clone, Debug, Default)]
+pub struct Run {
+    /// Every input, by id.
+    pub sources: Vec<Source>,
+    /// Outcomes and findings.
+    pub verdict: Verdict,
+    /// What is known, one world for each platform.
+    pub worlds: Vec<World>,
+    /// The rules that ran, in code order.
+    pub rules: Vec<RuleInfo>,
+    /// Files met in folders that no reader exists for: how many, by extension or name.
+    pub skipped: BTreeMap<String, usize>,
+}
+
+/// What a report needs to know of a rule: the front matter of its page without limits and references.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct RuleInfo {
+    /// `TREE01`.
+    pub code: String,
+    /// `orphan-subtree`.
+    pub name: String,
+    /// One line: what a finding says.
+    pub summary: String,
+    /// The letters of the code.
+    pub family: String,
+    /// The worst severity the rule gives.
+    pub severity: Severity,
+    /// The ceiling of its confidence.
+    pub confidence: Confidence,
+    /// Trial or stable.
+    pub status: Status,
+    /// What is judged: one outcome row for each.
+    pub subject: String,
+    /// Version the rule came with.
+    pub since: String,
+}
+
+impl RuleInfo {
+    /// From the front matter of its page.
+    pub fn new(front: &Front) -> Self {
+        Self {
+            code: front.code.clone(),
+            name: front.name.clone(),
+            summary: front.summary.clone(),
+            family: front.family().to_owned(),
+            severity: front.severity,
+            confidence: front.confidence,
+            status: front.status,
+            subject: front.subject.clone(),
+            since: front.since.clone(),
+        }
+    }
+}
+
+/// From which severity on findings fail a run. Hints never do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum FailOn {
+    /// Errors only.
+    #[default]
+    Error,
+    /// Errors and warnings.
+    Warning,
+    /// Every finding.
+    Note,
+    /// No finding.
+    Never,
+}
+
+impl FailOn {
+    /// The word on the command line.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Error => "error",
+            Self::Warning => "warning",
+            Self::Note => "note",
+            Self::Never => "never",
+        }
+    }
+
+    /// Whether this finding fails a run: severe enough, and more than a hint.
+    pub fn counts(self, finding: &Finding) -> bool {
+        let from = match self {
+            Self::Error => Severity::Error,
+            Self::Warning => Severity::Warning,
+            Self::Note => Severity::Note,
+            Self::Never => return false,
+        };
+        finding.severity >= from && finding.confidence > Confidence::Hint
+    }
+}
+
+/// A run in one word.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum VerdictWord {
+    /// Something was checked, everything that had to be read was read, and no finding counts.
+    Clean,
+    /// At least one finding counts. Outranks `Incomplete`: what was found stays found.
+    Findings,
+    /// No finding counts, but something that had to be looked at was not, nothing was checked at all, or a rule crashed.
+    Incomplete,
+}
+
+impl VerdictWord {
+    /// The word used in reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Clean => "clean",
+            Self::Findings => "findings",
+            Self::Incomplete => "incomplete",
+        }
+    }
+}
+
+/// The counts of a run. Findings are counted whatever their confidence; rows by outcome.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Summary {
+    /// Findings that are errors.
+    pub errors: usize,
+    /// Findings that are warnings.
+    pub warnings: usize,
+    /// Findings that are notes.
+    pub notes: usize,
+    /// Rows judged right.
+    pub passed: usize,
+    /// Rows that could not be judged.
+    pub not_evaluated: usize,
+    /// Rows judged wrong and accepted by the user.
+    pub waived: usize,
+    /// Rules that broke.
+    pub crashed: usize,
+    /// The run in one word.
+    pub verdict: VerdictWord,
+}
+
+impl Run {
+    /// Counts and verdict.
+    pub fn summary(&self, fail_on: FailOn) -> Summary {
+        let verdict = if self.has_counting_findings(fail_on) {
+            VerdictWord::Findings
+        } else if self.is_incomplete() || self.has_crashed() {
+            VerdictWord::Incomplete
+        } else {
+            VerdictWord::Clean
+        };
+        Summary {
+            errors: self.verdict.count_findings(Severity::Error),
+            warnings: self.verdict.count_findings(Severity::Warning),
+            notes: self.verdict.count_findings(Severity::Note),
+            passed: self.verdict.count(Outcome::Pass),
+            not_evaluated: self.verdict.count(Outcome::NotEvaluated),
+            waived: self.verdict.count(Outcome::Waived),
+            crashed: self.verdict.count(Outcome::Crashed),
+            verdict,
+        }
+    }
+
+    /// The exit code: 70 when a rule crashed, else 1 when a finding counts, else 3 when the run is incomplete, else 0.
+    pub fn exit_code(&self, fail_on: FailOn) -> u8 {
+        if self.has_crashed() {
+            EXIT_CRASHED
+        } else if self.has_counting_findings(fail_on) {
+            EXIT_FINDINGS
+        } else if self.is_incomplete() {
+            EXIT_INCOMPLETE
+        } else {
+            EXIT_CLEAN
+        }
+    }
+
+    /// The exit code where nothing was to be judged: 3 when an input could not be read in full or there is none, else 0.
+    pub fn exit_code_of_reading(&self) -> u8 {
+        if self.sources.is_empty() || self.unread().next().is_some() {
+            EXIT_INCOMPLETE
+        } else {
+            EXIT_CLEAN
+        }
+    }
+
+    /// Inputs that had to be read and were not, or not in full.
+    pub fn unread(&self) -> impl Iterator<Item = &Source> {
+        self.sources
+            .iter()
+            .filter(|source| source.required && source.status != ReadStatus::Read)
+    }
+
+    /// Whether any rule came to a judgement. A waived row was judged before it was accepted.
+    pub fn checked_anything(&self) -> bool {
+        self.verdict
+            .rows
+            .iter()
+            .any(|row| matches!(row.outcome, Outcome::Pass | Outcome::Fail | Outcome::Waived))
+    }
+
+    fn is_incomplete(&self) -> bool {
+        !self.checked_anything() || self.unread().next().is_some()
+    }
+
+    fn has_crashed(&self) -> bool {
+        self.verdict.count(Outcome::Crashed) > 0
+    }
+
+    fn has_counting_findings(&self, fail_on: FailOn) -> bool {
+        self.verdict.findings.iter().any(|finding| fail_on.counts(finding))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::source::{Place, SourceId, SourceKind};
+    use crate::verdict::Row;
+
+    fn row(outcome: Outcome) -> Row {
+        Row {
+            rule: "TREE01".into(),
+            name: "orphan-subtree".into(),
+            subject: "x".into(),
+            outcome,
+            reason: None,
+            measured: Vec::new(),
+        }
+    }
+
+    fn run(outcomes: &[Outcome], findings: &[(Severity, Confidence)], status: ReadStatus, required: bool) -> Run {
+        let id = SourceId(0);
+        let mut source = Source::new(id, "a.urdf", SourceKind::Urdf);
+        source.status = status;
+        source.required = required;
+        let findings = findings
+            .iter()
+            .map(|(severity, confidence)| Finding::new(*severity, "x", "m", Place::whole(id)).confidence(*confidence));
+        Run {
+            sources: vec![source],
+            verdict: Verdict {
+                rows: outcomes.iter().map(|outcome| row(*outcome)).collect(),
+                findings: findings.collect(),
+            },
+            ..Run::default()
+        }
+    }
+
+    #[test]
+    fn exit_codes_and_verdicts_follow_the_table() {
+        use Confidence::{Certain, Hint, Likely};
+        use FailOn::{Error, Never, Note, Warning};
+        use Outcome::{Crashed, Fail, NotEvaluated, Pass, Waived};
+        use ReadStatus::{Partial, Read, Unreadable};
+        use Severity as S;
+        use VerdictWord as V;
+        let e = [(S::Error, Certain)];
+        let w = [(S::Warning, Likely)];
+        let n = [(S::Note, Certain)];
+        let hint = [(S::Error, Hint)];
+        // rows, findings, status of the input, whether it is required, --fail-on; exit code, verdict
+        let table: &[(&[Outcome], &[(S, Confidence)], ReadStatus, bool, FailOn, u8, V)] = &[
+            (&[Pass], &[], Read, true, Error, 0, V::Clean),
+            (&[Pass, NotEvaluated], &[], Read, true, Error, 0, V::Clean),
+            (&[Waived], &[], Read, true, Error, 0, V::Clean),
+            (&[Fail], &e, Read, true, Error, 1, V::Findings),
+            (&[Fail], &e, Read, true, Never, 0, V::Clean),
+            (&[Fail], &w, Read, true, Error, 0, V::Clean),
+            (&[Fail], &w, Read, true, Warning, 1, V::Findings),
+            (&[Fail], &n, Read, true, Warning, 0, V::Clean),
+            (&[Fail], &n, Read, true, Note, 1, V::Findings),
+            (&[Fail], &hint, Read, true, Note, 0, V::Clean),
+            (&[], &[], Read, true, Error, 3, V::Incomplete),
+            (&[NotEvaluated], &[], Read, true, Never, 3, V::Incomplete),
+            (&[Pass], &[], Partial, true, Error, 3, V::Incomplete),
+            (&[Pass], &[], Unreadable, true, Never, 3, V::Incomplete),
+            (&[Pass], &[], Unreadable, false, Error, 0, V::Clean),
+            (&[Fail], &e, Unreadable, true, Error, 1, V::Findings),
+            (&[Pass, Crashed], &[], Read, true, Error, 70, V::Incomplete),
+            (&[Fail, Crashed], &e, Unreadable, true, Error, 70, V::Findings),
+        ];
+        for (index, (rows, findings, status, required, fail_on, code, word)) in table.iter().enumerate() {
+            let run = run(rows, findings, *status, *required);
+            assert_eq!(run.exit_code(*fail_on), *code, "exit code of line {index}");
+            assert_eq!(run.summary(*fail_on).verdict, *word, "verdict of line {index}");
+        }
+    }
+}

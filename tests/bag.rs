@@ -1,0 +1,438 @@
+//! Recordings: a recipe becomes an MCAP becomes evidence, and the evidence has the numbers that were written.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)]
+
+mod support;
+
+use frames_lint::source::{At, MessageRef, ReadStatus};
+use frames_lint::world::bag::{BagEvidence, TfEdge};
+use frames_lint::world::{FrameId, FrameRole};
+
+const START_NS: i64 = 1_700_000_000_000_000_000;
+const MS: i64 = 1_000_000;
+
+fn evidence(recipe: &str) -> BagEvidence {
+    let (source, collected) = support::collected(&support::build(recipe));
+    assert_eq!(source.status, ReadStatus::Read, "{source:?}");
+    assert_eq!(source.examined.bytes, source.examined.bytes_total);
+    collected.facts.bags.into_iter().next().unwrap()
+}
+
+fn edge<'a>(bag: &'a BagEvidence, parent: &str, child: &str) -> &'a TfEdge {
+    let named = |edge: &&TfEdge| edge.parent.as_str() == parent && edge.child.as_str() == child;
+    bag.tf.iter().find(named).unwrap()
+}
+
+fn names<'a>(frames: impl IntoIterator<Item = &'a FrameId>) -> Vec<&'a str> {
+    frames.into_iter().map(FrameId::as_str).collect()
+}
+
+#[test]
+fn stamps_are_measured_against_the_log_clock() {
+    let bag = evidence(
+        "
+        duration_s: 2
+        topics:
+          - {topic: /imu, type: sensor_msgs/msg/Imu, rate_hz: 100, frame_id: imu, stamp_offset_s: -0.05}
+        ",
+    );
+    assert_eq!((bag.messages, bag.truncated), (200, false));
+    assert_eq!((bag.start_ns, bag.end_ns), (Some(START_NS), Some(START_NS + 1990 * MS)));
+    let topic = &bag.topics["/imu"];
+    assert_eq!((topic.message_type.as_str(), topic.count), ("sensor_msgs/msg/Imu", 200));
+    assert_eq!((topic.first_log_ns, topic.last_log_ns), (bag.start_ns, bag.end_ns));
+    assert_eq!((topic.unread.as_deref(), topic.malformed), (None, 0));
+    assert_eq!(names(topic.header_frames.keys()), ["imu"]);
+    assert_eq!(topic.header_frames[&FrameId::new("imu")].count, 200);
+    let stamps = &topic.stamps;
+    assert_eq!((stamps.count, stamps.samples.len()), (200, 200));
+    assert!(stamps.samples.iter().all(|(stamp, log)| stamp - log == -50 * MS));
+    assert_eq!(
+        (stamps.zero, stamps.backward, stamps.repeated, stamps.long_gaps),
+        (0, 0, 0, 0)
+    );
+    assert_eq!(stamps.median_step_ns, Some(10 * MS));
+    assert_eq!(stamps.largest_gap.as_ref().map(|(gap, _)| *gap), Some(10 * MS));
+    let last = MessageRef {
+        topic: "/imu".to_owned(),
+        index: 199,
+        stamp_ns: Some(START_NS + 1940 * MS),
+        log_ns: START_NS + 1990 * MS,
+        field: None,
+    };
+    assert_eq!(stamps.last, Some(last));
+}
+
+#[test]
+fn every_stamp_knob_shows_in_the_evidence() {
+    let bag = evidence(
+        "
+        duration_s: 10
+        topics:
+          - {topic: /zero, type: sensor_msgs/msg/Imu, rate_hz: 10, stamp_s: 0}
+          - {topic: /stuck, type: sensor_msgs/msg/Imu, rate_hz: 10, stamp_s: 12.5}
+          - {topic: /milli, type: sensor_msgs/msg/Imu, rate_hz: 10, stamp_scale: 0.001}
+          - {topic: /uptime, type: sensor_msgs/msg/Imu, rate_hz: 10, stamp_start_s: 3}
+          - {topic: /gap, type: sensor_msgs/msg/Imu, rate_hz: 10, until_s: 3}
+          - {topic: /gap, type: sensor_msgs/msg/Imu, rate_hz: 10, from_s: 8}
+          - {topic: /back, type: sensor_msgs/msg/Imu, rate_hz: 10, until_s: 5}
+          - {topic: /back, type: sensor_msgs/msg/Imu, rate_hz: 10, from_s: 5, stamp_offset_s: -2}
+        ",
+    );
+    let stamps = |topic: &str| &bag.topics[topic].stamps;
+    assert_eq!((stamps("/zero").zero, stamps("/zero").repeated), (100, 0));
+    assert_eq!(stamps("/zero").first_zero.as_ref().unwrap().index, 0);
+    assert_eq!(
+        (stamps("/stuck").repeated, stamps("/stuck").samples[7].0),
+        (99, 12_500 * MS)
+    );
+    assert_eq!(stamps("/stuck").first_repeated.as_ref().unwrap().index, 1);
+    assert_eq!(stamps("/milli").samples[0].0, START_NS / 1000);
+    assert_eq!(stamps("/uptime").samples[10], (4000 * MS, START_NS + 1000 * MS));
+    let (gap, after) = stamps("/gap").largest_gap.clone().unwrap();
+    assert_eq!((gap, after.index, stamps("/gap").long_gaps), (5100 * MS, 30, 1));
+    assert_eq!(bag.topics["/gap"].count, 50);
+    let (step, at) = stamps("/back").largest_backward.clone().unwrap();
+    assert_eq!((step, at.index, stamps("/back").backward), (1900 * MS, 50, 1));
+}
+
+const ROBOT: &str = "
+duration_s: 4
+topics:
+  - topic: /tf_static
+    transforms:
+      - {parent: base_link, child: lidar, xyz: [0.3, 0, 1.2], rpy_deg: [0, 0, 90]}
+      - {parent: /base_link, child: imu, quaternion: [0, 0, 0, 1]}
+  - topic: /tf
+    rate_hz: 50
+    transforms:
+      - {parent: odom, child: base_link, velocity: [1, 0, 0], yaw_rate_deg_s: 45}
+      - {parent: base_link, child: wheel, until_s: 1}
+  - {topic: /odom, type: nav_msgs/msg/Odometry, rate_hz: 20, frame_id: odom, child_frame_id: base_link}
+  - {topic: /points, type: sensor_msgs/msg/PointCloud2, rate_hz: 10, frame_id: lidar}
+  - {topic: /robot_description, text: \"<robot name='r'/>\"}
+";
+
+#[test]
+fn edges_have_the_poses_that_were_published() {
+    let bag = evidence(ROBOT);
+    let edges: Vec<(&str, &str, u64)> = bag
+        .tf
+        .iter()
+        .map(|edge| (edge.parent.as_str(), edge.child.as_str(), edge.count))
+        .collect();
+    let expected = [
+        ("odom", "base_link", 200),
+        ("/base_link", "imu", 1),
+        ("base_link", "lidar", 1),
+        ("base_link", "wheel", 50),
+    ];
+    assert_eq!(edges, expected);
+
+    let lidar = edge(&bag, "base_link", "lidar");
+    assert!(lidar.is_static && lidar.topic == "/tf_static" && lidar.extreme.is_none());
+    let pose = lidar.first().unwrap().pose;
+    let half = std::f64::consts::FRAC_1_SQRT_2;
+    assert_eq!(pose.translation_m, [0.3, 0.0, 1.2]);
+    assert!((pose.rotation_xyzw[2] - half).abs() < 1e-12 && (pose.rotation_xyzw[3] - half).abs() < 1e-12);
+    assert_eq!(
+        edge(&bag, "/base_link", "imu").first_at.field.as_deref(),
+        Some("transforms[1]")
+    );
+
+    // 1 m/s and 45 °/s from the origin: after 2 s a quarter of a circle of radius 4/π was driven, to (r, r).
+    let moving = edge(&bag, "odom", "base_link");
+    assert!(!moving.is_static && moving.samples.len() == 200);
+    let quarter = &moving.samples[100];
+    assert_eq!((quarter.at.index, quarter.at.log_ns), (100, START_NS + 2000 * MS));
+    let radius = 4.0 / std::f64::consts::PI;
+    let [x, y, z] = quarter.pose.translation_m;
+    assert!(
+        (x - radius).abs() < 1e-9 && (y - radius).abs() < 1e-9 && z.abs() < 1e-12,
+        "{quarter:?}"
+    );
+    let (extreme, angle, distance) = moving.extreme.clone().unwrap();
+    // The distance from the start decides here: it grows to the last tick, 3.98 s, where the turn is 179.1°.
+    assert_eq!(extreme.at.index, 199);
+    assert!((angle.to_degrees() - 179.1).abs() < 1e-9, "{angle}");
+    assert!(
+        (distance - 2.0 * radius * (angle / 2.0).sin()).abs() < 1e-9,
+        "{distance}"
+    );
+    assert_eq!(moving.stamps.median_step_ns, Some(20 * MS));
+    assert!(moving.worst_norm_error < 1e-12);
+}
+
+#[test]
+fn frames_are_used_once_for_each_name_role_and_topic() {
+    let (_, collected) = support::collected(&support::build(ROBOT));
+    let uses: Vec<(&str, FrameRole, u64)> = collected
+        .facts
+        .frames
+        .iter()
+        .map(|used| (used.frame.as_str(), used.role, used.count))
+        .collect();
+    let expected = [
+        ("/base_link", FrameRole::TfParent, 1),
+        ("base_link", FrameRole::TfParent, 50),
+        ("base_link", FrameRole::TfParent, 1),
+        ("base_link", FrameRole::TfChild, 200),
+        ("base_link", FrameRole::OdometryChild, 80),
+        ("imu", FrameRole::TfChild, 1),
+        ("lidar", FrameRole::TfChild, 1),
+        ("lidar", FrameRole::Header, 40),
+        ("odom", FrameRole::TfParent, 200),
+        ("odom", FrameRole::Header, 80),
+        ("wheel", FrameRole::TfChild, 50),
+    ];
+    assert_eq!(uses, expected);
+    let At::Message(first) = &collected.facts.frames[1].place.at else {
+        panic!()
+    };
+    assert_eq!(
+        (first.topic.as_str(), first.index, first.field.as_deref()),
+        ("/tf", 0, Some("transforms[1]"))
+    );
+    let (at, text) = &collected.descriptions[0];
+    assert_eq!(
+        (at.topic.as_str(), text.as_str()),
+        ("/robot_description", "<robot name='r'/>")
+    );
+}
+
+#[test]
+fn layout_and_byte_order_make_no_difference() {
+    let expected = evidence(ROBOT);
+    for layout in [
+        "compression: none",
+        "compression: lz4",
+        "compression: zstd\nchunk_size_bytes: 700",
+    ] {
+        assert_eq!(evidence(&format!("{layout}\n{ROBOT}")), expected, "{layout}");
+    }
+    let big = ROBOT
+        .replace("rate_hz: 50", "rate_hz: 50\n    big_endian: true")
+        .replace("rate_hz: 20", "rate_hz: 20, big_endian: true");
+    assert_eq!(evidence(&big), expected);
+}
+
+#[test]
+fn faulty_numbers_are_counted_with_examples_and_kept_out_of_the_samples() {
+    let bag = evidence(
+        "
+        duration_s: 1
+        topics:
+          - topic: /tf
+            rate_hz: 20
+            transforms:
+              - {parent: odom, child: good, quaternion: [0, 0, 0, 1.004]}
+              - {parent: odom, child: nan, xyz: [.nan, 0, 0]}
+              - {parent: odom, child: inf, quaternion: [0, 0, .inf, 1]}
+              - {parent: odom, child: zero, quaternion: [0, 0, 0, 0]}
+              - {parent: odom, child: long, quaternion: [0, 0, 0.6, 1]}
+        ",
+    );
+    let good = edge(&bag, "odom", "good");
+    assert!((good.worst_norm_error - 0.004).abs() < 1e-12 && good.samples.len() == 20);
+    for child in ["nan", "inf"] {
+        let edge = edge(&bag, "odom", child);
+        assert_eq!((edge.count, edge.samples.len()), (20, 0));
+        assert_eq!((edge.non_finite.count, edge.non_finite.examples.len()), (20, 8));
+        assert_eq!((edge.zero_quaternion.count, edge.denormalized.count), (0, 0));
+    }
+    let zero = edge(&bag, "odom", "zero");
+    assert_eq!((zero.zero_quaternion.count, zero.denormalized.count), (20, 0));
+    assert_eq!(
+        zero.zero_quaternion.examples[0].at.field.as_deref(),
+        Some("transforms[3]")
+    );
+    let long = edge(&bag, "odom", "long");
+    assert_eq!(
+        (long.denormalized.count, long.denormalized.examples[0].rotation),
+        (20, [0.0, 0.0, 0.6, 1.0])
+    );
+}
+
+#[test]
+fn the_extreme_sees_a_shift_behind_a_small_turn() {
+    let bag = evidence(
+        "
+        topics:
+          - {topic: /tf_static, transforms: [{parent: a, child: b}]}
+          - {topic: /tf_static, at_s: 2, transforms: [{parent: a, child: b, rpy_deg: [0, 0, 0.05]}]}
+          - {topic: /tf_static, at_s: 4, transforms: [{parent: a, child: b, xyz: [0, 2, 0]}]}
+          - {topic: /tf_static, at_s: 6, transforms: [{parent: a, child: b}]}
+        ",
+    );
+    let edge = &bag.tf[0];
+    let (sample, angle, distance) = edge.extreme.clone().unwrap();
+    assert_eq!((edge.count, sample.at.index), (4, 2));
+    assert!(angle < 1e-12 && (distance - 2.0).abs() < 1e-12);
+    assert_eq!(bag.topics["/tf_static"].count, 4);
+}
+
+#[test]
+fn parents_that_take_turns_are_counted() {
+    let bag = evidence(
+        "
+        duration_s: 1
+        topics:
+          - {topic: /tf_static, transforms: [{parent: world, child: static_child}, {parent: world, child: still}]}
+          - topic: /tf
+            rate_hz: 10
+            transforms:
+              - {parent: odom, child: fought}
+              - {parent: /map, child: /fought}
+              - {parent: map, child: static_child}
+              - {parent: odom, child: handed_over, until_s: 0.5}
+              - {parent: map, child: handed_over, from_s: 0.5}
+              - {parent: same, child: slashed, until_s: 0.5}
+              - {parent: /same, child: slashed, from_s: 0.5}
+              - {parent: odom, child: quiet, until_s: 0.5}
+              - {parent: map, child: quiet, quaternion: [0, 0, 0, 0], from_s: 0.5}
+          - {topic: /other/tf, rate_hz: 10, transforms: [{parent: other_world, child: still}]}
+        ",
+    );
+    let switches: Vec<(&str, Vec<&str>, u64, u64)> = bag
+        .parent_switches
+        .iter()
+        .map(|s| (s.child.as_str(), names(&s.parents), s.switches, s.at.index))
+        .collect();
+    let expected = [
+        ("fought", vec!["odom", "map"], 19, 0),
+        ("handed_over", vec!["odom", "map"], 1, 5),
+        ("static_child", vec!["world", "map"], 1, 0),
+    ];
+    assert_eq!(switches, expected);
+}
+
+#[test]
+fn empty_names_are_edges_but_no_frames() {
+    let recipe = "
+        topics:
+          - {topic: /tf_static, transforms: [{parent: '', child: a}, {parent: a, child: ''}, {parent: a, child: a}]}
+          - {topic: /imu, type: sensor_msgs/msg/Imu}
+          - {topic: /odom, type: nav_msgs/msg/Odometry, frame_id: odom}
+        ";
+    let (_, collected) = support::collected(&support::build(recipe));
+    let bag = &collected.facts.bags[0];
+    assert_eq!(bag.tf.len(), 3);
+    assert_eq!(names(bag.topics["/imu"].header_frames.keys()), [""]);
+    assert_eq!(names(bag.topics["/odom"].child_frames.keys()), [""]);
+    assert!(bag.parent_switches.is_empty());
+    let uses: Vec<(&str, FrameRole)> = collected
+        .facts
+        .frames
+        .iter()
+        .map(|u| (u.frame.as_str(), u.role))
+        .collect();
+    assert_eq!(
+        uses,
+        [
+            ("a", FrameRole::TfParent),
+            ("a", FrameRole::TfChild),
+            ("odom", FrameRole::Header)
+        ]
+    );
+}
+
+#[test]
+fn long_series_are_thinned_evenly_and_counted_wholly() {
+    let bag = evidence(
+        "
+        duration_s: 100
+        topics:
+          - {topic: /tf, rate_hz: 100, transforms: [{parent: a, child: b, velocity: [1, 0, 0]}]}
+        ",
+    );
+    let edge = &bag.tf[0];
+    assert_eq!((edge.count, edge.stamps.count), (10_000, 10_000));
+    assert!((256..=512).contains(&edge.samples.len()), "{}", edge.samples.len());
+    assert!((1024..=2048).contains(&edge.stamps.samples.len()));
+    assert_eq!(
+        (edge.samples[0].at.index, edge.samples.last().unwrap().at.index),
+        (0, 9_999)
+    );
+    let stride = edge.samples[1].at.index;
+    assert!(
+        edge.samples
+            .iter()
+            .rev()
+            .skip(1)
+            .all(|sample| sample.at.index % stride == 0)
+    );
+    assert_eq!(
+        (edge.stamps.median_step_ns, edge.stamps.first.as_ref().unwrap().index),
+        (Some(10 * MS), 0)
+    );
+}
+
+#[test]
+fn each_robot_description_is_given_once() {
+    let recipe = "
+        duration_s: 3
+        topics:
+          - {topic: /robot_description, rate_hz: 1, text: <robot name='a'/>}
+          - {topic: /arm/robot_description, text: <robot name='b'/>}
+          - {topic: /chatter, text: <robot name='c'/>}
+        ";
+    let (_, collected) = support::collected(&support::build(recipe));
+    let texts: Vec<(&str, u64, &str)> = collected
+        .descriptions
+        .iter()
+        .map(|(at, text)| (at.topic.as_str(), at.index, text.as_str()))
+        .collect();
+    let expected = [
+        ("/robot_description", 0, "<robot name='a'/>"),
+        ("/arm/robot_description", 0, "<robot name='b'/>"),
+    ];
+    assert_eq!(texts, expected);
+    assert_eq!(collected.facts.bags[0].topics["/chatter"].unread, None);
+}
+
+#[test]
+fn durability_is_kept_as_recorded() {
+    let bag = evidence(
+        "
+        topics:
+          - {topic: /tf_static, transforms: [{parent: a, child: b}]}
+          - {topic: /x/tf_static, durability: volatile, transforms: [{parent: a, child: b}]}
+          - {topic: /y/tf_static, qos: '', transforms: [{parent: a, child: b}]}
+        ",
+    );
+    let qos = |topic: &str| bag.topics[topic].offered_qos_profiles.clone();
+    assert!(qos("/tf_static").unwrap().contains("durability: transient_local"));
+    assert!(qos("/x/tf_static").unwrap().contains("durability: volatile"));
+    assert_eq!(qos("/y/tf_static"), None);
+}
+
+#[test]
+fn real_recordings_are_read() {
+    let Some(folder) = support::real_bags() else { return };
+    for path in support::files(&folder, ".mcap") {
+        let (source, collected) = support::collected_from(&path);
+        let compressed = path.extension().is_some_and(|extension| extension == "zstd");
+        let expected = if compressed {
+            ReadStatus::Unreadable
+        } else {
+            ReadStatus::Read
+        };
+        assert_eq!(
+            (source.status, source.problems.len()),
+            (expected, usize::from(compressed)),
+            "{source:?}"
+        );
+        let bag = &collected.facts.bags[0];
+        if bag.messages == 0 && !compressed {
+            assert_eq!(source.detail.as_deref(), Some("no messages"));
+        }
+        if path.ends_with("nav2_turtlebot.mcap") {
+            let seconds = (bag.end_ns.unwrap() - bag.start_ns.unwrap()) as f64 * 1e-9;
+            let map = edge(bag, "map", "odom");
+            assert_eq!((bag.messages, bag.topics["/tf"].count, map.count), (8197, 5422, 921));
+            assert!((map.count as f64 / seconds - 9.5).abs() < 0.05, "{seconds}");
+            assert_eq!(bag.tf.iter().filter(|edge| edge.is_static).count(), 29);
+            assert_eq!(names(bag.topics["/odom"].child_frames.keys()), ["base_link"]);
+        }
+    }
+}

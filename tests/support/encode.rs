@@ -1,0 +1,121 @@
+//! Messages as CDR bytes, written with the `re_cdr` crate: an independent truth for the reader, which is our own.
+
+use re_cdr::{BigEndian, ByteOrder, CdrWriter, LittleEndian};
+
+/// A header.
+#[derive(Clone, Copy, Debug)]
+pub struct Header<'a> {
+    /// Stamp, nanoseconds.
+    pub stamp_ns: i64,
+    /// Frame.
+    pub frame_id: &'a str,
+}
+
+/// A transform as published.
+#[derive(Clone, Copy, Debug)]
+pub struct Transform<'a> {
+    /// Stamp and parent.
+    pub header: Header<'a>,
+    /// Child.
+    pub child: &'a str,
+    /// Metres.
+    pub translation: [f64; 3],
+    /// `x y z w`.
+    pub rotation: [f64; 4],
+}
+
+/// Byte order of a message.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Endian {
+    /// As nearly all robots write.
+    #[default]
+    Little,
+    /// The other one.
+    Big,
+}
+
+/// What a message holds.
+#[derive(Clone, Debug)]
+pub enum Body<'a> {
+    /// `tf2_msgs/msg/TFMessage`.
+    Tf(&'a [Transform<'a>]),
+    /// `nav_msgs/msg/Odometry`: at the origin, at rest.
+    Odometry(Header<'a>, &'a str),
+    /// `sensor_msgs/msg/Imu`: level and at rest, gravity +9.81 m/s² along z.
+    Imu(Header<'a>),
+    /// `geometry_msgs/msg/PoseStamped`: the identity.
+    Pose(Header<'a>),
+    /// `std_msgs/msg/String`.
+    Text(&'a str),
+    /// A header and 512 zero bytes: enough for every field of fixed size and empty sequences.
+    Padded(Header<'a>),
+}
+
+impl Body<'_> {
+    /// The message's bytes, encapsulation included.
+    pub fn encode(&self, endian: Endian) -> Vec<u8> {
+        let mut body = Vec::new();
+        match endian {
+            Endian::Little => self.write(&mut CdrWriter::<LittleEndian, _>::new(&mut body)),
+            Endian::Big => self.write(&mut CdrWriter::<BigEndian, _>::new(&mut body)),
+        }
+        let mut message = vec![0, u8::from(endian == Endian::Little), 0, 0];
+        message.append(&mut body);
+        message
+    }
+
+    fn write<BO: ByteOrder>(&self, out: &mut CdrWriter<'_, BO, Vec<u8>>) {
+        let zeros = |out: &mut CdrWriter<'_, BO, Vec<u8>>, n: usize| (0..n).for_each(|_| out.write_f64(0.0));
+        let identity = |out: &mut CdrWriter<'_, BO, Vec<u8>>| {
+            zeros(out, 3);
+            out.write_f64(1.0);
+        };
+        match self {
+            Self::Tf(transforms) => {
+                out.write_sequence_length(transforms.len());
+                for transform in *transforms {
+                    header(out, &transform.header);
+                    out.write_string(transform.child);
+                    for value in transform.translation.iter().chain(&transform.rotation) {
+                        out.write_f64(*value);
+                    }
+                }
+            }
+            Self::Odometry(head, child) => {
+                header(out, head);
+                out.write_string(child);
+                zeros(out, 3);
+                identity(out);
+                zeros(out, 36 + 6 + 36);
+            }
+            Self::Imu(head) => {
+                header(out, head);
+                identity(out);
+                zeros(out, 9 + 3 + 9 + 2);
+                out.write_f64(9.81);
+                zeros(out, 9);
+            }
+            Self::Pose(head) => {
+                header(out, head);
+                zeros(out, 3);
+                identity(out);
+            }
+            Self::Text(text) => out.write_string(text),
+            Self::Padded(head) => {
+                header(out, head);
+                (0..512).for_each(|_| out.write_u8(0));
+            }
+        }
+    }
+}
+
+fn header<BO: ByteOrder>(out: &mut CdrWriter<'_, BO, Vec<u8>>, header: &Header<'_>) {
+    let seconds = header.stamp_ns.div_euclid(1_000_000_000);
+    let nanoseconds = header.stamp_ns.rem_euclid(1_000_000_000);
+    let Ok(seconds) = i32::try_from(seconds) else {
+        panic!("a stamp of {seconds} s does not fit into a ROS stamp (int32 seconds)");
+    };
+    out.write_i32(seconds);
+    out.write_u32(u32::try_from(nanoseconds).unwrap());
+    out.write_string(header.frame_id);
+}

@@ -1,0 +1,80 @@
+//! What integration tests share.
+//!
+//! Used as `mod support;`. Each test binary uses a part of it, hence the allowances.
+
+#![allow(
+    dead_code,
+    unreachable_pub,
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::cast_possible_truncation,
+    clippy::missing_panics_doc
+)]
+
+pub mod encode;
+pub mod raw;
+pub mod recipe;
+pub mod schemas;
+
+use std::path::{Path, PathBuf};
+
+use frames_lint::collect::{Collected, collect};
+use frames_lint::source::{Source, SourceId, SourceKind};
+
+/// The MCAP that a recipe describes; see [`recipe::Recipe`] for every knob. A recipe that does not parse panics with the
+/// reason.
+pub fn build(recipe: &str) -> Vec<u8> {
+    recipe::Recipe::parse(recipe).to_mcap()
+}
+
+/// Writes the MCAP that a recipe describes.
+pub fn write(recipe: &str, path: &Path) {
+    std::fs::write(path, build(recipe)).expect("the MCAP is written");
+}
+
+/// Collects a recording given as bytes.
+pub fn collected(bytes: &[u8]) -> (Source, Collected) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("drive.mcap");
+    std::fs::write(&path, bytes).expect("the MCAP is written");
+    collected_from(&path)
+}
+
+/// Collects the recording at a path.
+pub fn collected_from(path: &Path) -> (Source, Collected) {
+    let mut source = Source::new(SourceId(0), path.display().to_string(), SourceKind::Mcap);
+    let collected = collect(path, &mut source, &|_, _| {});
+    (source, collected)
+}
+
+/// The folder of real recordings: `FRAMES_LINT_BAGS`, or `../shared/bags` beside the repository. `None` where absent.
+pub fn real_bags() -> Option<PathBuf> {
+    let folder = std::env::var_os("FRAMES_LINT_BAGS").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/bags"),
+        PathBuf::from,
+    );
+    folder.is_dir().then_some(folder)
+}
+
+/// Every file under a folder whose name holds `part`, sorted.
+pub fn files(folder: &Path, part: &str) -> Vec<PathBuf> {
+    let mut found = Vec::new();
+    let mut folders = vec![folder.to_owned()];
+    while let Some(folder) = folders.pop() {
+        for entry in std::fs::read_dir(folder).expect("the folder is readable") {
+            let path = entry.expect("the folder is readable").path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path
+                .file_name()
+                .is_some_and(|name| name.to_string_lossy().contains(part))
+            {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    found
+}

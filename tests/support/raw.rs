@@ -1,0 +1,129 @@
+//! MCAP files from channels and messages given as bytes: what recipes are written with, and what tests of damage and of
+//! strange encodings use directly.
+
+use std::collections::BTreeMap;
+use std::io::{Cursor, Seek, Write};
+
+use mcap::records::MessageHeader;
+use mcap::{WriteOptions, Writer};
+
+/// How the file is laid out.
+#[derive(Clone, Copy, Debug)]
+pub struct Layout {
+    /// Compression of chunks.
+    pub compression: Option<mcap::Compression>,
+    /// Uncompressed size at which a chunk is closed.
+    pub chunk_bytes: u64,
+    /// Whether there are chunks at all.
+    pub chunks: bool,
+    /// Whether chunks carry a checksum.
+    pub checksums: bool,
+}
+
+impl Default for Layout {
+    /// As rosbag2 with zstd, in chunks of 64 KiB.
+    fn default() -> Self {
+        Self {
+            compression: Some(mcap::Compression::Zstd),
+            chunk_bytes: 64 << 10,
+            chunks: true,
+            checksums: true,
+        }
+    }
+}
+
+/// A recording in the making.
+pub struct RawBag<W: Write + Seek> {
+    writer: Writer<W>,
+}
+
+/// What a channel is defined by.
+#[derive(Clone, Debug)]
+pub struct RawChannel<'a> {
+    /// Topic.
+    pub topic: &'a str,
+    /// Type of the messages; empty for a channel without a schema.
+    pub message_type: &'a str,
+    /// Encoding of the definition.
+    pub schema_encoding: &'a str,
+    /// The definition.
+    pub schema: &'a str,
+    /// Encoding of the messages.
+    pub message_encoding: &'a str,
+    /// `offered_qos_profiles`, where given.
+    pub qos: Option<&'a str>,
+}
+
+impl Default for RawChannel<'_> {
+    fn default() -> Self {
+        Self {
+            topic: "/topic",
+            message_type: "",
+            schema_encoding: "ros2msg",
+            schema: "",
+            message_encoding: "cdr",
+            qos: None,
+        }
+    }
+}
+
+impl<W: Write + Seek> RawBag<W> {
+    /// Starts a recording with profile `ros2`.
+    pub fn new(out: W, layout: Layout) -> Self {
+        let writer = WriteOptions::new()
+            .profile("ros2")
+            .library("frames-lint tests")
+            .compression(layout.compression)
+            .compression_threads(0)
+            .chunk_size(Some(layout.chunk_bytes))
+            .use_chunks(layout.chunks)
+            .calculate_chunk_crcs(layout.checksums)
+            .create(out)
+            .unwrap();
+        Self { writer }
+    }
+
+    /// Adds a channel and gives its number.
+    pub fn channel(&mut self, channel: &RawChannel<'_>) -> u16 {
+        let schema = if channel.message_type.is_empty() {
+            0
+        } else {
+            self.writer
+                .add_schema(channel.message_type, channel.schema_encoding, channel.schema.as_bytes())
+                .unwrap()
+        };
+        let metadata: BTreeMap<String, String> = channel
+            .qos
+            .map(|qos| ("offered_qos_profiles".to_owned(), qos.to_owned()))
+            .into_iter()
+            .collect();
+        self.writer
+            .add_channel(schema, channel.topic, channel.message_encoding, &metadata)
+            .unwrap()
+    }
+
+    /// Adds a message; `log_ns` is also its publish time.
+    pub fn message(&mut self, channel: u16, log_ns: i64, data: &[u8]) {
+        let time = u64::try_from(log_ns).unwrap();
+        let header = MessageHeader {
+            channel_id: channel,
+            sequence: 0,
+            log_time: time,
+            publish_time: time,
+        };
+        self.writer.write_to_known_channel(&header, data).unwrap();
+    }
+
+    /// Closes the recording.
+    pub fn finish(mut self) -> W {
+        self.writer.finish().unwrap();
+        self.writer.into_inner()
+    }
+}
+
+/// A recording in memory.
+pub fn in_memory(layout: Layout, fill: impl FnOnce(&mut RawBag<Cursor<Vec<u8>>>)) -> Vec<u8> {
+    let mut bag = RawBag::new(Cursor::new(Vec::new()), layout);
+    fill(&mut bag);
+    bag.finish().into_inner()
+}
