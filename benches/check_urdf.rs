@@ -18,10 +18,14 @@ fn main() {
     println!("{} URDF files", files.len());
     let ours = |paths: &[PathBuf]| {
         let mut command = Command::new(env!("CARGO_BIN_EXE_frames-lint"));
-        command.args(["check", "--format", "json", "--output", "/dev/null"]).args(paths);
+        command
+            .args(["check", "--format", "json", "--output", "/dev/null"])
+            .args(paths);
         command
     };
-    report("all files, frames-lint, one process", 3, files.len(), || vec![ours(&files)]);
+    report("all files, frames-lint, one process", 3, files.len(), || {
+        vec![ours(&files)]
+    });
     let peer = |paths: &[PathBuf]| {
         paths
             .iter()
@@ -32,9 +36,15 @@ fn main() {
             })
             .collect::<Vec<_>>()
     };
-    let has_peer = Command::new("check_urdf").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
+    let has_peer = Command::new("check_urdf")
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .status()
+        .is_ok();
     if has_peer {
-        report("all files, check_urdf, one process a file", 3, files.len(), || peer(&files));
+        report("all files, check_urdf, one process a file", 3, files.len(), || {
+            peer(&files)
+        });
     } else {
         println!("check_urdf is not on PATH (Debian: liburdfdom-tools): nothing to compare with");
     }
@@ -54,12 +64,19 @@ fn report(what: &str, runs: usize, files: usize, commands: impl Fn() -> Vec<Comm
     for _ in 0..runs {
         let before = children_cpu();
         for mut command in commands() {
-            let _ = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).status();
+            let _ = command
+                .stdin(Stdio::null())
+                .stdout(Stdio::null())
+                .stderr(Stdio::null())
+                .status();
         }
         best = best.min(children_cpu() - before);
     }
     let millis = best.as_secs_f64() * 1e3;
-    println!("{what}: {millis:.1} ms CPU, {:.3} ms a file", millis / files.max(1) as f64);
+    println!(
+        "{what}: {millis:.1} ms CPU, {:.3} ms a file",
+        millis / files.max(1) as f64
+    );
 }
 
 fn children_cpu() -> Duration {
@@ -81,7 +98,10 @@ fn urdf_files() -> Vec<PathBuf> {
             let path = entry.path();
             if path.is_dir() {
                 folders.push(path);
-            } else if path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("urdf")) {
+            } else if path
+                .extension()
+                .is_some_and(|ending| ending.eq_ignore_ascii_case("urdf"))
+            {
                 files.push(path);
             }
         }

@@ -1,8 +1,8 @@
 //! Literals rewritten: how a number is spelled in a fix, and what its text says about it.
 
 use crate::source::{Place, SourceId, Span};
-use crate::verdict::Edit;
-use crate::world::Literal;
+use crate::verdict::{Edit, Finding, Safety};
+use crate::world::{Literal, World};
 
 /// A number with at most twelve decimals and no trailing zeros: enough for a picometre and for 1e-12 rad.
 pub(super) fn spell(value: f64) -> String {
@@ -14,11 +14,27 @@ pub(super) fn spell(value: f64) -> String {
     }
 }
 
-/// Replaces a literal by another number.
-pub(super) fn rewrite(source: SourceId, literal: &Literal, text: impl Into<String>) -> Edit {
-    Edit {
-        place: Place::text(source, literal.span),
+/// Replaces a literal by another text. `None` where the source's text does not hold the literal at its place: numbers
+/// spelled with character references, or a world without texts.
+pub(super) fn rewrite(world: &World, source: SourceId, literal: &Literal, text: impl Into<String>) -> Option<Edit> {
+    replace(world, Place::text(source, literal.span), &literal.text, text)
+}
+
+/// Replaces the text `written` at `place`. `None` where something else stands there.
+pub(super) fn replace(world: &World, place: Place, written: &str, text: impl Into<String>) -> Option<Edit> {
+    let span = place.span()?;
+    let there = world.source(place.source)?.text.get(span.start..span.end)?;
+    (there == written).then(|| Edit {
+        place,
         replacement: text.into(),
+    })
+}
+
+/// The finding with a fix, where all of its edits can be made.
+pub(super) fn with_fix(finding: Finding, title: &str, safety: Safety, edits: Option<Vec<Edit>>) -> Finding {
+    match edits {
+        Some(edits) if !edits.is_empty() => finding.fix(title, safety, edits),
+        _ => finding,
     }
 }
 

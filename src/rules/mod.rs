@@ -3,6 +3,7 @@
 //! Rules are pure: no I/O, no clock, no randomness. They know the world and `math`, and nothing of reading,
 //! collecting, configuration or reports.
 
+pub mod auth;
 mod axes;
 pub mod cross;
 mod judge;
@@ -106,6 +107,7 @@ pub static RULES: &[Entry] = &[
     entry::<time::epoch_offset::EpochOffset>(),
     entry::<time::stamp_monotonic::StampMonotonic>(),
     entry::<time::clock_domain::ClockDomain>(),
+    entry::<auth::calibration_missing_default::CalibrationMissingDefault>(),
     entry::<cross::extrinsic_consistency::ExtrinsicConsistency>(),
     entry::<cross::extrinsic_relation::ExtrinsicRelation>(),
     entry::<cross::urdf_tf_topology::UrdfTfTopology>(),

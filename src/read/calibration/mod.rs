@@ -8,6 +8,7 @@ mod document;
 mod generic;
 mod names;
 mod numbers;
+mod references;
 mod repair;
 mod shapes;
 mod walk;
@@ -95,7 +96,10 @@ fn read_text(source: &mut Source, text: &str, parse: impl Fn(&str, usize) -> (Do
     for root in &documents.roots {
         generic::read(root, &mut walk);
     }
-    let (facts, problems) = walk.finish();
+    let (mut facts, problems) = walk.finish();
+    for root in &documents.roots {
+        facts.references.extend(references::collect(root, source.id));
+    }
     let reached = documents.fault.as_ref().map_or(text.len(), |fault| fault.at);
     source.examined.bytes = reached as u64;
     report(source, text, &documents, &facts);

@@ -1,3 +1,5 @@
 //! QUAT: the order and the algebra of quaternions.
 
+mod listed;
+
 pub mod quaternion_order_static;

@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 use nalgebra::UnitQuaternion;
 
 use crate::math::rotation::{from_rpy, rotation_angle_between};
-use crate::rules::literal::{rewrite, spell};
+use crate::rules::literal::{rewrite, spell, with_fix};
 use crate::rules::pairs::{Pairs, Statement};
 use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, Rule};
@@ -104,18 +104,17 @@ fn finding(world: &World, angles: &Angles, why: &str) -> Finding {
         .label("degrees?")
         .help("write radians: degrees times pi/180 (90 degrees are 1.5707963267948966); in xacro `${radians(90)}`")
         .relation("degrees");
-    let literals = angles.radian_literals();
-    if literals.is_empty() {
-        return finding;
-    }
-    let edits = literals
+    let edits = angles
+        .radian_literals()
         .iter()
         .filter(|literal| literal.value != 0.0)
-        .map(|literal| rewrite(angles.place.source, literal, spell(literal.value.to_radians())));
-    finding.fix(
+        .map(|literal| rewrite(world, angles.place.source, literal, spell(literal.value.to_radians())))
+        .collect();
+    with_fix(
+        finding,
         "convert the angles to radians",
         Safety::ChangesBehaviour,
-        edits.collect(),
+        edits,
     )
 }
 
@@ -135,7 +134,8 @@ mod tests {
         for degrees in [30.0, -45.0, 90.0, 180.0, -270.0, 360.0, 22.0, 7.5, 719.0] {
             assert!(is_over_a_turn(degrees, &LIMITS), "{degrees}");
         }
-        for radians in [0.0, 1.5707963, -3.14159265, 4.71238898, 6.2832, -6.2832, 7.853_981_6] {
+        for eighths in [0.0, 2.0, -4.0, 6.0, 8.0, -8.0, 10.0] {
+            let radians = (eighths * FRAC_PI_4 * 1e5_f64).round() / 1e5;
             assert!(!is_over_a_turn(radians, &LIMITS), "{radians}");
         }
     }

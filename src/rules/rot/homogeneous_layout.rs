@@ -1,6 +1,6 @@
 //! ROT03: a 4x4 matrix whose bottom row is not 0 0 0 1.
 
-use crate::rules::literal::rewrite;
+use crate::rules::literal::{rewrite, with_fix};
 use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::verdict::{Edit, Finding, Measured, NotEvaluated, Safety};
@@ -64,20 +64,22 @@ fn transposed(world: &World, parts: &Parts, measured: Measured) -> Finding {
         )
         .measured(measured)
         .relation("transposed");
-    match transposing_edits(parts) {
-        Some(edits) => finding.fix("transpose the matrix", Safety::Safe, edits),
-        None => finding,
-    }
+    with_fix(
+        finding,
+        "transpose the matrix",
+        Safety::Safe,
+        transposing_edits(world, parts),
+    )
 }
 
 /// Every literal takes the text of its mirror image.
-fn transposing_edits(parts: &Parts) -> Option<Vec<Edit>> {
+fn transposing_edits(world: &World, parts: &Parts) -> Option<Vec<Edit>> {
     let mut edits = Vec::new();
     for row in 0..4 {
         for col in (0..4).filter(|col| *col != row) {
             let (here, there) = (parts.literal(row, col)?, parts.literal(col, row)?);
             if here.text != there.text {
-                edits.push(rewrite(parts.source(), here, there.text.clone()));
+                edits.push(rewrite(world, parts.source(), here, there.text.clone())?);
             }
         }
     }

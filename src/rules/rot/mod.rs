@@ -4,6 +4,7 @@ mod angles;
 mod parts;
 mod quaternions;
 mod sensors;
+mod short_pi;
 mod translations;
 mod urdf_numbers;
 

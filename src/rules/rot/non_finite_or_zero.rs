@@ -24,6 +24,7 @@ impl Rule for NonFiniteOrZero {
         let mut right = Tally::new("statements of numbers");
         for robot in &world.robots {
             judge_robot(world, robot, &mut right, out);
+            judge_inertials(world, robot, out);
         }
         for claim in &world.claims {
             if let ClaimKind::File { .. } = claim.kind {
@@ -55,6 +56,19 @@ fn judge_robot(world: &World, robot: &Robot, right: &mut Tally, out: &mut Judge)
         let broken: Vec<&Literal> = numbers.literals.iter().filter(|l| is_spelled_non_finite(l)).collect();
         let subject = format!("{} of {}", numbers.owner, world.path(robot.source));
         report(subject, &broken, numbers.literals.len(), &numbers.place, right, out);
+    }
+}
+
+/// Masses and moments have no literals in the world; their element is the place.
+fn judge_inertials(world: &World, robot: &Robot, out: &mut Judge) {
+    for link in &robot.links {
+        let Some(body) = &link.inertial else { continue };
+        let numbers = body.mass_kg.into_iter().chain(body.inertia.into_iter().flatten());
+        let broken = numbers.filter(|number| !number.is_finite()).count();
+        if broken > 0 {
+            let subject = format!("inertial of link `{}` of {}", link.name.value, world.path(robot.source));
+            out.fail(not_finite(subject, "NaN or infinite", broken, body.place.clone()));
+        }
     }
 }
 

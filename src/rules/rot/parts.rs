@@ -94,14 +94,14 @@ impl<'a> Parts<'a> {
     }
 
     /// Edits that write another rotation into the block. `None` where the text of an entry is not known.
-    pub(super) fn replace_rotation(&self, rotation: &Matrix3<f64>) -> Option<Vec<Edit>> {
+    pub(super) fn replace_rotation(&self, world: &World, rotation: &Matrix3<f64>) -> Option<Vec<Edit>> {
         let mut edits = Vec::new();
         for row in 0..3 {
             for col in 0..3 {
                 let (r, c) = if self.transposed { (col, row) } else { (row, col) };
                 let literal = self.literal(r, c)?;
                 let value = *rotation.get((row, col))?;
-                edits.push(rewrite(self.source(), literal, spell(value)));
+                edits.push(rewrite(world, self.source(), literal, spell(value))?);
             }
         }
         Some(edits)

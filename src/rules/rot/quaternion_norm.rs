@@ -1,13 +1,13 @@
 //! ROT04: a quaternion that is not of length one.
 
 use crate::math::rotation::{allowed_quaternion_norm_error, quaternion_norm};
-use crate::rules::literal::{cover, rewrite, spell};
+use crate::rules::literal::{cover, rewrite, spell, with_fix};
 use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, Safety, Severity};
 use crate::world::bag::TfEdge;
-use crate::world::{BagEvidence, Literal, World};
+use crate::world::{BagEvidence, World};
 
 use super::quaternions::{self, Stated};
 
@@ -75,18 +75,16 @@ fn judge_stated(world: &World, stated: &Stated, limits: &Limits, right: &mut Tal
         .label("not of length one")
         .help(help)
         .measured(measured);
-    out.fail(match normalised(stated.literals, norm) {
-        Some(texts) if error.abs() < limits.fix => {
-            let edits = stated.literals.iter().zip(texts);
-            let edits = edits.map(|(literal, text)| rewrite(stated.place.source, literal, text));
-            finding.fix("normalise the quaternion", Safety::Safe, edits.collect())
-        }
-        _ => finding,
-    });
-}
-
-fn normalised(literals: &[Literal], norm: f64) -> Option<Vec<String>> {
-    (literals.len() == 4).then(|| literals.iter().map(|literal| spell(literal.value / norm)).collect())
+    if error.abs() >= limits.fix {
+        out.fail(finding);
+        return;
+    }
+    let edits = stated
+        .literals
+        .iter()
+        .map(|literal| rewrite(world, stated.place.source, literal, spell(literal.value / norm)))
+        .collect();
+    out.fail(with_fix(finding, "normalise the quaternion", Safety::Safe, edits));
 }
 
 fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, right: &mut Tally, out: &mut Judge) {

@@ -93,7 +93,7 @@ fn finding(world: &World, parts: &Parts, error: f64, allowed: f64, limits: &Limi
     };
     let moved_deg = nearest.angle_moved_rad.to_degrees();
     finding = finding.measured(Measured::new("angle to the nearest rotation", moved_deg, "deg").limit(limits.fix_deg));
-    match parts.replace_rotation(nearest.rotation.matrix()) {
+    match parts.replace_rotation(world, nearest.rotation.matrix()) {
         Some(edits) if moved_deg <= limits.fix_deg => {
             finding.fix("replace it by the nearest rotation", Safety::Safe, edits)
         }

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use crate::rules::literal::{rewrite, spell};
+use crate::rules::literal::{rewrite, spell, with_fix};
 use crate::rules::pairs::{Pairs, Statement};
 use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, Rule};
@@ -83,16 +83,12 @@ fn against_others(world: &World, source: SourceId, stated: &Stated, pairs: &Pair
                 stated.name,
                 world.path(other.source)
             );
+            let finding = Finding::error(subject(world, source, stated), message, stated.place.clone());
             parallel.then(|| {
-                finish(
-                    Finding::error(subject(world, source, stated), message, stated.place.clone()),
-                    source,
-                    stated,
-                    factor,
-                )
-                .relation(unit)
-                .related(other.place, "the same mounting in metres")
-                .measured(Measured::new("ratio of the lengths", ratio, "1").limit(factor))
+                finish(world, finding, source, stated, factor)
+                    .relation(unit)
+                    .related(other.place, "the same mounting in metres")
+                    .measured(Measured::new("ratio of the lengths", ratio, "1").limit(factor))
             })
         })
 }
@@ -128,26 +124,24 @@ fn by_size(world: &World, source: SourceId, stated: &Stated, usual: f64, limits:
     // A length that a big machine may have, with nothing to compare it with, is only worth a look.
     let lone = usual == 0.0 && norm < limits.impossible_m && !is_ouster;
     let finding = if lone { finding.hint() } else { finding };
-    Some(finish(finding.relation("millimetres"), source, stated, 1000.0))
+    Some(finish(world, finding.relation("millimetres"), source, stated, 1000.0))
 }
 
 fn subject(world: &World, source: SourceId, stated: &Stated) -> String {
     format!("{} of {}", stated.name, world.path(source))
 }
 
-fn finish(finding: Finding, source: SourceId, stated: &Stated, factor: f64) -> Finding {
+fn finish(world: &World, finding: Finding, source: SourceId, stated: &Stated, factor: f64) -> Finding {
     let finding = finding
         .label("read as metres")
         .help(format!(
             "divide the three numbers by {factor}, or convert where the file is written"
         ))
         .measured(Measured::new("length", stated.norm(), "m").limit(10.0));
-    if stated.literals.len() != 3 {
-        return finding;
-    }
     let edits = stated
         .literals
         .iter()
-        .map(|literal| rewrite(source, literal, spell(literal.value / factor)));
-    finding.fix(format!("divide by {factor}"), Safety::ChangesBehaviour, edits.collect())
+        .map(|literal| rewrite(world, source, literal, spell(literal.value / factor)))
+        .collect();
+    with_fix(finding, &format!("divide by {factor}"), Safety::ChangesBehaviour, edits)
 }

@@ -1,17 +1,16 @@
 //! ROT09: pi written with so few digits that far points are drawn elsewhere.
 
 use std::collections::BTreeMap;
-use std::f64::consts::PI;
 
-use crate::math::rotation::decimals_of;
-use crate::rules::literal::rewrite;
+use crate::rules::literal::{rewrite, with_fix};
 use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, Rule};
 use crate::source::{Place, SourceId};
-use crate::verdict::{Edit, Finding, Measured, Safety};
+use crate::verdict::{Finding, Measured, Safety};
 use crate::world::{Literal, World};
 
 use super::angles::stated;
+use super::short_pi::meant;
 
 /// ROT09.
 pub struct TruncatedLiteral;
@@ -56,7 +55,7 @@ impl Rule for TruncatedLiteral {
         for angles in &all {
             let source = angles.place.source;
             for literal in angles.radian_literals() {
-                let short = meant(literal.value, limits).map(|exact| Truncated {
+                let short = meant(literal.value, limits.nearest_rad).map(|exact| Truncated {
                     name: angles.name.clone(),
                     literal,
                     exact,
@@ -80,22 +79,6 @@ impl Rule for TruncatedLiteral {
         }
         right.report(world, out);
     }
-}
-
-/// The multiple of pi that a short number stands for: of pi/2 from two decimals on, of pi/4 and pi/6 from three on
-/// (0.52 may well be meant). It must be what cutting or rounding to its decimals makes of that multiple.
-fn meant(value: f64, limits: &Limits) -> Option<f64> {
-    let decimals = decimals_of(value);
-    let cut = 10f64.powi(-i32::try_from(decimals).ok()?);
-    [(2.0, 2), (4.0, 3), (6.0, 3)].into_iter().find_map(|(parts, least)| {
-        let multiple = (value * parts / PI).round();
-        let exact = multiple * PI / parts;
-        let error = (value - exact).abs();
-        let is_cut = value.abs() <= exact.abs() && error < cut;
-        let is_rounded = error <= 0.5 * cut;
-        let is_short = (1e-6..limits.nearest_rad).contains(&error) && decimals >= least;
-        (multiple != 0.0 && is_short && (is_cut || is_rounded)).then_some(exact)
-    })
 }
 
 fn lateral_mm(error_rad: f64, limits: &Limits) -> f64 {
@@ -123,9 +106,9 @@ fn finding(world: &World, source: SourceId, short: &[Truncated], limits: &Limits
         worst.error_rad().to_degrees(),
         limits.range_m,
     );
-    let edits: Vec<Edit> = short
+    let edits = short
         .iter()
-        .map(|short| rewrite(source, short.literal, short.exact.to_string()))
+        .map(|short| rewrite(world, source, short.literal, short.exact.to_string()))
         .collect();
     let mut finding = Finding::note(
         format!("truncated angles of {}", world.path(source)),
@@ -135,39 +118,10 @@ fn finding(world: &World, source: SourceId, short: &[Truncated], limits: &Limits
     .label(format!("{} is meant", worst.exact))
     .help("write the angle with all digits; in xacro `${pi/2}`")
     .measured(Measured::new("largest error", worst.error_rad(), "rad").samples(short.len() as u64))
-    .measured(Measured::new("lateral error", error_mm, "mm").limit(limits.lateral_mm))
-    .fix("write all digits", Safety::Safe, edits);
+    .measured(Measured::new("lateral error", error_mm, "mm").limit(limits.lateral_mm));
+    finding = with_fix(finding, "write all digits", Safety::Safe, edits);
     for other in short.iter().skip(1).take(limits.shown) {
         finding = finding.related(place(other), format!("{} of {}", other.literal.text, other.name));
     }
     Some(finding)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn short_multiples_of_pi_are_known_and_other_angles_are_not() {
-        let limits = Limits {
-            range_m: 50.0,
-            lateral_mm: 10.0,
-            nearest_rad: 1e-2,
-            shown: 5,
-        };
-        let eighth = std::f64::consts::FRAC_PI_4;
-        for (value, exact) in [
-            (1.57, PI / 2.0),
-            (-3.14, -PI),
-            (4.71, 1.5 * PI),
-            (0.785, eighth),
-            (1.047, PI / 3.0),
-        ] {
-            let found = meant(value, &limits).unwrap();
-            assert!((found - exact).abs() < 1e-12, "{value}");
-        }
-        for value in [0.0, 0.5, 0.52, 1.5, 3.0, 1.6, PI / 2.0, 2.0, 0.79, 1.58, 1.575] {
-            assert_eq!(meant(value, &limits), None, "{value}");
-        }
-    }
 }

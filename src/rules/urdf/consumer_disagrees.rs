@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::rules::{Judge, Need, Rule};
-use crate::source::Place;
+use crate::source::Placed;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 use crate::world::robot::{ConsumerJoint, ConsumerOpinion, Joint, NumberList, Robot};
@@ -49,7 +49,7 @@ fn refused(world: &World, robot: &Robot, why: &str) -> Finding {
         why.lines().next().unwrap_or_default().trim()
     );
     let explained = !robot.malformed.is_empty() || !robot.repeated.is_empty();
-    let finding = Finding::note(subject::robot(world, robot), message, place(robot))
+    let finding = Finding::note(subject::robot(world, robot), message, robot.name.place.clone())
         .label("refused")
         .help("mend what the other rules find here first; programs in Rust cannot load the file as it stands")
         .measured(Measured::count("consumers that refuse the file", 1).limit(0.0));
@@ -75,43 +75,37 @@ fn judge_loaded(world: &World, robot: &Robot, loaded: &[ConsumerJoint], limits: 
         }
     }
     let lost = robot.joints.len().abs_diff(loaded.len());
-    let measured = [
-        Measured::count("joints read otherwise", differing).limit(0.0),
-        Measured::count("joints compared", compared),
-    ];
     if lost > 0 {
         let message = format!(
             "{CONSUMER} reads {} joints where {} are written",
             loaded.len(),
             robot.joints.len()
         );
-        let finding = Finding::error(subject::robot(world, robot), message, place(robot))
+        let finding = Finding::error(subject::robot(world, robot), message, robot.name.place.clone())
             .label("another tree is read")
             .help("look for joints that stand where a consumer does not look, or that share a name");
         out.fail(finding.measured(Measured::count("joints lost", lost).limit(0.0)));
     } else if differing == 0 {
-        out.pass(subject::robot(world, robot), measured);
+        let measured = Measured::count("joints read otherwise", 0).limit(0.0);
+        out.pass(
+            subject::robot(world, robot),
+            [measured, Measured::count("joints compared", compared)],
+        );
     }
 }
 
 fn compare(world: &World, robot: &Robot, joint: &Joint, read: &ConsumerJoint, limits: &Limits) -> Option<Finding> {
     let name = &joint.name.value;
     let owner = subject::joint(world, robot, joint);
-    let ends = [(&joint.parent, &read.parent), (&joint.child, &read.child)];
-    if let Some((written, read)) = ends.into_iter().find_map(|(written, read)| {
-        let written = written.as_ref()?;
-        (written.value != *read).then_some((written, read))
-    }) {
+    if let Some((written, read)) = other_link(joint, read) {
         let message = format!(
             "{CONSUMER} reads `{read}` where joint `{name}` names the link `{}`",
             written.value
         );
-        let finding = Finding::error(owner, message, written.place.clone()).label("read otherwise");
-        return Some(
-            finding
-                .help("write the name plainly, without blanks or entities")
-                .measured(Measured::count("links read otherwise", 1).limit(0.0)),
-        );
+        let finding = Finding::error(owner, message, written.place.clone())
+            .label("read otherwise")
+            .help("write the name plainly, without blanks or entities");
+        return Some(finding.measured(Measured::count("links read otherwise", 1).limit(0.0)));
     }
     // With several origins it is URDF07 that says so.
     let origin = match joint.origins.as_slice() {
@@ -121,12 +115,10 @@ fn compare(world: &World, robot: &Robot, joint: &Joint, read: &ConsumerJoint, li
     };
     if let Some(quaternion) = origin.and_then(|origin| origin.quat_xyzw.as_ref()) {
         let message = format!("{CONSUMER} does not know `quat_xyzw`: it reads joint `{name}` without its rotation");
-        let finding = Finding::note(owner, message, quaternion.text.place.clone()).label("ignored by older consumers");
-        return Some(
-            finding
-                .help("write `rpy` as long as consumers of URDF 1.0 and 1.1 read the file")
-                .measured(Measured::count("attributes ignored", 1).limit(0.0)),
-        );
+        let finding = Finding::note(owner, message, quaternion.text.place.clone())
+            .label("ignored by older consumers")
+            .help("write `rpy` as long as consumers of URDF 1.0 and 1.1 read the file");
+        return Some(finding.measured(Measured::count("attributes ignored", 1).limit(0.0)));
     }
     let lists = [
         ("xyz", origin.and_then(|origin| origin.xyz.as_ref()), read.xyz),
@@ -147,13 +139,18 @@ fn compare(world: &World, robot: &Robot, joint: &Joint, read: &ConsumerJoint, li
     })
 }
 
+/// An end of the joint that the consumer takes for another link.
+fn other_link<'a>(joint: &'a Joint, read: &'a ConsumerJoint) -> Option<(&'a Placed<String>, &'a str)> {
+    let ends = [(&joint.parent, &read.parent), (&joint.child, &read.child)];
+    ends.into_iter().find_map(|(written, read)| {
+        let written = written.as_ref()?;
+        (written.value != *read).then_some((written, read.as_str()))
+    })
+}
+
 /// Largest difference of a component; `None` where the text is malformed or not finite, which other rules say.
 fn difference(written: Option<&NumberList>, read: [f64; 3]) -> Option<f64> {
     let written = written.map_or(Some([0.0; 3]), NumberList::array::<3>)?;
     let differences = written.iter().zip(read).map(|(a, b)| (a - b).abs());
     differences.reduce(f64::max).filter(|largest| largest.is_finite())
-}
-
-fn place(robot: &Robot) -> Place {
-    robot.name.place.clone()
 }

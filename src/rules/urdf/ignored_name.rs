@@ -1,7 +1,8 @@
 //! URDF11: a misspelt attribute or element, which consumers ignore.
 
+use crate::rules::literal::{replace, with_fix};
 use crate::rules::{Judge, Need, NoLimits, Rule};
-use crate::verdict::{Edit, Finding, Measured, Safety};
+use crate::verdict::{Finding, Measured, Safety};
 use crate::world::World;
 use crate::world::robot::{Ignored, Robot};
 
@@ -54,9 +55,7 @@ fn finding(world: &World, robot: &Robot, ignored: &Ignored, meant: &str) -> Find
     if ignored.what != "attribute" {
         return finding;
     }
-    let edit = Edit {
-        place: ignored.name.place.clone(),
-        replacement: meant.to_owned(),
-    };
-    finding.fix(format!("rename it to `{meant}`"), Safety::ChangesBehaviour, vec![edit])
+    let edit = replace(world, ignored.name.place.clone(), name, meant);
+    let title = format!("rename it to `{meant}`");
+    with_fix(finding, &title, Safety::ChangesBehaviour, edit.map(|edit| vec![edit]))
 }

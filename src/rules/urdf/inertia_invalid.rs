@@ -1,14 +1,12 @@
 //! URDF08: a mass or an inertia that no body has.
 
-use nalgebra::{Matrix3, SymmetricEigen};
-
-use crate::math::rotation::decimals_of;
 use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured};
 use crate::world::World;
 use crate::world::robot::{Inertial, Link, Robot};
 
+use super::moments::{principal_moments, rounding};
 use super::subject;
 
 /// URDF08.
@@ -99,24 +97,6 @@ fn judge_body(world: &World, robot: &Robot, link: &Link, body: &Inertial, limits
     Some(finding)
 }
 
-/// What rounding the six numbers to their printed decimals can move a principal moment by, kg m². Trailing zeros are
-/// not seen, which errs on the quiet side.
-fn rounding(inertia: [f64; 6]) -> f64 {
-    let half_unit = |moment: &f64| match i32::try_from(decimals_of(*moment)) {
-        Ok(decimals) if *moment != 0.0 => 0.5 * 10f64.powi(-decimals),
-        _ => 0.0,
-    };
-    2.0 * inertia.iter().map(half_unit).sum::<f64>()
-}
-
-/// Principal moments, smallest first, of `ixx ixy ixz iyy iyz izz`.
-fn principal_moments([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Option<[f64; 3]> {
-    let inertia = Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz);
-    let mut moments: [f64; 3] = SymmetricEigen::try_new(inertia, f64::EPSILON, 200)?.eigenvalues.into();
-    moments.sort_by(f64::total_cmp);
-    Some(moments)
-}
-
 fn all_zero(world: &World, robot: &Robot, zero: &[(&Link, &Inertial)]) -> Option<Finding> {
     let (link, body) = zero.first()?;
     let heavy = zero
@@ -139,24 +119,4 @@ fn all_zero(world: &World, robot: &Robot, zero: &[(&Link, &Inertial)]) -> Option
         .help("harmless on links that only carry a frame; a simulator needs moments on those that move")
         .measured(Measured::count("links with zero inertia", zero.len())),
     )
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn principal_moments_of_a_turned_box_are_those_of_the_box() {
-        // diag(1, 2, 3) turned by 45 deg about z: ixx = iyy = 1.5, ixy = -0.5 or 0.5 by the sense of the turn.
-        let moments = principal_moments([1.5, -0.5, 0.0, 1.5, 0.0, 3.0]).unwrap();
-        for (moment, expected) in moments.iter().zip([1.0, 2.0, 3.0]) {
-            assert!((moment - expected).abs() < 1e-12);
-        }
-    }
-
-    #[test]
-    fn digits_excuse_half_a_unit_of_each_number() {
-        assert!((rounding([0.083, 0.0, 0.0, 0.083, 0.0, 0.167]) - 3e-3).abs() < 1e-15);
-        assert!(rounding([0.0; 6]).abs() < 1e-15);
-    }
 }

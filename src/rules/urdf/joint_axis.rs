@@ -1,6 +1,6 @@
 //! URDF03: the axis of a moving joint is zero, or not of length one.
 
-use crate::rules::literal::{rewrite, spell};
+use crate::rules::literal::{rewrite, spell, with_fix};
 use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, Safety};
@@ -77,13 +77,14 @@ fn finding(world: &World, robot: &Robot, joint: &Joint, list: &NumberList, lengt
     let edits = list
         .literals
         .iter()
-        .map(|literal| rewrite(robot.source, literal, spell(literal.value / length)));
-    Finding::warning(
+        .map(|literal| rewrite(world, robot.source, literal, spell(literal.value / length)))
+        .collect();
+    let finding = Finding::warning(
         owner,
         format!("the axis `{text}` of joint `{name}` has the length {length:.4}"),
         list.text.place.clone(),
     )
     .label("not of length one")
-    .help("normalise it: some consumers do so, others turn or shift the joint by that much more")
-    .fix("normalise the axis", Safety::Safe, edits.collect())
+    .help("normalise it: some consumers do so, others turn or shift the joint by that much more");
+    with_fix(finding, "normalise the axis", Safety::Safe, edits)
 }

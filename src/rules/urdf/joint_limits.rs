@@ -2,7 +2,7 @@
 
 use std::f64::consts::PI;
 
-use crate::rules::literal::{is_macro, rewrite, spell};
+use crate::rules::literal::{is_macro, rewrite, spell, with_fix};
 use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
@@ -117,7 +117,8 @@ fn judge_limit(
     );
     let edits = literals
         .iter()
-        .map(|literal| rewrite(robot.source, literal, spell(literal.value.to_radians())));
+        .map(|literal| rewrite(world, robot.source, literal, spell(literal.value.to_radians())))
+        .collect();
     let whole = [lower, upper].iter().all(|bound| bound.fract() == 0.0);
     let finding = if whole {
         Finding::error(owner, message, place)
@@ -129,18 +130,18 @@ fn judge_limit(
         .label("degrees?")
         .help("write radians (90 degrees are 1.5707963267948966); a joint without an end is `continuous`")
         .relation("degrees")
-        .measured(measured.limit(2.0 * PI * limits.least_turns))
-        .fix(
-            "convert the limits to radians",
-            Safety::ChangesBehaviour,
-            edits.collect(),
-        );
-    out.fail(finding);
+        .measured(measured.limit(2.0 * PI * limits.least_turns));
+    out.fail(with_fix(
+        finding,
+        "convert the limits to radians",
+        Safety::ChangesBehaviour,
+        edits,
+    ));
 }
 
 /// Over the turns a joint makes, under the numbers that stand for "no limit" (1e16, 999999, DBL_MAX, 100 and 1000).
 fn looks_like_degrees(lower: f64, upper: f64, limits: &Limits) -> bool {
     let largest = lower.abs().max(upper.abs());
-    let power_of_ten = largest.log10().fract() == 0.0 && (lower == -upper || lower == 0.0);
+    let power_of_ten = largest.log10().fract() == 0.0 && (lower + upper == 0.0 || lower == 0.0);
     largest > 2.0 * PI * limits.least_turns && largest <= limits.most_deg && !power_of_ten
 }

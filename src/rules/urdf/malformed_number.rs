@@ -2,10 +2,10 @@
 
 use std::collections::BTreeSet;
 
-use crate::rules::literal::{is_macro, is_spelled_non_finite, rewrite};
+use crate::rules::literal::{is_macro, is_spelled_non_finite, replace, with_fix};
 use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::source::{Place, SourceId};
-use crate::verdict::{Edit, Finding, Measured, NotEvaluated, Safety};
+use crate::verdict::{Finding, Measured, NotEvaluated, Safety};
 use crate::world::robot::{NumberList, Robot};
 use crate::world::{Literal, World};
 
@@ -85,10 +85,11 @@ fn finding(world: &World, robot: &Robot, list: &NumberList) -> Finding {
     let why = list.malformed.as_deref().unwrap_or("not what a consumer reads");
     let message = format!("`{}=\"{}\"` cannot be read: {why}", list.attribute, list.text.value);
     let finding = fail(world, robot.source, &list.attribute, message, list.text.place.clone());
-    match commas_replaced(robot.source, list) {
-        Some(edit) => finding.fix("separate the numbers by blanks", Safety::Safe, vec![edit]),
-        None => finding,
-    }
+    let edits = respaced(list).and_then(|text| {
+        let edit = replace(world, list.text.place.clone(), &list.text.value, text);
+        edit.map(|edit| vec![edit])
+    });
+    with_fix(finding, "separate the numbers by blanks", Safety::Safe, edits)
 }
 
 fn fail(world: &World, source: SourceId, attribute: &str, message: String, place: Place) -> Finding {
@@ -101,15 +102,12 @@ fn fail(world: &World, source: SourceId, attribute: &str, message: String, place
         .measured(Measured::count("attributes that are no numbers", 1).limit(0.0))
 }
 
-/// `1, 2, 3` and `1,2,3` become `1 2 3` where that gives exactly the numbers expected; a decimal comma does not.
-fn commas_replaced(source: SourceId, list: &NumberList) -> Option<Edit> {
-    let text = list.text.value.replace(',', " ");
+/// `1, 2, 3`, `1,2,3` and numbers between tabs become `1 2 3`, where that gives exactly the numbers expected. With a comma
+/// in some of the gaps only, it may as well be a decimal comma.
+fn respaced(list: &NumberList) -> Option<String> {
+    let text = list.text.value.replace([',', ';'], " ");
     let numbers: Vec<&str> = text.split_whitespace().collect();
     let is_read = numbers.len() == list.expected && numbers.iter().all(|number| number.parse::<f64>().is_ok());
-    let whole = Literal {
-        text: list.text.value.clone(),
-        value: f64::NAN,
-        span: list.text.place.span()?,
-    };
-    (list.text.value.contains(',') && is_read).then(|| rewrite(source, &whole, numbers.join(" ")))
+    let marks = list.text.value.matches([',', ';']).count();
+    (is_read && (marks == 0 || marks + 1 == list.expected)).then(|| numbers.join(" "))
 }

@@ -1,14 +1,12 @@
 //! URDF01: a mesh that is flattened, mirrored or drawn a thousand times too large.
 
-use std::collections::{BTreeMap, BTreeSet};
-
 use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, Rule};
-use crate::source::Place;
 use crate::verdict::{Finding, Measured};
 use crate::world::World;
-use crate::world::robot::{Link, Mesh, Robot};
+use crate::world::robot::Robot;
 
+use super::scaled::{Scaled, mirrored_on_purpose, scaled};
 use super::subject;
 
 /// URDF01.
@@ -20,39 +18,6 @@ pub struct MeshScale;
 pub struct Limits {
     /// Scale factor from which a mesh is too large to be a part of a robot.
     pub huge: f64,
-}
-
-/// A mesh of a robot with its scale in numbers.
-struct Scaled<'a> {
-    link: &'a Link,
-    mesh: &'a Mesh,
-    scale: [f64; 3],
-}
-
-impl Scaled<'_> {
-    fn is_mirrored(&self) -> bool {
-        self.scale.iter().product::<f64>() < 0.0
-    }
-
-    fn place(&self) -> Place {
-        let scale = self.mesh.scale.as_ref();
-        scale.map_or_else(|| self.mesh.filename.place.clone(), |list| list.text.place.clone())
-    }
-
-    fn text(&self) -> &str {
-        self.mesh
-            .scale
-            .as_ref()
-            .map_or("1 1 1", |list| list.text.value.as_str())
-    }
-
-    fn file(&self) -> &str {
-        &self.mesh.filename.value
-    }
-
-    fn subject(&self, world: &World, robot: &Robot) -> String {
-        format!("{} of {}", self.mesh.usage, subject::link(world, robot, self.link))
-    }
 }
 
 impl Rule for MeshScale {
@@ -79,43 +44,9 @@ impl Rule for MeshScale {
     }
 }
 
-fn scaled(robot: &Robot) -> Vec<Scaled<'_>> {
-    let meshes = robot
-        .links
-        .iter()
-        .flat_map(|link| link.meshes.iter().map(move |mesh| (link, mesh)));
-    meshes
-        .filter_map(|(link, mesh)| {
-            let scale = mesh.scale.as_ref().map_or(Some([1.0; 3]), |list| list.array::<3>())?;
-            let finite = scale.iter().all(|factor| factor.is_finite());
-            finite.then_some(Scaled { link, mesh, scale })
-        })
-        .collect()
-}
-
-/// Files that are drawn both ways round, as the left and right limbs of many robots are: mirrored on other links than
-/// plain, and together with other mirrored links. A single mirrored mesh looks like a slip.
-fn mirrored_on_purpose<'a>(meshes: &[Scaled<'a>]) -> BTreeSet<&'a str> {
-    let mut by_file: BTreeMap<&str, [BTreeSet<&str>; 2]> = BTreeMap::new();
-    for scaled in meshes {
-        let file = scaled.mesh.filename.value.as_str();
-        let [plain, mirrored] = by_file.entry(file).or_default();
-        let links = if scaled.is_mirrored() { mirrored } else { plain };
-        links.insert(scaled.link.name.value.as_str());
-    }
-    let both = by_file
-        .iter()
-        .filter(|(_, [plain, mirrored])| !mirrored.is_empty() && !plain.is_empty() && plain.is_disjoint(mirrored));
-    let both: Vec<(&str, usize)> = both.map(|(file, [_, mirrored])| (*file, mirrored.len())).collect();
-    if both.iter().map(|(_, links)| links).sum::<usize>() < 2 {
-        return BTreeSet::new();
-    }
-    both.into_iter().map(|(file, _)| file).collect()
-}
-
 fn largest(scaled: &Scaled) -> Measured {
     let largest = scaled
-        .scale
+        .factors
         .iter()
         .fold(0.0_f64, |largest, factor| largest.max(factor.abs()));
     Measured::new("largest scale factor", largest, "1")
@@ -125,7 +56,7 @@ fn judge_scale(world: &World, robot: &Robot, scaled: &Scaled, on_purpose: bool, 
     let owner = scaled.subject(world, robot);
     let link = &scaled.link.name.value;
     let (text, usage, file) = (scaled.text(), &scaled.mesh.usage, scaled.file());
-    if scaled.scale.contains(&0.0) {
+    if scaled.factors.contains(&0.0) {
         let message = format!("the {usage} mesh of `{link}` is flattened: its scale is {text}");
         let finding = Finding::error(owner, message, scaled.place()).label("a factor of zero");
         return Some(
@@ -134,7 +65,7 @@ fn judge_scale(world: &World, robot: &Robot, scaled: &Scaled, on_purpose: bool, 
                 .measured(largest(scaled)),
         );
     }
-    if scaled.scale.iter().any(|factor| factor.abs() >= limits.huge) {
+    if scaled.factors.iter().any(|factor| factor.abs() >= limits.huge) {
         let message = format!("the {usage} mesh of `{link}` is enlarged: its scale is {text}");
         let finding = Finding::warning(owner, message, scaled.place())
             .likely()
@@ -149,7 +80,7 @@ fn judge_scale(world: &World, robot: &Robot, scaled: &Scaled, on_purpose: bool, 
         let finding = Finding::note(owner, message, scaled.place())
             .label("drawn mirrored")
             .help("mirror the mesh file itself, if that is meant: a negative scale turns the faces inside out")
-            .measured(Measured::new("product of the factors", scaled.scale.iter().product(), "1").limit(0.0));
+            .measured(Measured::new("product of the factors", scaled.factors.iter().product(), "1").limit(0.0));
         return Some(finding);
     }
     None

@@ -1,5 +1,7 @@
 //! URDF: what is written in a robot description, and what a consumer makes of it.
 
+mod moments;
+mod scaled;
 mod subject;
 
 pub mod consumer_disagrees;

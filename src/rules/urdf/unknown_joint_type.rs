@@ -1,9 +1,9 @@
 //! URDF12: a joint type that no consumer knows.
 
-use crate::rules::literal::is_macro;
+use crate::rules::literal::{is_macro, replace, with_fix};
 use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, NoLimits, Rule};
-use crate::verdict::{Edit, Finding, Measured, Safety};
+use crate::verdict::{Finding, Measured, Safety};
 use crate::world::World;
 use crate::world::robot::{Joint, Robot};
 
@@ -65,15 +65,11 @@ fn finding(world: &World, robot: &Robot, joint: &Joint) -> Option<Finding> {
     let finding = Finding::error(owner, message, place.clone()).label("unknown type");
     Some(match near {
         Some(near) if lower == **near => {
-            let edit = Edit {
-                place,
-                replacement: (*near).to_owned(),
-            };
-            finding
-                .help(format!(
-                    "write `{near}`: types are written in lower case, without blanks"
-                ))
-                .fix(format!("write `{near}`"), Safety::Safe, vec![edit])
+            let edits = replace(world, place, kind, *near).map(|edit| vec![edit]);
+            let finding = finding.help(format!(
+                "write `{near}`: types are written in lower case, without blanks"
+            ));
+            with_fix(finding, &format!("write `{near}`"), Safety::Safe, edits)
         }
         Some(near) => finding.help(format!("is `{near}` meant?")),
         None => finding.help(format!("the types are {}", KNOWN.join(", "))),
