@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 use serde::Deserialize;
 
 use crate::math::constants::AxisTurn;
-use crate::math::relation::{Tolerance, classify_rotation};
+use crate::math::relation::Relation;
 use crate::math::rotation::rotation_angle_between;
 use crate::rules::axes::Axes;
 use crate::rules::{Judge, Need, Rule, names, places};
@@ -98,11 +98,7 @@ fn judge_pair(
         out.pass(subject, [off]);
         return;
     }
-    let tolerance = Tolerance {
-        angle_rad: limits.max_deg.to_radians(),
-        ..Tolerance::default()
-    };
-    let relation = classify_rotation(&UnitQuaternion::identity(), &seen, &tolerance).best;
+    let relation = known_turn(&seen, limits);
     let place = world
         .graph()
         .edges_to(frame)
@@ -133,4 +129,15 @@ fn judge_pair(
         Some(relation) => finding.relation(relation.word()),
         None => finding,
     });
+}
+
+/// The constant turn that the rotation is instead, if it is one. Looking for mistakes in the numbers does not help here:
+/// from the identity, most of them give the same.
+fn known_turn(seen: &UnitQuaternion<f64>, limits: &Limits) -> Option<Relation> {
+    let is = |turn: &UnitQuaternion<f64>| rotation_angle_between(turn, seen).to_degrees() <= limits.max_deg;
+    if is(&UnitQuaternion::identity()) {
+        return Some(Relation::Equal);
+    }
+    let turn = AxisTurn::all().iter().find(|turn| is(&turn.quaternion()))?;
+    Relation::from_word(turn.word())
 }
