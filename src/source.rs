@@ -313,6 +313,15 @@ pub struct LineColumn {
 #[derive(Clone, Debug)]
 pub struct LineIndex {
     starts: Vec<usize>,
+    /// Characters that begin before each [`BLOCK`] bytes: a file may be one line of many megabytes.
+    characters: Vec<usize>,
+}
+
+/// Bytes between two counts of characters.
+const BLOCK: usize = 4096;
+
+fn characters(bytes: &[u8]) -> usize {
+    bytes.iter().filter(|byte| (**byte & 0xC0) != 0x80).count()
 }
 
 impl LineIndex {
@@ -325,7 +334,25 @@ impl LineIndex {
                 .filter(|(_, b)| *b == b'\n')
                 .map(|(i, _)| i + 1),
         );
-        Self { starts }
+        let mut counted = 0;
+        let characters = text
+            .as_bytes()
+            .chunks(BLOCK)
+            .map(|block| {
+                let before = counted;
+                counted += characters(block);
+                before
+            })
+            .collect();
+        Self { starts, characters }
+    }
+
+    /// Characters that begin before an offset.
+    fn before(&self, text: &str, offset: usize) -> usize {
+        // An offset at the end of a full last block belongs to no block of its own.
+        let block = (offset / BLOCK).min(self.characters.len().saturating_sub(1));
+        let counted = self.characters.get(block).copied().unwrap_or(0);
+        counted + text.as_bytes().get(block * BLOCK..offset).map_or(0, characters)
     }
 
     /// Line and column of a byte offset into the same text; offsets past the end give the last position.
@@ -333,11 +360,7 @@ impl LineIndex {
         let offset = offset.min(text.len());
         let line = self.starts.partition_point(|start| *start <= offset).max(1);
         let start = self.starts.get(line - 1).copied().unwrap_or(0);
-        let column = text
-            .as_bytes()
-            .get(start..offset)
-            .map_or(0, |bytes| bytes.iter().filter(|b| (**b & 0xC0) != 0x80).count())
-            + 1;
+        let column = self.before(text, offset) - self.before(text, start) + 1;
         LineColumn { line, column }
     }
 
@@ -370,6 +393,18 @@ mod tests {
         // "é" takes two bytes: the "c" stands at byte 6, column 4.
         assert_eq!(index.locate(text, 6), LineColumn { line: 2, column: 4 });
         assert_eq!(index.locate(text, 999), LineColumn { line: 3, column: 1 });
+    }
+
+    #[test]
+    fn columns_of_a_long_line_are_counted_from_its_start() {
+        for length in [BLOCK - 2, BLOCK, 3 * BLOCK, 3 * BLOCK + 5] {
+            let text = format!("x\n{}", "é".repeat(length / 2));
+            let index = LineIndex::new(&text);
+            for offset in (2..=text.len()).filter(|offset| text.is_char_boundary(*offset)) {
+                let column = text[2..offset].chars().count() + 1;
+                assert_eq!(index.locate(&text, offset), LineColumn { line: 2, column });
+            }
+        }
     }
 
     #[test]

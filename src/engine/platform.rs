@@ -27,8 +27,13 @@ struct Member {
 pub(super) fn platforms(readings: Vec<Reading>, inputs: &Inputs) -> Vec<World> {
     let mut groups: BTreeMap<usize, Vec<Member>> = BTreeMap::new();
     let mut sources = Vec::with_capacity(readings.len());
-    for reading in readings {
-        sources.push(reading.source.clone());
+    for mut reading in readings {
+        // The text is kept once: nothing here looks into it.
+        let text = std::mem::take(&mut reading.source.text);
+        sources.push(Source {
+            text,
+            ..reading.source.clone()
+        });
         let Some(input) = inputs.files.get(reading.input) else {
             continue;
         };

@@ -1,6 +1,9 @@
 //! TREE01: frames that no chain connects to the rest.
 
-use crate::rules::{Judge, Need, NoLimits, Rule, places};
+use std::collections::BTreeMap;
+
+use crate::rules::places::Firsts;
+use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::verdict::{Finding, Measured};
 use crate::world::graph::Component;
 use crate::world::{FrameId, FrameRole, World};
@@ -23,22 +26,24 @@ impl Rule for OrphanSubtree {
             return;
         }
         let main = main_component(world, &components);
+        let firsts = Firsts::new(world);
         for (index, orphan) in components.iter().enumerate() {
             if index != main
                 && let Some(connected) = components.get(main)
             {
-                judge_orphan(world, orphan, connected, components.len(), out);
+                judge_orphan(&firsts, orphan, connected, components.len(), out);
             }
         }
     }
 }
 
-fn judge_orphan(world: &World, orphan: &Component, main: &Component, trees: usize, out: &mut Judge) {
+fn judge_orphan(firsts: &Firsts<'_>, orphan: &Component, main: &Component, trees: usize, out: &mut Judge) {
     let Some(root) = orphan.roots.first().or_else(|| orphan.members.first()) else {
         return;
     };
-    let Some(place) =
-        places::first(world, root).or_else(|| orphan.members.iter().find_map(|frame| places::first(world, frame)))
+    let Some(place) = firsts
+        .get(root)
+        .or_else(|| orphan.members.iter().find_map(|frame| firsts.get(frame)))
     else {
         return;
     };
@@ -61,7 +66,7 @@ fn judge_orphan(world: &World, orphan: &Component, main: &Component, trees: usiz
         ))
         .measured(Measured::count("separate trees", trees).limit(1.0))
         .measured(Measured::count("frames in this tree", orphan.members.len()));
-    let finding = match main_root.and_then(|frame| places::first(world, frame)) {
+    let finding = match main_root.and_then(|frame| firsts.get(frame)) {
         Some(place) => finding.related(place, "root of the main tree"),
         None => finding,
     };
@@ -70,16 +75,21 @@ fn judge_orphan(world: &World, orphan: &Component, main: &Component, trees: usiz
 
 /// The component with most sensor frames in message headers, then most frames.
 fn main_component(world: &World, components: &[Component]) -> usize {
-    let sensors = |component: &Component| {
-        world
-            .frames
-            .iter()
-            .filter(|used| used.role == FrameRole::Header && component.members.contains(&used.frame.canonical()))
-            .count()
-    };
+    let home: BTreeMap<&FrameId, usize> = components
+        .iter()
+        .enumerate()
+        .flat_map(|(index, component)| component.members.iter().map(move |frame| (frame, index)))
+        .collect();
+    let mut sensors: BTreeMap<usize, usize> = BTreeMap::new();
+    for used in world.frames.iter().filter(|used| used.role == FrameRole::Header) {
+        if let Some(index) = home.get(&used.frame.canonical()) {
+            *sensors.entry(*index).or_default() += 1;
+        }
+    }
+    let sensors = |index: &usize| sensors.get(index).copied().unwrap_or(0);
     components
         .iter()
         .enumerate()
-        .max_by_key(|(index, component)| (sensors(component), component.members.len(), std::cmp::Reverse(*index)))
+        .max_by_key(|(index, component)| (sensors(index), component.members.len(), std::cmp::Reverse(*index)))
         .map_or(0, |(index, _)| index)
 }
