@@ -46,7 +46,7 @@ impl std::error::Error for UsageError {}
 
 /// Every rule of the tool.
 pub fn rules() -> Result<Vec<RuleInfo>, UsageError> {
-    Ok(plan::all()?.iter().map(|rule| plan::info(&rule.front)).collect())
+    Ok(plan::all()?.iter().map(|rule| RuleInfo::new(&rule.front)).collect())
 }
 
 /// Reads the inputs and judges them.
@@ -64,7 +64,7 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
         verdict.findings.extend(part.findings);
     }
     verdict.sort();
-    let rules = rules.iter().map(|rule| plan::info(&rule.front)).collect();
+    let rules = rules.iter().map(|rule| RuleInfo::new(&rule.front)).collect();
     Ok(run(inputs, worlds, verdict, rules))
 }
 
