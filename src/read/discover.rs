@@ -155,16 +155,14 @@ fn met_file(path: &Path, root: &Path, group: usize, inputs: &mut Inputs) {
         }
         Ok(head) => match recognise(path, &head) {
             Some(kind) => input.kind = kind,
-            None => match unread_format(path) {
-                Some(reason) => {
-                    input.refusal = Some(reason.to_owned());
-                    input.required = false;
-                }
-                None => {
+            None => {
+                let Some(reason) = unread_format(path) else {
                     *inputs.skipped.entry(ending(path)).or_default() += 1;
                     return;
-                }
-            },
+                };
+                input.refusal = Some(reason.to_owned());
+                input.required = false;
+            }
         },
     }
     inputs.files.push(input);
