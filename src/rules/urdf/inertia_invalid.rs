@@ -22,6 +22,8 @@ pub struct Limits {
     pub digits: f64,
     /// Moments that are taken for zero, kg m².
     pub absolute: f64,
+    /// Mass under which a fixed link hardly counts, kilograms.
+    pub light_kg: f64,
 }
 
 impl Rule for InertiaInvalid {
@@ -87,8 +89,9 @@ fn judge_body(world: &World, robot: &Robot, link: &Link, body: &Inertial, limits
              sum of the others, {:.3e} kg m²",
             (least + middle).max(0.0)
         );
-        // A link that is fixed to another is lumped into it, where its own moments hardly count.
-        let severity = if is_fixed(robot, link) {
+        // A light link that is fixed to another is lumped into it, where its own moments hardly count.
+        let is_light = body.mass_kg.is_none_or(|mass| mass < limits.light_kg);
+        let severity = if is_light && is_fixed(robot, link) {
             Severity::Note
         } else {
             Severity::Warning

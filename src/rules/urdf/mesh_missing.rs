@@ -1,7 +1,5 @@
 //! URDF09: meshes that are not where the description says.
 
-use std::collections::BTreeSet;
-
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
@@ -39,9 +37,8 @@ impl Rule for MeshMissing {
                 .collect();
             let found = meshes.iter().filter(|(_, mesh)| mesh.found == Some(true)).count();
             let unknown = meshes.len() - missing.len() - found;
-            let files: BTreeSet<&str> = missing.iter().map(|(_, mesh)| mesh.filename.value.as_str()).collect();
             // Where all are missing, the description came alone: that says nothing about the robot.
-            let is_slip = found > 0 || (files.len() == 1 && unknown >= 2 * missing.len());
+            let is_slip = found > 0;
             if meshes.is_empty() {
                 subject::nothing(world, robot, "mesh", out);
             } else if let Some(finding) = finding(world, robot, &missing, is_slip, limits) {
