@@ -8,6 +8,7 @@ mod args;
 mod tests;
 
 use std::ffi::OsString;
+use std::fmt::Write;
 use std::io::{IsTerminal, Read};
 use std::path::PathBuf;
 
@@ -134,7 +135,7 @@ fn refuse(error: &clap::Error, arguments: &[OsString], surroundings: Surrounding
     let mut err = text;
     let first = arguments.get(1).map(|argument| argument.to_string_lossy().into_owned());
     if let (clap::error::ErrorKind::InvalidSubcommand, Some(first)) = (error.kind(), first) {
-        err.push_str(&format!("\nTo check files: frames-lint check {first}\n"));
+        let _ = writeln!(err, "\nTo check files: frames-lint check {first}");
     }
     Answer {
         err,
@@ -207,9 +208,13 @@ fn run_tree(tree: Tree, stdin: &mut dyn Read, surroundings: Surroundings) -> Res
         TreeFormat::Mermaid => tree::mermaid::render(&run),
     };
     // The drawing may be piped into a tool: what could not be read is said beside it.
+    let style = Style {
+        color: false,
+        ..surroundings.style
+    };
     Ok(Answer {
         out,
-        err: terminal::render_unread(&run, surroundings.style),
+        err: terminal::render_unread(&run, style),
         code: run.exit_code_of_reading(),
     })
 }

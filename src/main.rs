@@ -13,7 +13,7 @@ static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
 
 fn main() -> ExitCode {
     // A rule that panics is caught and reported by the engine; the default hook would print in the middle of a report.
-    if std::env::var_os("RUST_BACKTRACE").is_none() {
+    if std::env::var_os("RUST_BACKTRACE").is_none_or(|value| value == "0") {
         std::panic::set_hook(Box::new(remember));
     }
     let answer = catch_unwind(|| {
@@ -36,7 +36,13 @@ fn main() -> ExitCode {
 }
 
 fn remember(info: &PanicHookInfo) {
-    let what = info.payload_as_str().unwrap_or("no message").replace('\n', " ");
+    let payload = info.payload();
+    let what = payload
+        .downcast_ref::<&str>()
+        .copied()
+        .or_else(|| payload.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("no message")
+        .replace('\n', " ");
     let place = info
         .location()
         .map_or_else(String::new, |location| format!(" at {location}"));

@@ -262,6 +262,17 @@ mod tests {
         }
     }
 
+    /// Rows, findings, status of the input, whether it is required, `--fail-on`; exit code, verdict.
+    type Line<'a> = (
+        &'a [Outcome],
+        &'a [(Severity, Confidence)],
+        ReadStatus,
+        bool,
+        FailOn,
+        u8,
+        VerdictWord,
+    );
+
     #[test]
     fn exit_codes_and_verdicts_follow_the_table() {
         use Confidence::{Certain, Hint, Likely};
@@ -274,8 +285,7 @@ mod tests {
         let w = [(S::Warning, Likely)];
         let n = [(S::Note, Certain)];
         let hint = [(S::Error, Hint)];
-        // rows, findings, status of the input, whether it is required, --fail-on; exit code, verdict
-        let table: &[(&[Outcome], &[(S, Confidence)], ReadStatus, bool, FailOn, u8, V)] = &[
+        let table: &[Line] = &[
             (&[Pass], &[], Read, true, Error, 0, V::Clean),
             (&[Pass, NotEvaluated], &[], Read, true, Error, 0, V::Clean),
             (&[Waived], &[], Read, true, Error, 0, V::Clean),

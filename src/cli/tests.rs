@@ -1,1 +1,129 @@
+//! The command line, as far as it needs no engine.
 
+use std::collections::BTreeSet;
+use std::ffi::OsString;
+use std::path::{Path, PathBuf};
+
+use clap::CommandFactory;
+
+use super::args::Cli;
+use super::{Answer, Surroundings, listed, paths, rules, run};
+use crate::report::{Style, rules_table};
+
+fn answer(arguments: &[&str]) -> Answer {
+    let arguments = std::iter::once("frames-lint")
+        .chain(arguments.iter().copied())
+        .map(OsString::from);
+    let surroundings = Surroundings {
+        style: Style::PLAIN,
+        progress: false,
+    };
+    run(arguments, &mut std::io::empty(), surroundings)
+}
+
+#[test]
+fn the_arguments_fit_together() {
+    Cli::command().debug_assert();
+}
+
+#[test]
+fn wrong_calls_have_exit_code_2_and_say_so_on_stderr() {
+    for arguments in [
+        &[][..],
+        &["check"],
+        &["check", "--fail-on", "fatal", "a"],
+        &["check", "--xacro-arg", "no", "a"],
+        &["check", "-"],
+        &["robot.urdf"],
+        &["explain", "XYZ99"],
+        &["man", "dance"],
+    ] {
+        let answer = answer(arguments);
+        assert_eq!(answer.code, 2, "{arguments:?}: {answer:?}");
+        assert!(answer.out.is_empty() && !answer.err.is_empty(), "{arguments:?}");
+    }
+}
+
+#[test]
+fn a_path_without_a_verb_gets_a_hint() {
+    assert!(
+        answer(&["robot.urdf"])
+            .err
+            .ends_with("\nTo check files: frames-lint check robot.urdf\n")
+    );
+}
+
+#[test]
+fn help_version_pages_and_scripts_are_answers() {
+    for (arguments, part) in [
+        (&["--help"][..], "Exit codes:"),
+        (&["check", "--help"], "--fail-on <SEVERITY>"),
+        (&["--version"], env!("CARGO_PKG_VERSION")),
+        (&["explain", "tree01"], "What it checks"),
+        (&["explain", "orphan-subtree"], "What it checks"),
+        (&["rules"], "TREE01  orphan-subtree"),
+        (&["rules", "--format", "json"], "\"code\": \"TREE01\""),
+        (&["rules", "--format", "markdown"], "<!-- rules:begin -->"),
+        (&["completions", "bash"], "complete -F _frames__lint"),
+        (&["man"], ".TH frames-lint 1"),
+        (&["man", "check"], "fail"),
+    ] {
+        let answer = answer(arguments);
+        assert_eq!((answer.code, answer.err.as_str()), (0, ""), "{arguments:?}");
+        assert!(answer.out.contains(part), "{arguments:?}: {}", answer.out);
+    }
+}
+
+#[test]
+fn a_misspelt_rule_is_met_with_a_suggestion() {
+    for (word, meant) in [("orphan-subtre", "`orphan-subtree`"), ("TREE1", "`TREE01`")] {
+        let err = answer(&["explain", word]).err;
+        assert!(err.contains(&format!("did you mean {meant}?")), "{err}");
+    }
+    assert!(!answer(&["explain", "qqqqqqqq"]).err.contains("did you mean"));
+}
+
+#[test]
+fn paths_come_from_arguments_and_from_standard_input() {
+    let given = ["a.urdf", "-", "b", "-"].map(PathBuf::from).to_vec();
+    let Ok(found) = paths(given, &mut &b"c d.yaml\r\ne\n\n"[..]) else {
+        panic!()
+    };
+    assert_eq!(found, ["a.urdf", "c d.yaml", "e", "b"].map(PathBuf::from));
+    let Ok(found) = listed(b"with\nnewline\0b\0") else {
+        panic!()
+    };
+    assert_eq!(found, ["with\nnewline", "b"].map(PathBuf::from));
+}
+
+#[test]
+fn rules_have_different_codes_and_names() {
+    let rules = rules().unwrap();
+    let codes: BTreeSet<&str> = rules.iter().map(|rule| rule.code.as_str()).collect();
+    let names: BTreeSet<&str> = rules.iter().map(|rule| rule.name.as_str()).collect();
+    assert_eq!((codes.len(), names.len()), (rules.len(), rules.len()));
+}
+
+#[test]
+fn the_readme_holds_the_table_of_this_program() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let rules = rules().unwrap();
+    let expected = rules_table::markdown(&rules);
+    for rule in &rules {
+        let page = format!("rules/{}/{}.md", rule.family.to_lowercase(), rule.name);
+        assert!(root.join(&page).is_file(), "the table links to {page}");
+        assert!(expected.contains(&page));
+    }
+    // Until the README has a table there is nothing to hold it to.
+    let readme = std::fs::read_to_string(root.join("README.md"))
+        .unwrap_or_default()
+        .replace("\r\n", "\n");
+    if let Some(from) = readme.find(rules_table::BEGIN) {
+        let to = readme.find(rules_table::END).expect("the end marker") + rules_table::END.len();
+        assert_eq!(
+            &readme[from..to],
+            expected.trim_end(),
+            "run `frames-lint rules --format markdown`"
+        );
+    }
+}

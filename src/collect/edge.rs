@@ -1,6 +1,6 @@
 //! One TF edge while it is being collected.
 
-use crate::world::bag::{Faults, MAX_EXAMPLES, TfEdge, TfFault, TfSample};
+use crate::world::bag::{Faults, TfEdge, TfFault, TfSample};
 use crate::world::{FrameId, Pose};
 
 use super::point::Point;
@@ -47,9 +47,9 @@ impl EdgeState {
             last: first,
             samples: Thinned::new(share.poses),
             extreme: None,
-            non_finite: FaultState::default(),
-            zero_quaternion: FaultState::default(),
-            denormalized: FaultState::default(),
+            non_finite: FaultState::new(share),
+            zero_quaternion: FaultState::new(share),
+            denormalized: FaultState::new(share),
             worst_norm_error: 0.0,
             stamps: Stamps::new(share),
         }
@@ -139,16 +139,24 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// A fault's count and first examples.
-#[derive(Default)]
 struct FaultState {
+    bound: usize,
     count: u64,
     examples: Vec<(Point, [f64; 3], [f64; 4])>,
 }
 
 impl FaultState {
+    fn new(share: Share) -> Self {
+        Self {
+            bound: share.examples,
+            count: 0,
+            examples: Vec::new(),
+        }
+    }
+
     fn push(&mut self, point: Point, translation: [f64; 3], rotation: [f64; 4]) {
         self.count += 1;
-        if self.examples.len() < MAX_EXAMPLES {
+        if self.examples.len() < self.bound {
             self.examples.push((point, translation, rotation));
         }
     }

@@ -25,8 +25,8 @@ use topic::{Reading, Topic};
 
 /// Bound on topics; large systems have some hundred.
 const MAX_TOPICS: usize = 10_000;
-/// Bound on the length of a topic, bytes; DDS allows 256.
-const MAX_TOPIC_NAME: usize = 512;
+/// Bound on the length of a topic, bytes; DDS allows no more.
+const MAX_TOPIC_NAME: usize = 256;
 /// Bound on the topics whose malformed messages get a problem of their own.
 const MAX_PROBLEMS: usize = 20;
 
@@ -58,6 +58,8 @@ struct Collector {
     log_ns: Option<(i64, i64)>,
     messages: u64,
     refused_channels: u64,
+    /// Topics recorded as more than one type: `(topic, the other type, whether that one is read)`.
+    mixed: Vec<(usize, String, bool)>,
 }
 
 impl Visit for Collector {
@@ -99,8 +101,11 @@ impl Collector {
     fn topic(&mut self, channel: &Channel) -> Option<(usize, Reading)> {
         let reading = Reading::of(channel);
         let next = self.topics.len();
-        let number = match self.topic_of.get(&channel.topic) {
-            Some(known) => *known,
+        let number = match self.topic_of.get(&channel.topic).copied() {
+            Some(known) => {
+                self.note_mixed(known, channel, &reading);
+                known
+            }
             None if next >= MAX_TOPICS || channel.topic.len() > MAX_TOPIC_NAME => return None,
             None => {
                 self.topic_of.insert(channel.topic.clone(), next);
@@ -112,6 +117,14 @@ impl Collector {
             self.tf.topic(number, &channel.topic);
         }
         Some((number, reading))
+    }
+
+    fn note_mixed(&mut self, number: usize, channel: &Channel, reading: &Reading) {
+        let known = self.topics.get(number);
+        if self.mixed.len() < MAX_PROBLEMS && known.is_some_and(|topic| topic.message_type != channel.message_type) {
+            let is_read = !matches!(reading, Reading::Unread(_));
+            self.mixed.push((number, channel.message_type.clone(), is_read));
+        }
     }
 
     fn finish(self, source: &mut Source, truncated: bool) -> Collected {
@@ -154,6 +167,19 @@ impl Collector {
             let message = format!("{count} of {of} messages on `{}` do not decode: {error}", topic.name);
             let place = Place::message(id, first.on(&topic.name));
             source.problem(ReadStatus::Partial, place, message);
+        }
+        for (number, other, is_read) in &self.mixed {
+            let Some(topic) = self.topics.get(*number) else {
+                continue;
+            };
+            let (name, first) = (&topic.name, &topic.message_type);
+            let message = format!("`{name}` is recorded as two types: `{first}` and `{other}`");
+            let status = if *is_read {
+                ReadStatus::Read
+            } else {
+                ReadStatus::Partial
+            };
+            source.problem(status, Place::whole(id), message);
         }
         let refused_names: u64 = self.topics.iter().map(Topic::refused_names).sum();
         let left_out = [

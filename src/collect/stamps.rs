@@ -128,11 +128,11 @@ mod tests {
     /// Evidence of stamps in milliseconds, logged every 100 ms.
     fn evidence(stamps_ms: &[i64]) -> StampEvidence {
         let mut stamps = Stamps::new(Share::of(0));
-        for (index, stamp) in stamps_ms.iter().enumerate() {
+        for (index, stamp) in (0..).zip(stamps_ms) {
             stamps.push(Point {
-                index: index as u64,
+                index,
                 stamp_ns: Some(stamp * 1_000_000),
-                log_ns: index as i64 * 100_000_000,
+                log_ns: i64::try_from(index).unwrap() * 100_000_000,
                 transform: None,
             });
         }

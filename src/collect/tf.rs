@@ -18,7 +18,7 @@ use super::thin::Share;
 use super::topic::last_segment;
 
 /// Bound on edges; the largest trees met in recordings have some hundred.
-pub(super) const MAX_EDGES: usize = 20_000;
+pub(super) const MAX_EDGES: usize = 10_000;
 /// Bound on frame names: two for every edge, each with and without a slash.
 const MAX_NAMES: usize = 4 * MAX_EDGES;
 

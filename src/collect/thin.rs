@@ -2,6 +2,8 @@
 //!
 //! Owns thinning. Must not know what is sampled.
 
+use crate::world::bag::MAX_EXAMPLES;
+
 /// How many samples one subject (a topic, an edge) may keep. The first subjects of a recording get full series; a
 /// recording with thousands of them, real or hostile, gets short ones, so that memory stays bounded.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -14,21 +16,24 @@ pub(super) struct Share {
     pub(super) poses: usize,
     /// Frame names in the headers of a topic.
     pub(super) names: usize,
+    /// Examples of each fault.
+    pub(super) examples: usize,
 }
 
 impl Share {
     /// The share of the subject that came `rank`-th, from 0.
     pub(super) fn of(rank: usize) -> Self {
-        let (stamps, steps, poses, names) = match rank {
-            0..200 => (2048, 4096, 512, 256),
-            200..2_000 => (128, 256, 32, 32),
-            _ => (16, 32, 8, 4),
+        let (stamps, steps, poses, names, examples) = match rank {
+            0..200 => (2048, 4096, 512, 256, MAX_EXAMPLES),
+            200..2_000 => (128, 256, 32, 32, MAX_EXAMPLES),
+            _ => (16, 32, 8, 4, 1),
         };
         Self {
             stamps,
             steps,
             poses,
             names,
+            examples,
         }
     }
 }

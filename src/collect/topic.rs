@@ -38,10 +38,11 @@ impl Reading {
             return Self::Unread(format!("{encoding} messages are not read"));
         }
         // These three are read by their published layout, so a missing definition does no harm.
-        match channel.message_type.as_str() {
-            "tf2_msgs/msg/TFMessage" => return Self::Tf,
-            "nav_msgs/msg/Odometry" => return Self::Odometry,
-            "std_msgs/msg/String" if last_segment(&channel.topic) == "robot_description" => return Self::Description,
+        // Some writers leave the `msg` out of the name.
+        match channel.message_type.replacen("/msg/", "/", 1).as_str() {
+            "tf2_msgs/TFMessage" => return Self::Tf,
+            "nav_msgs/Odometry" => return Self::Odometry,
+            "std_msgs/String" if last_segment(&channel.topic) == "robot_description" => return Self::Description,
             _ => {}
         }
         if channel.schema_text.trim().is_empty() {
@@ -71,7 +72,7 @@ pub(super) fn last_segment(topic: &str) -> &str {
 /// One topic while it is being collected.
 pub(super) struct Topic {
     pub(super) name: String,
-    message_type: String,
+    pub(super) message_type: String,
     pub(super) count: u64,
     log_ns: Option<(i64, i64)>,
     offered_qos_profiles: Option<String>,

@@ -4,6 +4,9 @@
 //! `null`. Lines and columns are one-based, ends are exclusive, columns count characters. Changing a key's meaning or
 //! taking one away needs a new schema name.
 
+#[cfg(test)]
+mod tests;
+
 use serde::Serialize;
 
 use crate::run::{FailOn, Run};

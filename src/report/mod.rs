@@ -4,6 +4,8 @@ pub mod explain;
 pub mod json;
 mod place;
 pub mod rules_table;
+#[cfg(test)]
+mod samples;
 mod style;
 pub mod terminal;
 mod text;

@@ -79,7 +79,7 @@ impl<'a> Locator<'a> {
         }
     }
 
-    /// The source in a few words: its path, and what it came out of.
+    /// The source in a few words: its path, and what it came out of (`drive.mcap /robot_description[0]`).
     pub(super) fn name(&self, id: SourceId) -> String {
         match self.source(id) {
             None => "?".to_owned(),
@@ -87,7 +87,7 @@ impl<'a> Locator<'a> {
                 None => source.path.clone(),
                 Some(Derived::Expansion) => format!("{} (expanded)", source.path),
                 Some(Derived::Message(message)) => {
-                    format!("{} {} message {}", source.path, message.topic, message.index)
+                    format!("{} {}[{}]", source.path, message.topic, message.index)
                 }
             },
         }

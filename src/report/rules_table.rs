@@ -141,7 +141,7 @@ mod tests {
         };
         let narrow = text(&[rule()], narrow);
         assert!(
-            narrow.contains("stable\n    frames that no chain of transforms connects to the\n"),
+            narrow.contains("stable\n    frames that no chain of transforms connects to the rest\n    of the tree\n"),
             "{narrow}"
         );
     }

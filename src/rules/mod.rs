@@ -3,13 +3,23 @@
 //! Rules are pure: no I/O, no clock, no randomness. They know the world and `math`, and nothing of reading,
 //! collecting, configuration or reports.
 
+pub mod auth;
+mod axes;
 pub mod cross;
 mod judge;
 mod literal;
+pub mod name;
+mod names;
+mod near;
+mod optical;
 mod pairs;
+mod places;
 pub mod quat;
+mod relate;
 pub mod rot;
+mod spelling;
 mod tally;
+mod tf;
 pub mod time;
 pub mod tree;
 pub mod urdf;
@@ -70,6 +80,20 @@ const fn entry<R: Rule>() -> Entry {
 /// Every rule, in the order of the catalogue. Adding a rule: its page, its file, one line here.
 pub static RULES: &[Entry] = &[
     entry::<tree::orphan_subtree::OrphanSubtree>(),
+    entry::<tree::multiple_parents::MultipleParents>(),
+    entry::<tree::tf_cycle::TfCycle>(),
+    entry::<tree::self_or_empty_transform::SelfOrEmptyTransform>(),
+    entry::<tree::static_dynamic_conflict::StaticDynamicConflict>(),
+    entry::<tree::rep105_order::Rep105Order>(),
+    entry::<tree::message_frame_unresolved::MessageFrameUnresolved>(),
+    entry::<tree::tf_static_missing_or_late::TfStaticMissingOrLate>(),
+    entry::<tree::urdf_structure::UrdfStructure>(),
+    entry::<name::frame_case_mismatch::FrameCaseMismatch>(),
+    entry::<name::frame_whitespace_or_slash::FrameWhitespaceOrSlash>(),
+    entry::<name::frame_near_duplicate::FrameNearDuplicate>(),
+    entry::<name::ned_suffix::NedSuffix>(),
+    entry::<name::optical_suffix::OpticalSuffix>(),
+    entry::<name::transform_name_cancellation::TransformNameCancellation>(),
     entry::<rot::rotation_determinant::RotationDeterminant>(),
     entry::<rot::rotation_orthogonality::RotationOrthogonality>(),
     entry::<rot::homogeneous_layout::HomogeneousLayout>(),
@@ -83,6 +107,7 @@ pub static RULES: &[Entry] = &[
     entry::<time::epoch_offset::EpochOffset>(),
     entry::<time::stamp_monotonic::StampMonotonic>(),
     entry::<time::clock_domain::ClockDomain>(),
+    entry::<auth::calibration_missing_default::CalibrationMissingDefault>(),
     entry::<cross::extrinsic_consistency::ExtrinsicConsistency>(),
     entry::<cross::extrinsic_relation::ExtrinsicRelation>(),
     entry::<cross::urdf_tf_topology::UrdfTfTopology>(),

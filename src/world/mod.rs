@@ -8,6 +8,7 @@ pub mod chain;
 pub mod claim;
 pub mod frame;
 pub mod graph;
+pub mod reference;
 pub mod robot;
 pub mod transform_name;
 
@@ -22,6 +23,7 @@ pub use chain::DeclaredChain;
 pub use claim::{Claim, ClaimKind, Literal, Pose, Spelling};
 pub use frame::{FrameId, FrameRole, FrameUse};
 pub use graph::FrameGraph;
+pub use reference::{FileReference, ReferenceState};
 pub use robot::Robot;
 
 /// Everything known about one platform.
@@ -43,6 +45,8 @@ pub struct World {
     pub bags: Vec<BagEvidence>,
     /// Products of transforms that files declare.
     pub chains: Vec<DeclaredChain>,
+    /// Calibration files that other files name.
+    pub references: Vec<FileReference>,
     #[serde(skip)]
     graph: OnceLock<FrameGraph>,
 }
@@ -60,6 +64,8 @@ pub struct Facts {
     pub bags: Vec<BagEvidence>,
     /// Products of transforms that a file declares.
     pub chains: Vec<DeclaredChain>,
+    /// Calibration files that other files name.
+    pub references: Vec<FileReference>,
 }
 
 impl World {
@@ -80,6 +86,7 @@ impl World {
         self.frames.extend(facts.frames);
         self.bags.extend(facts.bags);
         self.chains.extend(facts.chains);
+        self.references.extend(facts.references);
         self.graph = OnceLock::new();
     }
 

@@ -21,7 +21,9 @@ pub mod schemas;
 use std::path::{Path, PathBuf};
 
 use frames_lint::collect::{Collected, collect};
-use frames_lint::source::{Source, SourceId, SourceKind};
+use frames_lint::source::{ReadStatus, Source, SourceId, SourceKind};
+use frames_lint::world::FrameId;
+use frames_lint::world::bag::{BagEvidence, TfEdge};
 
 /// The MCAP that a recipe describes; see [`recipe::Recipe`] for every knob. A recipe that does not parse panics with the
 /// reason.
@@ -47,6 +49,30 @@ pub fn collected_from(path: &Path) -> (Source, Collected) {
     let mut source = Source::new(SourceId(0), path.display().to_string(), SourceKind::Mcap);
     let collected = collect(path, &mut source, &|_, _| {});
     (source, collected)
+}
+
+/// The evidence of a recipe's recording, which must be read wholly.
+pub fn evidence(recipe: &str) -> BagEvidence {
+    let (source, collected) = collected(&build(recipe));
+    assert_eq!(source.status, ReadStatus::Read, "{source:?}");
+    assert_eq!(source.examined.bytes, source.examined.bytes_total);
+    bag(&collected).clone()
+}
+
+/// The one bag of what was collected.
+pub fn bag(collected: &Collected) -> &BagEvidence {
+    &collected.facts.bags[0]
+}
+
+/// The edge between two frames as spelled.
+pub fn edge<'a>(bag: &'a BagEvidence, parent: &str, child: &str) -> &'a TfEdge {
+    let named = |edge: &&TfEdge| edge.parent.as_str() == parent && edge.child.as_str() == child;
+    bag.tf.iter().find(named).expect("the edge is in the evidence")
+}
+
+/// Frames as words.
+pub fn names<'a>(frames: impl IntoIterator<Item = &'a FrameId>) -> Vec<&'a str> {
+    frames.into_iter().map(FrameId::as_str).collect()
 }
 
 /// The folder of real recordings: `FRAMES_LINT_BAGS`, or `../shared/bags` beside the repository. `None` where absent.

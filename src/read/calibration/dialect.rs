@@ -85,6 +85,14 @@ const TABLE: &[(&str, Dialect)] = &[
             ..GENERIC
         },
     ),
+    // OpenCalib (SensorsCalibration): `{rows, cols, data}` under the name of the pair of sensors.
+    (
+        "sensor_calib",
+        Dialect {
+            name: "opencalib",
+            ..GENERIC
+        },
+    ),
 ];
 
 /// The dialect that a key belongs to; [`GENERIC`] for all others.

@@ -54,7 +54,7 @@ fn value<'a>(node: &'a Node, found: &Numbers, walk: &mut Walk<'a>) {
     if names::is_never(key) && dialect == dialect::GENERIC {
         return;
     }
-    let strong = walk.any_key(names::is_transform);
+    let strong = dialect != dialect::GENERIC || walk.any_key(names::is_transform) || walk.named().is_some();
     let by = walk.own_key();
     let label = walk.label("");
     if let (true, Numbers::Flat(literals)) = (dialect.packed, found) {
@@ -71,7 +71,7 @@ fn value<'a>(node: &'a Node, found: &Numbers, walk: &mut Walk<'a>) {
         if strong || rigid() {
             let draft = shapes::matrix(rows, cols, literals, metres, node.span);
             let named = walk.named();
-            walk.emit(draft, label, named, by, dialect);
+            walk.emit(draft, label, named.as_ref(), by, dialect);
         }
     } else if let Some(draft) = found
         .vector(7)
@@ -79,7 +79,7 @@ fn value<'a>(node: &'a Node, found: &Numbers, walk: &mut Walk<'a>) {
     {
         if strong {
             let named = walk.named();
-            walk.emit(draft, label, named, by, dialect);
+            walk.emit(draft, label, named.as_ref(), by, dialect);
         }
     } else if let (true, Numbers::Misfit(why)) = (strong, found) {
         walk.problems
@@ -170,7 +170,7 @@ fn flat<'a>(node: &'a Node, walk: &mut Walk<'a>) {
     });
     if let Some(draft) = draft {
         let (label, named, by) = (walk.label(""), walk.named(), walk.own_key());
-        walk.emit(draft, label, named, by, dialect);
+        walk.emit(draft, label, named.as_ref(), by, dialect);
     }
 }
 
@@ -207,7 +207,7 @@ fn nested<'a>(node: &'a Node, walk: &mut Walk<'a>, consumed: &mut BTreeSet<usize
             role: FrameRole::Calibration,
         };
         consumed.insert(index);
-        walk.emit(draft, walk.label(child), Some(named), Some(key), dialect::AUTOWARE);
+        walk.emit(draft, walk.label(child), Some(&named), Some(key), dialect::AUTOWARE);
     }
 }
 
@@ -300,21 +300,16 @@ fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, dialect: Dialect, walk: &mut 
                 r_key.text().unwrap_or_default().clone_into(&mut label);
             }
             if let Some(draft) = shapes::combine(Some(&xyz), Some(&rotation), metres, span) {
-                walk.emit(draft, label, named, Some(r_key), dialect);
+                walk.emit(draft, label, named.as_ref(), Some(r_key), dialect);
             }
         }
         (Some((key, xyz, metres, span)), None) => {
             let named = named_of(key, walk);
-            if named.is_some() || names::is_transform(&pair.stem) {
-                if let Some(draft) = shapes::combine(Some(&xyz), None, metres, span) {
-                    walk.emit(
-                        draft,
-                        walk.label(key.text().unwrap_or_default()),
-                        named,
-                        Some(key),
-                        dialect,
-                    );
-                }
+            if (named.is_some() || names::is_transform(&pair.stem))
+                && let Some(draft) = shapes::combine(Some(&xyz), None, metres, span)
+            {
+                let label = walk.label(key.text().unwrap_or_default());
+                walk.emit(draft, label, named.as_ref(), Some(key), dialect);
             }
         }
         (None, Some(lone)) => pair.rotations.push(lone),
@@ -331,10 +326,11 @@ fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, dialect: Dialect, walk: &mut 
                 says || (near && !filter)
             }
             Rotation::Quaternion { literals, .. } => named.is_some() || numbers::near_unit(literals),
-            Rotation::Rpy { .. } => named.is_some() || names::is_transform(&pair.stem),
+            // Three angles alone may be degrees, or no rotation at all.
+            Rotation::Rpy { .. } => named.is_some(),
         };
         if convincing && let Some(draft) = shapes::combine(None, Some(&rotation), 1.0, span) {
-            walk.emit(draft, walk.label(text), named, Some(key), dialect);
+            walk.emit(draft, walk.label(text), named.as_ref(), Some(key), dialect);
         }
     }
 }

@@ -1,21 +1,21 @@
 //! The reader of YAML and JSON files that may hold transforms.
 //!
-//! Owns the two entry points and the words on how a file could be read. `document` and `repair` turn text into nodes,
+//! Owns the two entry points and the words on how a file could be read. `repair`, `events` and `document` turn text into nodes,
 //! `names` and `numbers` recognise, `shapes` spells, `walk` and `generic` make claims, `dialect` knows formats.
 
 mod dialect;
 mod document;
+mod events;
 mod generic;
 mod names;
 mod numbers;
+mod references;
 mod repair;
 mod shapes;
 mod walk;
 
 #[cfg(test)]
 mod tests;
-#[cfg(test)]
-mod tests_corpus;
 
 use crate::source::{LineIndex, Place, ReadStatus, Source};
 use crate::world::Facts;
@@ -32,7 +32,7 @@ const TABS: [usize; 4] = [1, 4, 8, 2];
 pub fn read_yaml(source: &mut Source) -> Facts {
     read(source, |text, base| {
         let body = repair::without_directives(text);
-        let strict = document::build(&body, &OffsetMap::starting_at(base));
+        let strict = events::build(&body, &OffsetMap::starting_at(base));
         if strict.fault.is_none() {
             return (strict, Vec::new());
         }
@@ -44,7 +44,7 @@ pub fn read_yaml(source: &mut Source) -> Facts {
         let mut best = strict;
         for tab in widths {
             let (mended, map, notes) = repair::lenient(&body, base, *tab);
-            let documents = document::build(&mended, &map);
+            let documents = events::build(&mended, &map);
             let reach = |documents: &Documents| documents.fault.as_ref().map_or(usize::MAX, |fault| fault.at);
             if documents.fault.is_none() {
                 return (documents, notes);
@@ -61,7 +61,7 @@ pub fn read_yaml(source: &mut Source) -> Facts {
 pub fn read_json(source: &mut Source) -> Facts {
     read(source, |text, base| {
         let body = repair::without_json_comments(text);
-        (document::build(&body, &OffsetMap::starting_at(base)), Vec::new())
+        (events::build(&body, &OffsetMap::starting_at(base)), Vec::new())
     })
 }
 
@@ -95,7 +95,10 @@ fn read_text(source: &mut Source, text: &str, parse: impl Fn(&str, usize) -> (Do
     for root in &documents.roots {
         generic::read(root, &mut walk);
     }
-    let (facts, problems) = walk.finish();
+    let (mut facts, problems) = walk.finish();
+    for root in &documents.roots {
+        facts.references.extend(references::collect(root, source.id));
+    }
     let reached = documents.fault.as_ref().map_or(text.len(), |fault| fault.at);
     source.examined.bytes = reached as u64;
     report(source, text, &documents, &facts);

@@ -20,74 +20,19 @@ fn has(key: &str, list: &[&str]) -> bool {
 
 /// Words of things that are no rigid transforms, however near their numbers are to one: camera and IMU intrinsics,
 /// statistics, weights.
+#[rustfmt::skip]
 const NEVER: &[&str] = &[
-    "cov",
-    "covariance",
-    "covariances",
-    "intrinsic",
-    "intrinsics",
-    "projection",
-    "distortion",
-    "dist",
-    "noise",
-    "stddev",
-    "std",
-    "sigma",
-    "variance",
-    "scale",
-    "misalignment",
-    "homography",
-    "inertia",
-    "gain",
-    "gains",
-    "information",
-    "hessian",
-    "weight",
-    "weights",
-    "waypoint",
-    "waypoints",
-    "kernel",
-    "color",
-    "colors",
-    "mask",
-    "bias",
-    "limit",
-    "limits",
-    "vel",
-    "velocity",
-    "acceleration",
-    "gravity",
-    "fundamental",
-    "essential",
-    "affine",
-    "jacobian",
-    "size",
-    "bounds",
+    "cov", "covariance", "covariances", "intrinsic", "intrinsics", "projection", "distortion", "dist", "noise",
+    "stddev", "std", "sigma", "variance", "scale", "misalignment", "homography", "inertia", "gain", "gains",
+    "information", "hessian", "weight", "weights", "waypoint", "waypoints", "kernel", "mask", "bias", "limit",
+    "limits", "vel", "velocity", "acceleration", "gravity", "fundamental", "essential", "affine", "jacobian",
+    "size", "bounds",
 ];
 /// Keys that are no rigid transforms, whole: calibration matrices of cameras and IMUs.
+#[rustfmt::skip]
 const NEVER_WHOLE: &[&str] = &[
-    "K",
-    "P",
-    "D",
-    "Q",
-    "H",
-    "F",
-    "E",
-    "sm",
-    "SM",
-    "Ka",
-    "Kg",
-    "M_a",
-    "M_g",
-    "T_a",
-    "T_g",
-    "T_w",
-    "Ta",
-    "Tg",
-    "Tw",
-    "Tgs",
-    "camera_matrix",
-    "cameraMatrix",
+    "K", "P", "D", "Q", "H", "F", "E", "sm", "SM", "Ka", "Kg", "M_a", "M_g", "T_a", "T_g", "T_w", "Ta", "Tg",
+    "Tw", "Tgs", "camera_matrix", "cameraMatrix",
 ];
 /// Poses that someone chose, not where something is mounted.
 const CHOSEN: &[&str] = &["initial", "init", "start", "goal", "target", "home", "dock"];
@@ -105,21 +50,10 @@ pub(super) fn is_never(key: &str) -> bool {
 }
 
 /// Words of transforms.
+#[rustfmt::skip]
 const TRANSFORM: &[&str] = &[
-    "extrinsic",
-    "extrinsics",
-    "extr",
-    "ext",
-    "rotation",
-    "rot",
-    "transform",
-    "transforms",
-    "transformation",
-    "tf",
-    "rectification",
-    "pose",
-    "se3",
-    "orientation",
+    "extrinsic", "extrinsics", "extr", "ext", "rotation", "rot", "transform", "transforms", "transformation",
+    "tf", "rectification", "rect", "pose", "se3", "orientation",
 ];
 
 /// Whether a key by itself says that its numbers are a transform or a part of one.
@@ -142,27 +76,10 @@ pub(super) fn is_angles(key: &str) -> bool {
 }
 
 /// Keys that say "here is a transform" and nothing of its frames: these are looked for further up.
+#[rustfmt::skip]
 const NEUTRAL: &[&str] = &[
-    "transform",
-    "transforms",
-    "transformation",
-    "pose",
-    "extrinsic",
-    "extrinsics",
-    "matrix",
-    "mat",
-    "param",
-    "params",
-    "parameters",
-    "value",
-    "values",
-    "data",
-    "sensor_calib",
-    "calibration",
-    "calib",
-    "T",
-    "Tr",
-    "tf",
+    "transform", "transforms", "transformation", "pose", "extrinsic", "extrinsics", "matrix", "mat", "param",
+    "params", "parameters", "value", "values", "data", "sensor_calib", "calibration", "calib", "T", "Tr", "tf",
     "origin",
 ];
 
@@ -172,23 +89,10 @@ pub(super) fn is_neutral(key: &str) -> bool {
 }
 
 /// Words of frames that sensors are mounted on.
+#[rustfmt::skip]
 const CARRIERS: &[&str] = &[
-    "link",
-    "frame",
-    "base",
-    "footprint",
-    "body",
-    "ego",
-    "vehicle",
-    "chassis",
-    "map",
-    "odom",
-    "world",
-    "kit",
-    "platform",
-    "robot",
-    "rig",
-    "baselink",
+    "link", "frame", "base", "footprint", "body", "ego", "vehicle", "chassis", "map", "odom", "world", "kit",
+    "platform", "robot", "rig", "baselink",
 ];
 
 /// Whether a key can be the parent frame of Autoware's nesting. UR robots nest six numbers under `kinematics`.
@@ -224,6 +128,9 @@ const HALVES: &[(&str, Half)] = &[
     ("quaternion", Half::Rotation),
     ("quat", Half::Rotation),
     ("rot", Half::Rotation),
+    ("rotation_rpy", Half::Angles),
+    ("rotation_euler", Half::Angles),
+    ("orientation_rpy", Half::Angles),
     ("roll_pitch_yaw", Half::Angles),
     ("rpy", Half::Angles),
     ("euler", Half::Angles),
@@ -252,7 +159,7 @@ pub(super) fn half(key: &str) -> Option<(&str, Half)> {
             Some(c) => !single && c.is_lowercase() && tail.starts_with(char::is_uppercase),
         };
         // `originXYZ`, `extrinsicRPY`: an ending in capitals after a small letter.
-        (same && starts_word).then(|| (stem.trim_end_matches(['_', '.', '-']), *half))
+        (same && starts_word).then(|| (stem.trim_end_matches(['_', '.', '-', '/']), *half))
     })
 }
 

@@ -54,11 +54,9 @@ impl Numbers {
 
     /// As a list of this length: a flat list, a single row or a single column.
     pub(super) fn vector(&self, length: usize) -> Option<&[Literal]> {
-        let literals = match self {
-            Self::Flat(literals) | Self::Grid { rows: 1, literals, .. } | Self::Grid { cols: 1, literals, .. } => {
-                literals
-            }
-            _ => return None,
+        let (Self::Flat(literals) | Self::Grid { rows: 1, literals, .. } | Self::Grid { cols: 1, literals, .. }) = self
+        else {
+            return None;
         };
         (literals.len() == length).then_some(literals)
     }

@@ -156,6 +156,8 @@ pub(super) fn lenient(text: &str, base: usize, tab: usize) -> (String, OffsetMap
     (out.text, out.map, notes)
 }
 
+const MATRIX: &str = "!!opencv-matrix";
+
 /// Copies a line's content, with a space after its first colon where it lacks one, and without words after a tag.
 fn mend(body: &str, source: usize, out: &mut Output) -> Option<&'static str> {
     let mut note = None;
@@ -175,7 +177,6 @@ fn mend(body: &str, source: usize, out: &mut Output) -> Option<&'static str> {
         }
     }
     let rest = body.get(rest_start..).unwrap_or_default();
-    const MATRIX: &str = "!!opencv-matrix";
     match rest.find(MATRIX) {
         Some(at) => {
             let end = at + MATRIX.len();
@@ -200,8 +201,7 @@ fn bracket_balance(body: &str) -> i32 {
     let mut quote = None;
     for c in body.chars() {
         match (quote, c) {
-            (Some(q), c) if q == c => quote = None,
-            (Some(_), _) => {}
+            (Some(q), c) => quote = (q != c).then_some(q),
             (None, '"' | '\'') => quote = Some(c),
             (None, '#') => break,
             (None, '[' | '{') => balance += 1,

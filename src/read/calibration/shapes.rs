@@ -270,9 +270,8 @@ pub(super) fn flat_rotation(node: &Node, speaks_of_rotation: bool, degrees: bool
             literals,
             order_known: true,
         },
-        Some(_) => return None,
         None if speaks_of_rotation => angles(node, degrees)?,
-        None => return None,
+        _ => return None,
     };
     combine(None, Some(&rotation), 1.0, node.span)
 }

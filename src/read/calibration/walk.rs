@@ -203,7 +203,7 @@ impl<'a> Walk<'a> {
         &mut self,
         draft: Draft,
         label: String,
-        named: Option<Named>,
+        named: Option<&Named>,
         by: Option<&Node>,
         dialect: Dialect,
     ) {
@@ -221,10 +221,7 @@ impl<'a> Walk<'a> {
             ));
             return;
         }
-        let mut reading = dialect
-            .reading
-            .or(named.as_ref().map(|n| n.reading))
-            .unwrap_or(Confidence::Hint);
+        let mut reading = dialect.reading.or(named.map(|n| n.reading)).unwrap_or(Confidence::Hint);
         if draft.order_guessed() {
             let ceiling = if draft.has_translation {
                 Confidence::Likely
@@ -233,22 +230,24 @@ impl<'a> Walk<'a> {
             };
             reading = reading.min(ceiling);
         }
+        // In a list of several, a name such as `T_cam_imu` does not say which camera.
+        if named.is_some_and(|n| n.role == FrameRole::CalibrationLabel) && self.in_list_of_several() {
+            reading = Confidence::Hint;
+        }
         let place = |span: Span| Place::text(self.source, span);
         let span = by.map_or(draft.span, |key| draft.span.cover(key.span));
-        let role = named.as_ref().map_or(FrameRole::CalibrationLabel, |n| n.role);
+        // A statement begins at the key that names its frames, also where the numbers stand under keys of their own.
+        let naming = named.filter(|n| n.role == FrameRole::CalibrationLabel && n.places.0 == n.places.1);
+        let span = naming.map_or(span, |n| span.cover(n.places.0));
+        let role = named.map_or(FrameRole::CalibrationLabel, |n| n.role);
         self.found.push(Found {
             role,
-            named_by: named
-                .as_ref()
-                .filter(|n| n.role == FrameRole::CalibrationLabel)
-                .map(|_| {
-                    let name = by.and_then(Node::text).unwrap_or_default();
-                    format!("{} {name}", self.key())
-                }),
+            named_by: named.filter(|n| n.role == FrameRole::CalibrationLabel).map(|_| {
+                let name = by.and_then(Node::text).unwrap_or_default();
+                format!("{} {name}", self.key())
+            }),
             claim: Claim {
-                frames: named
-                    .as_ref()
-                    .map(|n| (FrameId::new(&n.frames.0), FrameId::new(&n.frames.1))),
+                frames: named.map(|n| (FrameId::new(&n.frames.0), FrameId::new(&n.frames.1))),
                 label,
                 pose: draft.pose,
                 has_rotation: draft.has_rotation,
@@ -261,10 +260,18 @@ impl<'a> Walk<'a> {
                 },
                 reading: if named.is_some() { reading } else { Confidence::Hint },
                 place: place(span),
-                target_place: named.as_ref().map(|n| place(n.places.0)),
-                source_place: named.as_ref().map(|n| place(n.places.1)),
+                target_place: named.map(|n| place(n.places.0)),
+                source_place: named.map(|n| place(n.places.1)),
             },
         });
+    }
+
+    fn in_list_of_several(&self) -> bool {
+        self.path.iter().any(|step| {
+            step.node
+                .items()
+                .is_some_and(|items| items.len() > 1 && items.iter().all(Node::is_mapping))
+        })
     }
 
     /// Records a declared chain; `key` may name its result.

@@ -12,9 +12,6 @@ use super::super::style::Ink;
 use super::super::text::{list, one_line, plural, wrap};
 use super::Options;
 
-/// More names in a sentence are only counted.
-const MAX_NAMES: usize = 3;
-
 pub(super) fn ending(run: &Run, options: &Options, out: &mut String) {
     let summary = run.summary(options.fail_on);
     let _ = writeln!(out, "{}", counts(run, &summary, options.style));
@@ -64,12 +61,8 @@ fn inputs(run: &Run) -> (usize, usize) {
 
 fn verdict(run: &Run, summary: &Summary, options: &Options) -> (Ink, String) {
     let mut sentences = Vec::new();
-    let crash = (summary.crashed > 0).then(|| {
-        format!(
-            "{} crashed: a fault of frames-lint, which answers for nothing it did not check.",
-            plural(summary.crashed, "check")
-        )
-    });
+    let crash =
+        (summary.crashed > 0).then(|| format!("{} crashed, a fault of frames-lint.", plural(summary.crashed, "check")));
     let ink = match summary.verdict {
         VerdictWord::Findings => {
             sentences.push(format!("Not clean: {}.", counting(run, options.fail_on)));
@@ -96,11 +89,14 @@ fn verdict(run: &Run, summary: &Summary, options: &Options) -> (Ink, String) {
         }
         VerdictWord::Clean => {
             let (_, inputs) = inputs(run);
-            sentences.push(format!(
-                "Clean: {} passed on {}.",
-                plural(summary.passed, "check"),
-                plural(inputs, "input")
-            ));
+            sentences.push(match summary.passed {
+                0 => "Clean: no finding counts.".to_owned(),
+                passed => format!(
+                    "Clean: {} passed on {}.",
+                    plural(passed, "check"),
+                    plural(inputs, "input")
+                ),
+            });
             Ink::Good
         }
     };
@@ -157,15 +153,13 @@ fn not_counting(run: &Run, fail_on: FailOn) -> Option<String> {
 
 fn unread(run: &Run) -> Option<String> {
     let paths: BTreeSet<String> = run.unread().map(|source| one_line(&source.path)).collect();
-    let paths: Vec<String> = paths.into_iter().collect();
-    (!paths.is_empty()).then(|| format!("{} could not be read in full.", names(&paths)))
-}
-
-fn names(all: &[String]) -> String {
-    match all.split_at_checked(MAX_NAMES) {
-        Some((first, rest)) if !rest.is_empty() => format!("{} and {} more", first.join(", "), rest.len()),
-        _ => list(all),
-    }
+    // One path helps; several make the last line unreadable, and stand above with their reasons.
+    let what = match (paths.len(), paths.first()) {
+        (0, _) | (_, None) => return None,
+        (1, Some(path)) => path.clone(),
+        (count, _) => plural(count, "input"),
+    };
+    Some(format!("{what} could not be read in full."))
 }
 
 /// Why there is not a single judgement.
@@ -189,13 +183,5 @@ fn why_nothing(run: &Run) -> String {
     if run.verdict.rows.is_empty() {
         return "no rule was asked".to_owned();
     }
-    let reasons: BTreeSet<String> = run
-        .verdict
-        .rows
-        .iter()
-        .filter_map(|row| row.reason.as_deref())
-        .map(one_line)
-        .collect();
-    let reasons: Vec<String> = reasons.into_iter().collect();
-    format!("no rule found anything it could judge ({})", names(&reasons))
+    "no rule found anything it could judge, for the reasons above".to_owned()
 }

@@ -28,7 +28,7 @@ pub(super) fn unread(run: &Run, locator: &Locator, painter: &Painter, style: Sty
     if broken.is_empty() {
         return;
     }
-    heading(style, "Not read, or not in full", broken.len(), "input", out);
+    heading(style, "Inputs with problems", broken.len(), "input", out);
     for source in broken {
         let ink = if source.status == ReadStatus::Unreadable {
             Ink::Error

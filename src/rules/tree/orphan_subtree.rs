@@ -1,7 +1,6 @@
 //! TREE01: frames that no chain connects to the rest.
 
-use crate::rules::{Judge, Need, NoLimits, Rule};
-use crate::source::Place;
+use crate::rules::{Judge, Need, NoLimits, Rule, places};
 use crate::verdict::{Finding, Measured};
 use crate::world::graph::Component;
 use crate::world::{FrameId, FrameRole, World};
@@ -38,7 +37,8 @@ fn judge_orphan(world: &World, orphan: &Component, main: &Component, trees: usiz
     let Some(root) = orphan.roots.first().or_else(|| orphan.members.first()) else {
         return;
     };
-    let Some(place) = place_of(world, root).or_else(|| orphan.members.iter().find_map(|frame| place_of(world, frame)))
+    let Some(place) =
+        places::first(world, root).or_else(|| orphan.members.iter().find_map(|frame| places::first(world, frame)))
     else {
         return;
     };
@@ -61,7 +61,7 @@ fn judge_orphan(world: &World, orphan: &Component, main: &Component, trees: usiz
         ))
         .measured(Measured::count("separate trees", trees).limit(1.0))
         .measured(Measured::count("frames in this tree", orphan.members.len()));
-    let finding = match main_root.and_then(|frame| place_of(world, frame)) {
+    let finding = match main_root.and_then(|frame| places::first(world, frame)) {
         Some(place) => finding.related(place, "root of the main tree"),
         None => finding,
     };
@@ -82,13 +82,4 @@ fn main_component(world: &World, components: &[Component]) -> usize {
         .enumerate()
         .max_by_key(|(index, component)| (sensors(component), component.members.len(), std::cmp::Reverse(*index)))
         .map_or(0, |(index, _)| index)
-}
-
-fn place_of(world: &World, frame: &FrameId) -> Option<Place> {
-    world
-        .frames
-        .iter()
-        .filter(|used| used.frame.canonical() == *frame)
-        .min_by_key(|used| (used.role, &used.place))
-        .map(|used| used.place.clone())
 }

@@ -1,0 +1,289 @@
+//! Reads every input of a run: files in parallel, then the texts that came out of them.
+//!
+//! Owns the order of sources. Must not judge, and must not decide which sources belong to one platform.
+
+use std::fs;
+use std::path::PathBuf;
+
+use rayon::prelude::*;
+
+use crate::collect::collect;
+use crate::progress::Progress;
+use crate::read::discover::{Input, Inputs};
+use crate::read::urdf::MeshLookup;
+use crate::read::{calibration, text, urdf, xacro, xacro_parts};
+use crate::source::{Derived, Examined, MessageRef, Place, ReadStatus, Source, SourceId, SourceKind};
+use crate::world::Facts;
+
+use super::references;
+
+/// Larger text files are refused: no URDF or calibration is that large.
+const MAX_TEXT_BYTES: u64 = 256 * 1024 * 1024;
+
+/// What was read from one source.
+pub(super) struct Reading {
+    /// The source.
+    pub(super) source: Source,
+    /// Its facts.
+    pub(super) facts: Facts,
+    /// Index of the input it came from.
+    pub(super) input: usize,
+}
+
+/// A text that came out of a source and is read as a robot description.
+struct Emerged {
+    text: String,
+    path: String,
+    kind: SourceKind,
+    derived: Derived,
+    input: usize,
+}
+
+/// Reads all inputs. Readings are ordered by source id.
+pub(super) fn gather(inputs: &Inputs, xacro_args: &[String], progress: &Progress) -> Vec<Reading> {
+    let included = included_xacros(inputs);
+    let first: Vec<(Reading, Vec<Emerged>)> = inputs
+        .files
+        .par_iter()
+        .enumerate()
+        .map(|(index, input)| {
+            let id = source_id(index);
+            let reader = Reader {
+                inputs,
+                xacro_args,
+                progress,
+                included: &included,
+            };
+            reader.read(input, id, index)
+        })
+        .collect();
+    let mut readings = Vec::with_capacity(first.len());
+    let mut emerged = Vec::new();
+    for (reading, texts) in first {
+        readings.push(reading);
+        emerged.extend(texts);
+    }
+    let base = readings.len();
+    let derived: Vec<Reading> = emerged
+        .into_par_iter()
+        .enumerate()
+        .map(|(offset, text)| read_emerged(text, source_id(base + offset), inputs))
+        .collect();
+    readings.extend(derived);
+    readings
+}
+
+fn source_id(index: usize) -> SourceId {
+    SourceId(u32::try_from(index).unwrap_or(u32::MAX))
+}
+
+fn meshes(input: &Input, inputs: &Inputs) -> MeshLookup {
+    MeshLookup {
+        base_dir: input.path.parent().map(PathBuf::from),
+        packages: inputs.packages.clone(),
+    }
+}
+
+fn read_emerged(emerged: Emerged, id: SourceId, inputs: &Inputs) -> Reading {
+    let mut source = Source::new(id, emerged.path, emerged.kind);
+    source.derived = Some(emerged.derived);
+    source.examined = Examined {
+        bytes: emerged.text.len() as u64,
+        bytes_total: emerged.text.len() as u64,
+        messages: None,
+    };
+    source.text = emerged.text;
+    let lookup = inputs
+        .files
+        .get(emerged.input)
+        .map_or_else(MeshLookup::default, |input| meshes(input, inputs));
+    let facts = urdf::read(&mut source, &lookup);
+    Reading {
+        source,
+        facts,
+        input: emerged.input,
+    }
+}
+
+/// File names that some xacro of the run includes: these are parts, not robots, and are not expanded by themselves.
+fn included_xacros(inputs: &Inputs) -> Vec<String> {
+    let mut included: Vec<String> = inputs
+        .files
+        .iter()
+        .filter(|input| input.kind == SourceKind::Xacro)
+        .filter_map(|input| fs::read_to_string(&input.path).ok())
+        .flat_map(|text| xacro_parts::includes(&text))
+        .collect();
+    included.sort();
+    included.dedup();
+    included
+}
+
+struct Reader<'a> {
+    inputs: &'a Inputs,
+    xacro_args: &'a [String],
+    progress: &'a Progress,
+    included: &'a [String],
+}
+
+impl Reader<'_> {
+    fn read(&self, input: &Input, id: SourceId, index: usize) -> (Reading, Vec<Emerged>) {
+        let mut source = Source::new(id, input.display.clone(), input.kind);
+        source.required = input.required;
+        let mut emerged = Vec::new();
+        let facts = if let Some(refusal) = &input.refusal {
+            source.problem(ReadStatus::Unreadable, Place::whole(id), refusal.clone());
+            Facts::default()
+        } else {
+            self.read_kind(input, &mut source, index, &mut emerged)
+        };
+        let reading = Reading {
+            source,
+            facts,
+            input: index,
+        };
+        (reading, emerged)
+    }
+
+    fn read_kind(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<Emerged>) -> Facts {
+        match input.kind {
+            SourceKind::Mcap => self.read_mcap(input, source, index, emerged),
+            SourceKind::Rosbag1 | SourceKind::Sqlite => {
+                unread_recording(source);
+                Facts::default()
+            }
+            SourceKind::Unsupported => {
+                source.problem(
+                    ReadStatus::Unreadable,
+                    Place::whole(source.id),
+                    "not a format that is read",
+                );
+                Facts::default()
+            }
+            _ => {
+                if !load_text(input, source) {
+                    return Facts::default();
+                }
+                match input.kind {
+                    SourceKind::Yaml => with_references(calibration::read_yaml(source), input),
+                    SourceKind::Json => with_references(calibration::read_json(source), input),
+                    SourceKind::Xacro => self.read_xacro(input, source, index, emerged),
+                    _ => urdf::read(source, &meshes(input, self.inputs)),
+                }
+            }
+        }
+    }
+
+    fn read_mcap(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<Emerged>) -> Facts {
+        let task = self
+            .progress
+            .start(&input.display, fs::metadata(&input.path).map_or(0, |meta| meta.len()));
+        let collected = collect(&input.path, source, &|done, _total| task.update(done));
+        emerged.extend(
+            collected
+                .descriptions
+                .into_iter()
+                .map(|(message, text): (MessageRef, String)| Emerged {
+                    text,
+                    path: input.display.clone(),
+                    kind: SourceKind::RobotDescription,
+                    derived: Derived::Message(message),
+                    input: index,
+                }),
+        );
+        collected.facts
+    }
+
+    fn read_xacro(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<Emerged>) -> Facts {
+        let lookup = meshes(input, self.inputs);
+        let name = input.path.file_name().map(|name| name.to_string_lossy().into_owned());
+        let is_part = name.is_some_and(|name| self.included.contains(&name));
+        if is_part || xacro_parts::is_library(&source.text) {
+            source.detail = Some("a part for other xacro files: only what needs no expansion was read".to_owned());
+            return xacro::read_unexpanded(source, &lookup);
+        }
+        match xacro::expand(&input.path, self.xacro_args) {
+            Ok(text) => {
+                source.detail = Some("expanded; judged in its expansion".to_owned());
+                emerged.push(Emerged {
+                    text,
+                    path: input.display.clone(),
+                    kind: SourceKind::Urdf,
+                    derived: Derived::Expansion,
+                    input: index,
+                });
+                Facts::default()
+            }
+            Err(failure) => {
+                failure.report(source);
+                xacro::read_unexpanded(source, &lookup)
+            }
+        }
+    }
+}
+
+fn with_references(mut facts: Facts, input: &Input) -> Facts {
+    if let Some(folder) = input.path.parent() {
+        references::resolve(&mut facts.references, folder);
+    }
+    facts
+}
+
+fn unread_recording(source: &mut Source) {
+    let what = match source.kind {
+        SourceKind::Rosbag1 => "ROS 1 bags are not read yet",
+        _ => "rosbag2 SQLite recordings are not read yet",
+    };
+    source.problem_with_help(
+        ReadStatus::Unreadable,
+        Place::whole(source.id),
+        what,
+        Some("convert it to MCAP (`mcap convert`, or `ros2 bag convert`) and check that".to_owned()),
+    );
+}
+
+/// Fills the source's text. False where there is no text to read; the source then says why.
+fn load_text(input: &Input, source: &mut Source) -> bool {
+    let id = source.id;
+    let whole = Place::whole(id);
+    match fs::metadata(&input.path) {
+        Ok(meta) if meta.len() > MAX_TEXT_BYTES => {
+            let message = format!("{} MB is too large for a text of this kind", meta.len() / 1_000_000);
+            source.problem(ReadStatus::Unreadable, whole, message);
+            return false;
+        }
+        _ => {}
+    }
+    let bytes = match fs::read(&input.path) {
+        Ok(bytes) => bytes,
+        Err(error) => {
+            source.problem(ReadStatus::Unreadable, whole, format!("cannot be read: {error}"));
+            return false;
+        }
+    };
+    source.examined = Examined {
+        bytes: bytes.len() as u64,
+        bytes_total: bytes.len() as u64,
+        messages: None,
+    };
+    if bytes.iter().all(u8::is_ascii_whitespace) {
+        let message = if bytes.is_empty() {
+            "the file is empty"
+        } else {
+            "the file holds only blanks"
+        };
+        source.problem(ReadStatus::Unreadable, whole, message);
+        return false;
+    }
+    match text::decode(&bytes) {
+        Ok((text, note)) => {
+            source.text = text;
+            source.detail = note;
+            true
+        }
+        Err(reason) => {
+            source.problem(ReadStatus::Unreadable, whole, reason);
+            false
+        }
+    }
+}

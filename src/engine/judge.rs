@@ -1,0 +1,232 @@
+//! Runs the rules over a world. Makes the `not-evaluated` rows a rule's author could forget, and catches a crash.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use crate::page::Status;
+use crate::rules::Judge;
+use crate::source::{Confidence, ReadStatus};
+use crate::verdict::{Finding, NotEvaluated, Outcome, Row, Verdict};
+use crate::world::World;
+
+use super::plan::Enabled;
+
+/// Judges one world with every enabled rule. `label` is put before each subject when the run has several platforms.
+pub(super) fn judge(world: &World, rules: &[Enabled], label: Option<&str>) -> Verdict {
+    let mut verdict = Verdict::default();
+    for rule in rules {
+        let mut out = Judge::default();
+        let missing: Vec<&str> = rule
+            .entry
+            .needs
+            .iter()
+            .filter(|need| !need.is_met(world))
+            .map(|need| need.missing())
+            .collect();
+        let mut crash = None;
+        if missing.is_empty() {
+            match catch_unwind(AssertUnwindSafe(|| (rule.entry.run)(world, &rule.front, &mut out))) {
+                Ok(Ok(())) => {}
+                Ok(Err(error)) => crash = Some(error.to_string()),
+                Err(panic) => crash = Some(panic_words(panic.as_ref())),
+            }
+        } else {
+            not_asked(world, &missing, &mut out);
+        }
+        if out.judged.is_empty() && crash.is_none() {
+            out.not_evaluated(
+                "platform",
+                NotEvaluated::NotApplicable,
+                format!("nothing here to judge ({})", rule.front.subject),
+            );
+        }
+        if crash.is_none() {
+            crash = unmeasured(&out);
+        }
+        take(out, rule, label, crash, &mut verdict);
+    }
+    verdict
+}
+
+fn not_asked(world: &World, missing: &[&str], out: &mut Judge) {
+    let broken: Vec<&str> = world
+        .members
+        .iter()
+        .filter_map(|id| world.source(*id))
+        .filter(|source| source.required && source.status != ReadStatus::Read)
+        .map(|source| source.path.as_str())
+        .collect();
+    if broken.is_empty() {
+        out.not_evaluated("platform", NotEvaluated::MissingInput, missing.join(", "));
+    } else {
+        let reason = format!(
+            "{}, and not everything could be read: {}",
+            missing.join(", "),
+            broken.join(", ")
+        );
+        out.not_evaluated("platform", NotEvaluated::InputBroken, reason);
+    }
+}
+
+/// A pass or a fail without a number is a fault of the rule.
+fn unmeasured(out: &Judge) -> Option<String> {
+    let silent = out
+        .judged
+        .iter()
+        .find(|judged| matches!(judged.outcome, Outcome::Pass | Outcome::Fail) && judged.measured.is_empty())?;
+    Some(format!(
+        "{} of `{}` without a measurement",
+        silent.outcome.word(),
+        silent.subject
+    ))
+}
+
+fn take(out: Judge, rule: &Enabled, label: Option<&str>, crash: Option<String>, verdict: &mut Verdict) {
+    let prefixed = |subject: String| label.map_or_else(|| subject.clone(), |label| format!("{label}: {subject}"));
+    let row = |subject: String, outcome, reason, measured| Row {
+        rule: rule.front.code.clone(),
+        name: rule.front.name.clone(),
+        subject,
+        outcome,
+        reason,
+        measured,
+    };
+    if let Some(reason) = crash {
+        verdict.rows.push(row(
+            prefixed("platform".to_owned()),
+            Outcome::Crashed,
+            Some(reason),
+            Vec::new(),
+        ));
+    }
+    for judged in out.judged {
+        verdict.rows.push(row(
+            prefixed(judged.subject),
+            judged.outcome,
+            judged.reason,
+            judged.measured,
+        ));
+    }
+    let ceiling = match rule.front.status {
+        Status::Trial => Confidence::Hint,
+        Status::Stable => rule.front.confidence,
+    };
+    for finding in out.findings {
+        let subject = prefixed(finding.subject.clone());
+        verdict.findings.push(Finding {
+            rule: rule.front.code.clone(),
+            name: rule.front.name.clone(),
+            subject,
+            ..finding.confidence(ceiling)
+        });
+    }
+}
+
+/// What a panic said, for the report.
+pub(super) fn panic_words(panic: &(dyn std::any::Any + Send)) -> String {
+    let said = panic
+        .downcast_ref::<&str>()
+        .map(|words| (*words).to_owned())
+        .or_else(|| panic.downcast_ref::<String>().cloned());
+    said.map_or_else(
+        || "the rule panicked".to_owned(),
+        |words| format!("the rule panicked: {words}"),
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::page::Front;
+    use crate::rules::{Entry, Need};
+    use crate::source::{Place, SourceId};
+    use crate::verdict::{Measured, Severity};
+
+    const FRONT: &str = "---\ncode: TEST01\nname: test\nsummary: s\nsince: 0.1.0\nstatus: stable\nseverity: error\n\
+                         confidence: likely\nsubject: one for each test\n---\n";
+
+    fn run_with(entry: &'static Entry) -> Verdict {
+        let rule = Enabled {
+            front: Front::parse(FRONT).unwrap(),
+            entry,
+        };
+        judge(&World::default(), &[rule], None)
+    }
+
+    #[test]
+    fn an_unmet_need_becomes_a_row_with_its_reason() {
+        static ENTRY: Entry = Entry {
+            page: FRONT,
+            needs: &[Need::Robot],
+            run: |_, _, _| panic!("must not be asked"),
+            check_limits: |_| Ok(()),
+        };
+        let verdict = run_with(&ENTRY);
+        assert_eq!(verdict.rows.len(), 1);
+        assert_eq!(verdict.rows[0].outcome, Outcome::NotEvaluated);
+        assert_eq!(verdict.rows[0].reason.as_deref(), Some("missing input: no URDF"));
+    }
+
+    #[test]
+    fn silence_becomes_not_evaluated() {
+        static ENTRY: Entry = Entry {
+            page: FRONT,
+            needs: &[],
+            run: |_, _, _| Ok(()),
+            check_limits: |_| Ok(()),
+        };
+        let verdict = run_with(&ENTRY);
+        assert_eq!(
+            verdict.rows[0].reason.as_deref(),
+            Some("not applicable: nothing here to judge (one for each test)")
+        );
+    }
+
+    #[test]
+    fn a_crash_is_caught_and_named_and_what_was_judged_before_stays() {
+        static ENTRY: Entry = Entry {
+            page: FRONT,
+            needs: &[],
+            run: |_, _, out| {
+                out.pass("first", [Measured::count("things", 1)]);
+                panic!("boom")
+            },
+            check_limits: |_| Ok(()),
+        };
+        let verdict = run_with(&ENTRY);
+        assert_eq!(verdict.count(Outcome::Crashed), 1);
+        assert_eq!(verdict.count(Outcome::Pass), 1);
+        let crashed = verdict.rows.iter().find(|row| row.outcome == Outcome::Crashed).unwrap();
+        assert_eq!(crashed.reason.as_deref(), Some("the rule panicked: boom"));
+    }
+
+    #[test]
+    fn a_pass_without_a_number_is_a_fault_of_the_rule() {
+        static ENTRY: Entry = Entry {
+            page: FRONT,
+            needs: &[],
+            run: |_, _, out| {
+                out.pass("thing", []);
+                Ok(())
+            },
+            check_limits: |_| Ok(()),
+        };
+        assert_eq!(run_with(&ENTRY).count(Outcome::Crashed), 1);
+    }
+
+    #[test]
+    fn the_page_caps_the_confidence() {
+        static ENTRY: Entry = Entry {
+            page: FRONT,
+            needs: &[],
+            run: |_, _, out| {
+                out.fail(Finding::error("thing", "wrong", Place::whole(SourceId(0))).measured(Measured::count("n", 1)));
+                Ok(())
+            },
+            check_limits: |_| Ok(()),
+        };
+        let verdict = run_with(&ENTRY);
+        assert_eq!(verdict.findings[0].confidence, Confidence::Likely);
+        assert_eq!(verdict.findings[0].severity, Severity::Error);
+        assert_eq!(verdict.findings[0].rule, "TEST01");
+    }
+}

@@ -1,0 +1,97 @@
+//! The engine: plan, read, judge. Ties the rooms of the house together and knows no format and no rule by name.
+
+mod gather;
+mod judge;
+mod plan;
+mod platform;
+mod references;
+
+use std::fmt;
+use std::path::PathBuf;
+
+use rayon::prelude::*;
+
+use crate::progress::Progress;
+use crate::read::discover::{Inputs, discover};
+use crate::run::{RuleInfo, Run};
+use crate::verdict::Verdict;
+use crate::world::World;
+
+/// What the user asked for.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Files and folders.
+    pub paths: Vec<PathBuf>,
+    /// Codes, names and families of the rules to run; all where empty.
+    pub select: Vec<String>,
+    /// Codes, names and families of the rules to leave out.
+    pub ignore: Vec<String>,
+    /// Arguments handed to xacro (`name:=value`).
+    pub xacro_args: Vec<String>,
+    /// Whether to draw a progress bar on a terminal.
+    pub progress: bool,
+}
+
+/// A call that cannot be carried out as it was made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UsageError(pub String);
+
+impl fmt::Display for UsageError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for UsageError {}
+
+/// Every rule of the tool.
+pub fn rules() -> Result<Vec<RuleInfo>, UsageError> {
+    Ok(plan::all()?.iter().map(|rule| plan::info(&rule.front)).collect())
+}
+
+/// Reads the inputs and judges them.
+pub fn check(options: &Options) -> Result<Run, UsageError> {
+    let rules = plan::enabled(&options.select, &options.ignore)?;
+    let (inputs, worlds) = gather_worlds(options)?;
+    let several = worlds.len() > 1;
+    let verdicts: Vec<Verdict> = worlds
+        .par_iter()
+        .map(|world| judge::judge(world, &rules, several.then_some(world.label.as_str())))
+        .collect();
+    let mut verdict = Verdict::default();
+    for part in verdicts {
+        verdict.rows.extend(part.rows);
+        verdict.findings.extend(part.findings);
+    }
+    verdict.sort();
+    let rules = rules.iter().map(|rule| plan::info(&rule.front)).collect();
+    Ok(run(inputs, worlds, verdict, rules))
+}
+
+/// Reads the inputs and judges nothing.
+pub fn read(options: &Options) -> Result<Run, UsageError> {
+    let (inputs, worlds) = gather_worlds(options)?;
+    Ok(run(inputs, worlds, Verdict::default(), Vec::new()))
+}
+
+fn gather_worlds(options: &Options) -> Result<(Inputs, Vec<World>), UsageError> {
+    if options.paths.is_empty() {
+        return Err(UsageError("no path was given".to_owned()));
+    }
+    let inputs = discover(&options.paths);
+    let progress = Progress::new(options.progress);
+    let readings = gather::gather(&inputs, &options.xacro_args, &progress);
+    let worlds = platform::platforms(readings, &inputs);
+    Ok((inputs, worlds))
+}
+
+fn run(inputs: Inputs, worlds: Vec<World>, verdict: Verdict, rules: Vec<RuleInfo>) -> Run {
+    let sources = worlds.first().map(|world| world.sources.to_vec()).unwrap_or_default();
+    Run {
+        sources,
+        verdict,
+        worlds,
+        rules,
+        skipped: inputs.skipped,
+    }
+}

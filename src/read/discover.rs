@@ -1,0 +1,310 @@
+//! Finds the files of a run and says what each one is, by content and by name.
+//!
+//! Owns the walk over folders and the recognition of kinds. Must not read more of a file than its first bytes.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use ignore::WalkBuilder;
+
+use crate::source::SourceKind;
+
+/// One file of a run.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Input {
+    /// Where it is.
+    pub path: PathBuf,
+    /// The path as the user would recognise it.
+    pub display: String,
+    /// What it was recognised as.
+    pub kind: SourceKind,
+    /// Why it cannot be read at all, if that is known before reading.
+    pub refusal: Option<String>,
+    /// Which argument it came from: files of one folder belong together; loose files share a group.
+    pub group: usize,
+    /// The folder given as argument, or the file's own folder.
+    pub root: PathBuf,
+    /// Whether failing to read it makes the run incomplete.
+    pub required: bool,
+}
+
+/// All files of a run.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Inputs {
+    /// Files to read, in a fixed order.
+    pub files: Vec<Input>,
+    /// Files met in folders that hold nothing a reader could use, counted by ending.
+    pub skipped: BTreeMap<String, usize>,
+    /// Folders with a `package.xml`, by package name (the folder's name).
+    pub packages: BTreeMap<String, PathBuf>,
+}
+
+/// Formats that may state transforms and that no reader exists for: said in the report, never passed over in silence.
+const UNREAD_FORMATS: &[(&str, &str)] = &[
+    ("launch", "ROS launch files are not read"),
+    ("launch.xml", "ROS launch files are not read"),
+    ("launch.py", "Python launch files are not read"),
+    ("py", "Python files are not read"),
+    ("srdf", "SRDF holds semantics, no transforms of its own; it is not read"),
+    ("sdf", "SDF is not read"),
+    ("world", "Gazebo worlds are not read"),
+    ("lua", "Cartographer Lua files are not read"),
+    ("ini", "INI files are not read"),
+    ("info", "ROVIO info files are not read"),
+    ("feather", "feather tables are not read"),
+    ("csv", "CSV tables are not read"),
+    ("tum", "trajectories are not read"),
+    ("txt", "plain text files are not read"),
+    ("conf", "configuration files of this format are not read"),
+    ("cfg", "configuration files of this format are not read"),
+    ("toml", "TOML files are not read"),
+    ("xml", "this XML is not a robot description"),
+];
+
+/// Collects the files under `paths`. A path that does not exist is an input that says so.
+pub fn discover(paths: &[PathBuf]) -> Inputs {
+    let mut inputs = Inputs::default();
+    for (index, path) in paths.iter().enumerate() {
+        if path.is_dir() {
+            walk(path, index + 1, &mut inputs);
+        } else {
+            inputs.files.push(named_file(path));
+        }
+    }
+    let mut seen = std::collections::BTreeSet::new();
+    inputs.files.retain(|input| seen.insert(input.path.clone()));
+    inputs
+}
+
+/// A file the user named: whatever it is, the report says what became of it.
+fn named_file(path: &Path) -> Input {
+    let root = path.parent().unwrap_or(Path::new("")).to_path_buf();
+    let mut input = Input {
+        path: path.to_path_buf(),
+        display: display(path),
+        kind: SourceKind::Unsupported,
+        refusal: None,
+        group: 0,
+        root,
+        required: true,
+    };
+    match first_bytes(path) {
+        Err(error) => {
+            input.kind = kind_of_name(path).unwrap_or(SourceKind::Unsupported);
+            input.refusal = Some(format!("cannot be opened: {error}"));
+        }
+        Ok(head) => match recognise(path, &head) {
+            Some(kind) => input.kind = kind,
+            None => {
+                input.refusal = Some(unread_format(path).map_or_else(
+                    || "not a format that frames-lint reads (URDF, xacro, YAML, JSON, MCAP)".to_owned(),
+                    str::to_owned,
+                ));
+            }
+        },
+    }
+    input
+}
+
+fn walk(root: &Path, group: usize, inputs: &mut Inputs) {
+    let walker = WalkBuilder::new(root)
+        .require_git(false)
+        .sort_by_file_name(Ord::cmp)
+        .build();
+    for entry in walker {
+        let entry = match entry {
+            Ok(entry) => entry,
+            Err(error) => {
+                inputs.files.push(unwalkable(root, group, &error));
+                continue;
+            }
+        };
+        if !entry.file_type().is_some_and(|kind| kind.is_file()) {
+            continue;
+        }
+        let path = entry.path();
+        if path.file_name().is_some_and(|name| name == "package.xml")
+            && let Some(folder) = path.parent()
+            && let Some(name) = folder.file_name()
+        {
+            inputs
+                .packages
+                .insert(name.to_string_lossy().into_owned(), folder.to_path_buf());
+            continue;
+        }
+        met_file(path, root, group, inputs);
+    }
+}
+
+fn met_file(path: &Path, root: &Path, group: usize, inputs: &mut Inputs) {
+    let mut input = Input {
+        path: path.to_path_buf(),
+        display: display(path),
+        kind: SourceKind::Unsupported,
+        refusal: None,
+        group,
+        root: root.to_path_buf(),
+        required: true,
+    };
+    match first_bytes(path) {
+        Err(error) => {
+            input.kind = kind_of_name(path).unwrap_or(SourceKind::Unsupported);
+            input.refusal = Some(format!("cannot be opened: {error}"));
+        }
+        Ok(head) => match recognise(path, &head) {
+            Some(kind) => input.kind = kind,
+            None => match unread_format(path) {
+                Some(reason) => {
+                    input.refusal = Some(reason.to_owned());
+                    input.required = false;
+                }
+                None => {
+                    *inputs.skipped.entry(ending(path)).or_default() += 1;
+                    return;
+                }
+            },
+        },
+    }
+    inputs.files.push(input);
+}
+
+fn unwalkable(root: &Path, group: usize, error: &ignore::Error) -> Input {
+    Input {
+        path: root.to_path_buf(),
+        display: display(root),
+        kind: SourceKind::Unsupported,
+        refusal: Some(format!("the folder cannot be walked: {error}")),
+        group,
+        root: root.to_path_buf(),
+        required: true,
+    }
+}
+
+fn display(path: &Path) -> String {
+    let text = path.to_string_lossy();
+    text.strip_prefix("./").unwrap_or(&text).to_owned()
+}
+
+/// The ending of a file's name, in lower case; `launch.py` and `launch.xml` count as one.
+fn ending(path: &Path) -> String {
+    let name = path
+        .file_name()
+        .map(|name| name.to_string_lossy().to_lowercase())
+        .unwrap_or_default();
+    for double in ["launch.py", "launch.xml"] {
+        if name.ends_with(&format!(".{double}")) {
+            return double.to_owned();
+        }
+    }
+    name.rsplit_once('.')
+        .map_or_else(|| "(no ending)".to_owned(), |(_, ending)| ending.to_owned())
+}
+
+fn unread_format(path: &Path) -> Option<&'static str> {
+    let ending = ending(path);
+    UNREAD_FORMATS
+        .iter()
+        .find(|(known, _)| *known == ending)
+        .map(|(_, reason)| *reason)
+}
+
+fn kind_of_name(path: &Path) -> Option<SourceKind> {
+    Some(match ending(path).as_str() {
+        "urdf" => SourceKind::Urdf,
+        "xacro" => SourceKind::Xacro,
+        "yaml" | "yml" => SourceKind::Yaml,
+        "json" => SourceKind::Json,
+        "mcap" => SourceKind::Mcap,
+        "bag" => SourceKind::Rosbag1,
+        "db3" => SourceKind::Sqlite,
+        _ => return None,
+    })
+}
+
+/// What a file is: recordings by their magic whatever their name, descriptions by name, XML by its root element.
+fn recognise(path: &Path, head: &[u8]) -> Option<SourceKind> {
+    if head.starts_with(b"\x89MCAP") {
+        return Some(SourceKind::Mcap);
+    }
+    if head.starts_with(b"#ROSBAG V") {
+        return Some(SourceKind::Rosbag1);
+    }
+    if head.starts_with(b"SQLite format 3\0") && ending(path) == "db3" {
+        return Some(SourceKind::Sqlite);
+    }
+    let text = String::from_utf8_lossy(head);
+    let xacro = || text.contains("xmlns:xacro") || text.contains("<xacro:");
+    match kind_of_name(path) {
+        Some(SourceKind::Urdf) if xacro() => Some(SourceKind::Xacro),
+        Some(kind) => Some(kind),
+        None if ending(path) == "xml" && text.contains("<robot") => {
+            Some(if xacro() { SourceKind::Xacro } else { SourceKind::Urdf })
+        }
+        None => None,
+    }
+}
+
+fn first_bytes(path: &Path) -> std::io::Result<Vec<u8>> {
+    let mut head = Vec::new();
+    File::open(path)?.take(8192).read_to_end(&mut head)?;
+    Ok(head)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fs;
+
+    #[test]
+    fn a_folder_is_walked_in_order_and_gitignored_files_are_left_out() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path();
+        fs::write(root.join(".gitignore"), "ignored.yaml\n").unwrap();
+        fs::write(root.join("ignored.yaml"), "a: 1\n").unwrap();
+        fs::write(root.join("b.yaml"), "a: 1\n").unwrap();
+        fs::write(root.join("a.urdf"), "<robot name='a'/>").unwrap();
+        fs::write(root.join("photo.png"), "x").unwrap();
+        fs::write(root.join("tf.launch"), "<launch/>").unwrap();
+        let inputs = discover(&[root.to_path_buf()]);
+        let names: Vec<_> = inputs
+            .files
+            .iter()
+            .map(|input| {
+                (
+                    input.path.file_name().unwrap().to_str().unwrap().to_owned(),
+                    input.kind,
+                    input.required,
+                )
+            })
+            .collect();
+        assert_eq!(
+            names,
+            [
+                ("a.urdf".to_owned(), SourceKind::Urdf, true),
+                ("b.yaml".to_owned(), SourceKind::Yaml, true),
+                ("tf.launch".to_owned(), SourceKind::Unsupported, false),
+            ]
+        );
+        assert_eq!(inputs.skipped.get("png"), Some(&1));
+    }
+
+    #[test]
+    fn content_outranks_the_name() {
+        let kind = |name: &str, head: &[u8]| recognise(Path::new(name), head);
+        assert_eq!(kind("drive.bag", b"\x89MCAP0\r\n"), Some(SourceKind::Mcap));
+        assert_eq!(kind("drive", b"#ROSBAG V2.0\n"), Some(SourceKind::Rosbag1));
+        assert_eq!(kind("robot.urdf", b"<robot xmlns:xacro='x'>"), Some(SourceKind::Xacro));
+        assert_eq!(kind("model.xml", b"<robot name='x'>"), Some(SourceKind::Urdf));
+        assert_eq!(kind("package.xml", b"<package>"), None);
+        assert_eq!(kind("Robot.URDF", b"<robot name='x'>"), Some(SourceKind::Urdf));
+    }
+
+    #[test]
+    fn a_path_that_does_not_exist_is_said() {
+        let inputs = discover(&[PathBuf::from("no/such/robot.urdf")]);
+        assert_eq!(inputs.files.len(), 1);
+        assert!(inputs.files[0].refusal.as_deref().unwrap().contains("cannot be opened"));
+    }
+}

@@ -1,0 +1,346 @@
+//! Names that consumers of URDF read, and those that are probably misspelt.
+//!
+//! Owns the table of what urdfdom reads (urdf_parser/src/{link,joint,pose,model}.cpp, URDF 1.2), the names of other
+//! tools that real files carry, and the measure of nearness. A name is said to be meant only where the right one is
+//! missing: an extra name beside the right one takes nothing away.
+
+use std::collections::BTreeSet;
+
+use crate::source::Placed;
+use crate::world::robot::Ignored;
+
+use super::xml::Element;
+
+/// What is read of one element.
+struct Known {
+    /// Attributes that are read.
+    attributes: &'static [&'static str],
+    /// Elements inside that are read.
+    elements: &'static [&'static str],
+    /// Those of them that may stand there any number of times.
+    many: &'static [&'static str],
+    /// Names of other tools or of older formats, by intent and ignored: never a misspelling.
+    foreign: &'static [&'static str],
+    /// Names that are taken for a known one, beyond spelling: `(written, meant)`.
+    aliases: &'static [(&'static str, &'static str)],
+}
+
+const NOTHING: Known = Known {
+    attributes: &[],
+    elements: &[],
+    many: &[],
+    foreign: &[],
+    aliases: &[],
+};
+
+/// What is read of the elements that the reader looks into.
+static KNOWN: &[(&str, Known)] = &[
+    (
+        "robot",
+        Known {
+            attributes: &["name", "version"],
+            elements: &[
+                "link",
+                "joint",
+                "material",
+                "gazebo",
+                "transmission",
+                "sensor",
+                "ros2_control",
+            ],
+            many: &[
+                "link",
+                "joint",
+                "material",
+                "gazebo",
+                "transmission",
+                "sensor",
+                "ros2_control",
+            ],
+            foreign: &["point", "control", "sensors"],
+            ..NOTHING
+        },
+    ),
+    (
+        "link",
+        Known {
+            attributes: &["name"],
+            elements: &["inertial", "visual", "collision"],
+            many: &["visual", "collision"],
+            foreign: &["type", "frame"],
+            ..NOTHING
+        },
+    ),
+    (
+        "joint",
+        Known {
+            attributes: &["name", "type"],
+            elements: &[
+                "origin",
+                "parent",
+                "child",
+                "axis",
+                "limit",
+                "mimic",
+                "dynamics",
+                "safety_controller",
+                "calibration",
+            ],
+            ..NOTHING
+        },
+    ),
+    (
+        "origin",
+        Known {
+            attributes: &["xyz", "rpy", "quat_xyzw"],
+            aliases: &[
+                ("position", "xyz"),
+                ("translation", "xyz"),
+                ("trans", "xyz"),
+                ("pos", "xyz"),
+                ("rotation", "rpy"),
+                ("orientation", "rpy"),
+                ("rot", "rpy"),
+                ("euler", "rpy"),
+                ("quat", "quat_xyzw"),
+                ("quaternion", "quat_xyzw"),
+                ("xyzw", "quat_xyzw"),
+                ("quat_wxyz", "quat_xyzw"),
+                ("wxyz", "quat_xyzw"),
+            ],
+            ..NOTHING
+        },
+    ),
+    (
+        "inertial",
+        Known {
+            elements: &["origin", "mass", "inertia"],
+            ..NOTHING
+        },
+    ),
+    (
+        "mass",
+        Known {
+            attributes: &["value"],
+            ..NOTHING
+        },
+    ),
+    (
+        "inertia",
+        Known {
+            attributes: &["ixx", "ixy", "ixz", "iyy", "iyz", "izz"],
+            ..NOTHING
+        },
+    ),
+    (
+        "visual",
+        Known {
+            attributes: &["name"],
+            elements: &["origin", "geometry", "material"],
+            ..NOTHING
+        },
+    ),
+    (
+        "collision",
+        Known {
+            attributes: &["name"],
+            elements: &["origin", "geometry"],
+            foreign: &["material", "verbose"],
+            ..NOTHING
+        },
+    ),
+    (
+        "geometry",
+        Known {
+            elements: &["box", "sphere", "cylinder", "capsule", "mesh"],
+            foreign: &["name", "plane", "cdf", "sdf", "cone"],
+            ..NOTHING
+        },
+    ),
+    (
+        "box",
+        Known {
+            attributes: &["size"],
+            ..NOTHING
+        },
+    ),
+    (
+        "sphere",
+        Known {
+            attributes: &["radius"],
+            ..NOTHING
+        },
+    ),
+    (
+        "cylinder",
+        Known {
+            attributes: &["radius", "length"],
+            aliases: &[("height", "length"), ("r", "radius")],
+            ..NOTHING
+        },
+    ),
+    (
+        "capsule",
+        Known {
+            attributes: &["radius", "length"],
+            aliases: &[("height", "length"), ("r", "radius")],
+            ..NOTHING
+        },
+    ),
+    (
+        "mesh",
+        Known {
+            attributes: &["filename", "scale"],
+            aliases: &[("file", "filename"), ("uri", "filename"), ("url", "filename")],
+            ..NOTHING
+        },
+    ),
+    (
+        "axis",
+        Known {
+            attributes: &["xyz"],
+            // Written by exporters beside `xyz`, and read by nobody.
+            foreign: &["rpy"],
+            ..NOTHING
+        },
+    ),
+    (
+        "limit",
+        Known {
+            attributes: &[
+                "lower",
+                "upper",
+                "effort",
+                "velocity",
+                "acceleration",
+                "deceleration",
+                "jerk",
+            ],
+            foreign: &["power", "k_velocity"],
+            aliases: &[
+                ("min", "lower"),
+                ("max", "upper"),
+                ("lower_limit", "lower"),
+                ("upper_limit", "upper"),
+            ],
+            ..NOTHING
+        },
+    ),
+    (
+        "mimic",
+        Known {
+            attributes: &["joint", "multiplier", "offset"],
+            ..NOTHING
+        },
+    ),
+    (
+        "parent",
+        Known {
+            attributes: &["link"],
+            aliases: &[("name", "link"), ("frame", "link")],
+            ..NOTHING
+        },
+    ),
+    (
+        "child",
+        Known {
+            attributes: &["link"],
+            aliases: &[("name", "link"), ("frame", "link")],
+            ..NOTHING
+        },
+    ),
+];
+
+/// The names in `element` that a consumer silently ignores. At the top of a robot only those with a near name are
+/// told: whole worlds of other tools live there.
+pub(super) fn ignored(element: &Element<'_>) -> Vec<Ignored> {
+    let parent = element.name();
+    let Some((_, known)) = KNOWN.iter().find(|(name, _)| *name == parent) else {
+        return Vec::new();
+    };
+    let mut found = Vec::new();
+    let attributes: Vec<_> = element.attributes().collect();
+    let written: BTreeSet<&str> = attributes.iter().map(|attribute| attribute.name).collect();
+    for attribute in &attributes {
+        if known.attributes.contains(&attribute.name) || attribute.name.starts_with("xmlns") {
+            continue;
+        }
+        let meant = meant(attribute.name, known.attributes, known.foreign, known.aliases)
+            .filter(|near| !written.contains(near));
+        found.push(Ignored {
+            what: "attribute".to_owned(),
+            name: Placed::new(attribute.name.to_owned(), attribute.name_place.clone()),
+            parent: parent.to_owned(),
+            meant: meant.map(str::to_owned),
+        });
+    }
+    let inside: BTreeSet<&str> = element.children().map(|child| child.name()).collect();
+    for child in element.children() {
+        let name = child.name();
+        if known.elements.contains(&name) {
+            continue;
+        }
+        let meant = meant(name, known.elements, known.foreign, &[])
+            .filter(|near| known.many.contains(near) || !inside.contains(near));
+        found.push(Ignored {
+            what: "element".to_owned(),
+            name: Placed::new(name.to_owned(), child.name_place()),
+            parent: parent.to_owned(),
+            meant: meant.map(str::to_owned),
+        });
+    }
+    if parent == "robot" {
+        found.retain(|ignored| ignored.meant.is_some());
+    }
+    found
+}
+
+/// Whether a consumer reads elements of this name inside of `parent`; true where the reader does not look inside.
+pub(super) fn reads(parent: &str, name: &str) -> bool {
+    KNOWN
+        .iter()
+        .find(|(element, _)| *element == parent)
+        .is_none_or(|(_, known)| known.elements.contains(&name))
+}
+
+/// Longest name that is compared: the distance costs the product of the lengths.
+const LONGEST: usize = 32;
+
+/// The known name that `written` is probably meant to be.
+fn meant(
+    written: &str,
+    known: &[&'static str],
+    foreign: &[&str],
+    aliases: &[(&str, &'static str)],
+) -> Option<&'static str> {
+    if written.len() > LONGEST || written.contains(':') || foreign.contains(&written) {
+        return None;
+    }
+    if let Some((_, name)) = aliases.iter().find(|(alias, _)| *alias == written) {
+        return Some(name);
+    }
+    known
+        .iter()
+        .filter_map(|name| nearness(written, name).map(|distance| (distance, *name)))
+        .min()
+        .map(|(_, name)| name)
+}
+
+/// Damerau-Levenshtein distance where it is small for the length, 0 for the same letters in another order or case.
+fn nearness(written: &str, name: &str) -> Option<usize> {
+    let sorted = |text: &str| {
+        let mut letters: Vec<char> = text.to_lowercase().chars().collect();
+        letters.sort_unstable();
+        letters
+    };
+    if sorted(written) == sorted(name) {
+        return Some(0);
+    }
+    let distance = strsim::damerau_levenshtein(&written.to_lowercase(), name);
+    let allowed = match written.len().min(name.len()) {
+        0..=2 => 0,
+        3..=4 => 1,
+        _ => 2,
+    };
+    (distance <= allowed).then_some(distance)
+}

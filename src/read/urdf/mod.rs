@@ -1,0 +1,135 @@
+//! URDF: robots with every number, name and place as it was written.
+//!
+//! Owns the way from a text to a [`Robot`], its claims and its frame names. Reads what urdfdom would read, keeps what
+//! it would ignore, and judges nothing: rules do.
+
+mod consumer;
+mod joint;
+mod known;
+mod link;
+mod mesh;
+mod numbers;
+mod reader;
+mod repair;
+#[cfg(test)]
+mod tests;
+mod xml;
+
+use crate::source::{Place, Problem, ReadStatus, Source, SourceId};
+use crate::world::Facts;
+use crate::world::robot::ConsumerOpinion;
+
+use self::reader::Reader;
+use self::repair::Repaired;
+use self::xml::{Element, Text, Top};
+
+pub use self::mesh::MeshLookup;
+
+/// Reads the URDF in `source.text`. Fills status and problems of the source.
+pub fn read(source: &mut Source, meshes: &MeshLookup) -> Facts {
+    read_as(source, meshes, false)
+}
+
+/// Reads what is written out in a xacro file, without expanding it: links and joints with literal names, outside of
+/// macros and inside, and claims of joints whose numbers are literal.
+pub(crate) fn read_unexpanded(source: &mut Source, meshes: &MeshLookup) -> Facts {
+    read_as(source, meshes, true)
+}
+
+fn read_as(source: &mut Source, meshes: &MeshLookup, xacro: bool) -> Facts {
+    let mut problems = Vec::new();
+    let facts = read_text(source.id, &source.text, meshes, xacro, &mut problems);
+    for (status, Problem { place, message, help }) in problems {
+        source.problem_with_help(status, place, message, help);
+    }
+    facts
+}
+
+type Problems = Vec<(ReadStatus, Problem)>;
+
+fn read_text(id: SourceId, text: &str, meshes: &MeshLookup, xacro: bool, problems: &mut Problems) -> Facts {
+    let mut add = |status, place, message: String, help: Option<String>| {
+        problems.push((status, Problem { place, message, help }));
+    };
+    let repaired = repair::repair(text);
+    if let Some(span) = repaired.entity {
+        let message = "declares an XML entity: readers of URDF do not expand it".to_owned();
+        let help = Some("write the value where it is used, or use a xacro property".to_owned());
+        add(ReadStatus::Unreadable, Place::text(id, span), message, help);
+        return Facts::default();
+    }
+    if let Some(span) = repaired.crowded {
+        let message = format!(
+            "an element has more than {} attributes: this is no URDF",
+            repair::MOST_ATTRIBUTES
+        );
+        add(ReadStatus::Unreadable, Place::text(id, span), message, None);
+        return Facts::default();
+    }
+    let mut fragment = xacro.then(|| "xacro, not expanded".to_owned());
+    let shift = match xml::top(&repaired, xacro) {
+        Top::Robot(second) => {
+            if let Some(span) = second {
+                let message = "a second element stands behind `</robot>`: consumers read the first one only".to_owned();
+                add(ReadStatus::Partial, Place::text(id, span), message, None);
+            }
+            0
+        }
+        Top::Fragment => {
+            let message = "no `<robot>` around these elements: a part that another file includes".to_owned();
+            fragment = fragment.or_else(|| Some("a part without `<robot>`".to_owned()));
+            if !xacro {
+                let place = repaired
+                    .tops
+                    .first()
+                    .map_or(Place::whole(id), |(_, span)| Place::text(id, *span));
+                let help = "name the file that includes it; only what is written out here was read".to_owned();
+                add(ReadStatus::Partial, place, message, Some(help));
+            }
+            WRAP.len()
+        }
+        Top::Other(message, span, help) => {
+            let place = span.map_or(Place::whole(id), |span| Place::text(id, span));
+            add(ReadStatus::Unreadable, place, message, help);
+            return Facts::default();
+        }
+    };
+    let text = Text {
+        source: id,
+        original: text,
+        shift,
+    };
+    let wrapped = wrap(&repaired, shift > 0);
+    let document = match xml::parse(&wrapped, text) {
+        Ok(document) => document,
+        Err(fault) => {
+            let message = format!("not well-formed XML: {}", fault.message);
+            add(ReadStatus::Unreadable, Place::text(id, fault.span), message, None);
+            return Facts::default();
+        }
+    };
+    let root = Element::root(&document, text);
+    if fragment.is_none()
+        && let Some((reason, place)) = reader::xacro_sign(&root)
+    {
+        let help = "expand it with `xacro`, or name it `.xacro`; only what is written out was read".to_owned();
+        add(ReadStatus::Partial, place, reason.clone(), Some(help));
+        fragment = Some(reason);
+    }
+    let opinion = match &fragment {
+        Some(reason) => ConsumerOpinion::NotAsked(reason.clone()),
+        None => consumer::ask(&repaired, &root),
+    };
+    Reader::new(&root, id, meshes, fragment, opinion).read(&root)
+}
+
+/// What is put around a part without a root element.
+const WRAP: &str = "<robot>";
+
+fn wrap(repaired: &Repaired, needed: bool) -> std::borrow::Cow<'_, str> {
+    if needed {
+        format!("{WRAP}{}</robot>", repaired.text).into()
+    } else {
+        repaired.text.as_str().into()
+    }
+}

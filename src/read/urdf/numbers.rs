@@ -1,0 +1,143 @@
+//! Numbers of attributes, read as urdfdom reads them, and said plainly where it cannot.
+//!
+//! The yardstick: urdfdom splits a vector at blanks (U+0020) and reads each piece with the C++ stream of the classic
+//! locale; the piece must end with the number. NaN and infinities are kept as values: whether they are right is a
+//! matter of rules. Must not know elements.
+
+use crate::source::{Placed, Span};
+use crate::world::claim::Literal;
+use crate::world::robot::NumberList;
+
+use super::xml::Attribute;
+
+/// Whether a text holds an expression that only xacro (or roslaunch) expands.
+pub(super) fn is_unexpanded(text: &str) -> bool {
+    text.contains("${") || text.contains("$(")
+}
+
+/// Reads an attribute of `expected` numbers.
+pub(super) fn number_list(attribute: &Attribute<'_>, expected: usize) -> NumberList {
+    let text = attribute.value.as_str();
+    let literals = pieces(attribute);
+    NumberList {
+        attribute: attribute.name.to_owned(),
+        text: Placed::new(text.to_owned(), attribute.place()),
+        malformed: malformed(text, &literals, expected),
+        literals,
+        expected,
+    }
+}
+
+/// The pieces between blanks, tabs and line ends.
+fn pieces(attribute: &Attribute<'_>) -> Vec<Literal> {
+    let text = attribute.value.as_str();
+    let mut literals = Vec::new();
+    let mut start = None;
+    for (at, c) in text.char_indices().chain([(text.len(), ' ')]) {
+        let is_blank = matches!(c, ' ' | '\t' | '\n' | '\r');
+        match (start, is_blank) {
+            (None, false) => start = Some(at),
+            (Some(from), true) => {
+                let piece = text.get(from..at).unwrap_or_default();
+                literals.push(Literal {
+                    text: piece.to_owned(),
+                    value: number(piece).unwrap_or(f64::NAN),
+                    // With references inside, pieces have no bytes of their own.
+                    span: if attribute.verbatim {
+                        Span::new(attribute.span.start + from, attribute.span.start + at)
+                    } else {
+                        attribute.span
+                    },
+                });
+                start = None;
+            }
+            _ => {}
+        }
+    }
+    literals
+}
+
+/// A number as C++ streams and Rust both spell it; beyond the range it is infinite.
+fn number(piece: &str) -> Option<f64> {
+    piece.parse().ok()
+}
+
+fn malformed(text: &str, literals: &[Literal], expected: usize) -> Option<String> {
+    if is_unexpanded(text) {
+        return Some("an expression that was never expanded (xacro or launch) stands where numbers should".to_owned());
+    }
+    if literals.is_empty() {
+        return Some(format!("the attribute is empty; {} needed", count(expected)));
+    }
+    if let Some(bad) = literals.iter().find(|literal| number(&literal.text).is_none()) {
+        return Some(not_a_number(&bad.text, literals, expected));
+    }
+    if literals.len() != expected {
+        return Some(format!("{} given, {expected} needed", count(literals.len())));
+    }
+    unreadable_blank(text, expected).map(|blank| {
+        format!("{blank} beside a number: urdfdom separates numbers by blanks only and refuses the attribute")
+    })
+}
+
+fn count(numbers: usize) -> String {
+    match numbers {
+        1 => "1 number is".to_owned(),
+        n => format!("{n} numbers are"),
+    }
+}
+
+fn not_a_number(bad: &str, literals: &[Literal], expected: usize) -> String {
+    let is_number = |piece: &str| number(piece).is_some();
+    let decimal_commas = |piece: &str| piece.matches(',').count() == 1 && is_number(&piece.replace(',', "."));
+    if literals.len() == expected
+        && literals
+            .iter()
+            .all(|literal| is_number(&literal.text) || decimal_commas(&literal.text))
+        && !bad.ends_with(',')
+        && !bad.starts_with(',')
+    {
+        return format!("`{bad}` has a decimal comma; write a decimal point");
+    }
+    if bad.contains([',', ';']) && bad.split([',', ';']).all(|piece| piece.is_empty() || is_number(piece)) {
+        let mark = if bad.contains(',') { "comma" } else { "semicolon" };
+        return format!("`{bad}`: a {mark} between numbers; separate them by blanks");
+    }
+    if let Some(odd) = bad.chars().find(|c| !c.is_ascii()) {
+        let code = u32::from(odd);
+        return match odd {
+            '\u{2212}' | '\u{2010}'..='\u{2015}' => {
+                format!("`{bad}` is not a number: U+{code:04X} stands where a minus sign should")
+            }
+            _ => format!("`{}` is not a number: it holds U+{code:04X}", bad.escape_default()),
+        };
+    }
+    format!("`{bad}` is not a number")
+}
+
+/// A blank that urdfdom's splitting does not survive.
+fn unreadable_blank(text: &str, expected: usize) -> Option<&'static str> {
+    let blank = |c: char| match c {
+        '\t' => Some("a tab"),
+        '\n' | '\r' => Some("a line end"),
+        ' ' => Some("a blank behind"),
+        _ => None,
+    };
+    let trailing = |piece: &str| {
+        piece
+            .trim_start_matches(['\t', '\n', '\r', ' '])
+            .chars()
+            .find_map(blank)
+    };
+    if expected == 1 {
+        return trailing(text);
+    }
+    text.split(' ').filter(|piece| !piece.is_empty()).find_map(|piece| {
+        let rest = piece.trim_start_matches(['\t', '\n', '\r']);
+        if rest.is_empty() {
+            piece.chars().find_map(blank)
+        } else {
+            trailing(piece)
+        }
+    })
+}

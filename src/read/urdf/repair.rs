@@ -1,0 +1,281 @@
+//! Makes the XML that real URDF files hold digestible for a strict parser, byte for byte: every repair keeps the
+//! length of the text, so that spans of the repaired text are spans of the original.
+//!
+//! The yardstick is tinyxml2, which urdfdom reads with: it takes any version in the declaration, a declaration after
+//! blank lines, prefixes that nobody declares, `--` in comments, bare `&` and `<` in values, a NUL as the end of the
+//! text, and ignores what follows the first root element. Must not know URDF beyond the name `robot`.
+
+use crate::source::Span;
+
+/// A text that a strict parser can take, and what the repair saw on the way.
+#[derive(Debug, Default)]
+pub(super) struct Repaired {
+    /// The text, of the same length as the original. Colons in names are underscores: read names from the original.
+    pub(super) text: String,
+    /// The deepest nesting of elements.
+    pub(super) depth: usize,
+    /// Names of the elements at the top, as written, with their places.
+    pub(super) tops: Vec<(String, Span)>,
+    /// The first entity declaration of a document type, if there is one.
+    pub(super) entity: Option<Span>,
+    /// A start tag with more than [`MOST_ATTRIBUTES`] attributes: parsing it costs the square of their number.
+    pub(super) crowded: Option<Span>,
+}
+
+/// Repairs `text`; see the module's head.
+pub(super) fn repair(text: &str) -> Repaired {
+    let mut lexer = Lexer {
+        text,
+        out: text.as_bytes().to_vec(),
+        open: 0,
+        report: Repaired::default(),
+    };
+    let end = text.find('\0').unwrap_or(text.len());
+    lexer.blank(end..text.len());
+    for byte in &mut lexer.out {
+        if *byte < 0x20 && !matches!(*byte, b'\t' | b'\n' | b'\r') {
+            *byte = b' ';
+        }
+    }
+    lexer.run(end);
+    let mut report = lexer.report;
+    report.text = String::from_utf8(lexer.out).unwrap_or_else(|_| text.to_owned());
+    report
+}
+
+/// Most attributes of one element; real ones have ten.
+pub(super) const MOST_ATTRIBUTES: usize = 1000;
+
+/// Longest reference to a character or a predefined entity that is looked for (`#x10FFFF`), with some leading zeros.
+const LONGEST_REFERENCE: usize = 16;
+
+struct Lexer<'a> {
+    text: &'a str,
+    out: Vec<u8>,
+    /// Elements that are open.
+    open: usize,
+    report: Repaired,
+}
+
+impl Lexer<'_> {
+    fn byte(&self, at: usize) -> u8 {
+        self.text.as_bytes().get(at).copied().unwrap_or(0)
+    }
+
+    /// Offset of `needle` at or behind `from`.
+    fn find(&self, from: usize, needle: &str) -> Option<usize> {
+        Some(from + self.text.get(from..)?.find(needle)?)
+    }
+
+    fn starts(&self, at: usize, prefix: &str) -> bool {
+        self.text
+            .as_bytes()
+            .get(at..)
+            .is_some_and(|rest| rest.starts_with(prefix.as_bytes()))
+    }
+
+    fn put(&mut self, at: usize, byte: u8) {
+        if let Some(slot) = self.out.get_mut(at) {
+            *slot = byte;
+        }
+    }
+
+    /// Replaces a range by blanks, keeping line ends so that a parser's line numbers stay right.
+    fn blank(&mut self, range: std::ops::Range<usize>) {
+        for byte in self.out.get_mut(range).into_iter().flatten() {
+            if *byte != b'\n' {
+                *byte = b' ';
+            }
+        }
+    }
+
+    fn run(&mut self, end: usize) {
+        let mut at = 0;
+        while let Some(open) = self.find(at, "<").filter(|open| *open < end) {
+            self.escape_ampersands(at, open);
+            let next = if self.starts(open, "<!--") {
+                self.comment(open)
+            } else if self.starts(open, "<![CDATA[") {
+                self.find(open, "]]>").map(|close| close + 3)
+            } else if self.starts(open, "<?") {
+                self.instruction(open)
+            } else if self.starts(open, "<!") {
+                self.document_type(open)
+            } else if self.starts(open, "</") {
+                self.end_tag(open)
+            } else {
+                self.start_tag(open)
+            };
+            // An unfinished piece of markup: the parser behind will say so, at its place.
+            let Some(next) = next else { return };
+            at = next;
+        }
+        self.escape_ampersands(at, end);
+    }
+
+    /// `&` that opens no reference becomes `_`: values are read from the original where they differ.
+    fn escape_ampersands(&mut self, from: usize, to: usize) {
+        let mut at = from;
+        // Searched within the range only: a search to the end of the text for every value would cost its square.
+        while let Some(found) = self
+            .text
+            .get(at..to)
+            .and_then(|within| within.find('&'))
+            .map(|found| at + found)
+        {
+            let rest = self.text.get(found + 1..to).unwrap_or_default();
+            let length = rest.bytes().take(LONGEST_REFERENCE).position(|byte| byte == b';');
+            let name = length.and_then(|length| rest.get(..length)).unwrap_or_default();
+            let known = matches!(name, "amp" | "lt" | "gt" | "quot" | "apos")
+                || name.strip_prefix('#').is_some_and(|number| {
+                    let (digits, radix) = number.strip_prefix('x').map_or((number, 10), |hex| (hex, 16));
+                    u32::from_str_radix(digits, radix)
+                        .ok()
+                        .and_then(char::from_u32)
+                        .is_some_and(|c| c >= ' ')
+                });
+            if !known {
+                self.put(found, b'_');
+            }
+            at = found + 1;
+        }
+    }
+
+    fn comment(&mut self, open: usize) -> Option<usize> {
+        let close = self.find(open + 4, "-->")?;
+        self.blank(open + 4..close);
+        Some(close + 3)
+    }
+
+    fn instruction(&mut self, open: usize) -> Option<usize> {
+        let close = self.find(open, "?>")? + 2;
+        self.blank(open..close);
+        Some(close)
+    }
+
+    fn document_type(&mut self, open: usize) -> Option<usize> {
+        let mut at = open + 2;
+        let mut brackets = 0_usize;
+        loop {
+            match self.byte(at) {
+                0 => return None,
+                quote @ (b'"' | b'\'') => at = self.find(at + 1, if quote == b'"' { "\"" } else { "'" })?,
+                b'[' => brackets += 1,
+                b']' => brackets = brackets.saturating_sub(1),
+                b'<' if self.starts(at, "<!--") => at = self.find(at + 4, "-->")? + 2,
+                b'<' if self.starts(at, "<!ENTITY") && self.report.entity.is_none() => {
+                    let close = self.find(at, ">")? + 1;
+                    self.report.entity = Some(Span::new(at, close));
+                }
+                b'>' if brackets == 0 => break,
+                _ => {}
+            }
+            at += 1;
+        }
+        self.blank(open..at + 1);
+        Some(at + 1)
+    }
+
+    fn end_tag(&mut self, open: usize) -> Option<usize> {
+        let close = self.find(open, ">")?;
+        self.name(open + 2, close);
+        self.open = self.open.saturating_sub(1);
+        Some(close + 1)
+    }
+
+    fn start_tag(&mut self, open: usize) -> Option<usize> {
+        let mut at = self.name(open + 1, self.text.len());
+        let name = self.text.get(open + 1..at).unwrap_or_default().to_owned();
+        if self.open == 0 && !self.top(open, &name) {
+            return None;
+        }
+        let mut attributes = 0;
+        loop {
+            at = self.skip_blanks(at);
+            match self.byte(at) {
+                // Markup inside a tag: the tag was never closed. The parser behind says where.
+                0 | b'<' => return None,
+                b'>' => {
+                    self.open += 1;
+                    self.report.depth = self.report.depth.max(self.open);
+                    break;
+                }
+                b'/' if self.byte(at + 1) == b'>' => {
+                    at += 1;
+                    self.report.depth = self.report.depth.max(self.open + 1);
+                    break;
+                }
+                _ => {
+                    attributes += 1;
+                    at = self.attribute(at)?;
+                }
+            }
+        }
+        if attributes > MOST_ATTRIBUTES {
+            self.report.crowded = Some(Span::new(open, open + 1 + name.len()));
+        }
+        Some(at + 1)
+    }
+
+    /// One attribute from `at`; the offset behind it.
+    fn attribute(&mut self, at: usize) -> Option<usize> {
+        let end = self.name(at, self.text.len());
+        let equals = self.skip_blanks(end);
+        if self.byte(equals) != b'=' {
+            return Some(equals.max(at + 1));
+        }
+        let quote = self.skip_blanks(equals + 1);
+        let needle = match self.byte(quote) {
+            b'"' => "\"",
+            b'\'' => "'",
+            _ => return Some(quote.max(at + 1)),
+        };
+        let close = self.find(quote + 1, needle)?;
+        self.escape_ampersands(quote + 1, close);
+        for offset in quote + 1..close {
+            if self.byte(offset) == b'<' {
+                self.put(offset, b'_');
+            }
+        }
+        Some(close + 1)
+    }
+
+    /// A name from `at`: its colons become underscores. The offset behind it, at least the next character boundary
+    /// where it is empty is left to the caller.
+    fn name(&mut self, at: usize, limit: usize) -> usize {
+        let mut end = at;
+        while end < limit {
+            match self.byte(end) {
+                b' ' | b'\t' | b'\n' | b'\r' | b'=' | b'>' | b'/' | b'<' | b'"' | b'\'' | 0 => break,
+                b':' => self.put(end, b'_'),
+                _ => {}
+            }
+            end += 1;
+        }
+        end
+    }
+
+    fn skip_blanks(&self, mut at: usize) -> usize {
+        while matches!(self.byte(at), b' ' | b'\t' | b'\n' | b'\r') {
+            at += 1;
+        }
+        at
+    }
+
+    /// An element opens at the top; whether reading goes on. For tinyxml2, text before the first one is no part of the
+    /// document, and for urdfdom neither is what follows a robot.
+    fn top(&mut self, open: usize, name: &str) -> bool {
+        if self.report.tops.is_empty() {
+            self.blank(0..open);
+        }
+        self.report
+            .tops
+            .push((name.to_owned(), Span::new(open, open + 1 + name.len())));
+        let behind_robot =
+            self.report.tops.len() > 1 && self.report.tops.first().is_some_and(|(first, _)| first == "robot");
+        if behind_robot {
+            self.blank(open..self.text.len());
+        }
+        !behind_robot
+    }
+}

@@ -1,0 +1,91 @@
+//! Input that wants to break the reader.
+
+use proptest::prelude::{ProptestConfig, prop, proptest};
+
+use super::super::repair::repair;
+use super::{read_text, read_xacro};
+use crate::source::ReadStatus;
+use crate::world::robot::ConsumerOpinion;
+
+#[test]
+fn fifty_thousand_levels_do_not_overflow_the_stack() {
+    const LEVELS: usize = 50_000;
+    let deep = |open: &str, close: &str| {
+        format!(
+            "<robot name=\"r\"><link name=\"a\"/>{}{}</robot>",
+            open.repeat(LEVELS),
+            close.repeat(LEVELS)
+        )
+    };
+    for (open, close) in [
+        ("<link>", "</link>"),
+        ("<gazebo><sensor>", "</sensor></gazebo>"),
+        ("<robot>", "</robot>"),
+    ] {
+        let read = read_text(&deep(open, close));
+        assert!(read.is_clean(), "{:?}", read.source.problems);
+        assert_eq!(read.robot().links[0].name.value, "a");
+        assert!(matches!(&read.robot().consumer, ConsumerOpinion::NotAsked(why) if why.contains("deep")));
+    }
+    // Macros are walked into, however deep.
+    let read = read_xacro(&deep("<xacro:if value=\"1\">", "</xacro:if>"));
+    assert_eq!(read.robot().links.len(), 1);
+}
+
+#[test]
+fn entities_are_refused_before_they_grow() {
+    let bomb = "<!DOCTYPE robot [\n<!ENTITY a \"aaaaaaaaaa\">\n<!ENTITY b \"&a;&a;&a;&a;&a;&a;&a;&a;\">\n]>\n<robot name=\"&b;\"/>";
+    let read = read_text(bomb);
+    assert_eq!(read.source.status, ReadStatus::Unreadable);
+    let problem = &read.source.problems[0];
+    assert!(problem.message.contains("entity"));
+    assert_eq!(read.line(&problem.place), 2);
+    assert!(read.facts.robots.is_empty());
+}
+
+#[test]
+fn thousands_of_attributes_are_refused() {
+    let attributes: Vec<String> = (0..5000).map(|n| format!(" a{n}=\"\"")).collect();
+    let attributes = attributes.concat();
+    let read = read_text(&format!("<robot name=\"r\"><link{attributes}/></robot>"));
+    assert_eq!(read.source.status, ReadStatus::Unreadable);
+    assert!(read.source.problems[0].message.contains("attributes"));
+}
+
+#[test]
+fn reading_costs_in_proportion_to_the_length() {
+    // A quadratic step would take minutes here: 3 MB of references, attributes and elements.
+    let link = "<link name=\"a&amp;b\"><orgin/><visual><origin xyz=\"0 0 0\"/></visual></link>\n";
+    let text = format!("<robot name=\"r\">{}</robot>", link.repeat(40_000));
+    let started = std::time::Instant::now();
+    let read = read_text(&text);
+    assert_eq!(read.robot().links.len(), 40_000);
+    assert!(started.elapsed().as_secs() < 60, "{:?}", started.elapsed());
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Pieces of markup in any order: no panic, lengths kept, every place inside of the text and on characters.
+    #[test]
+    fn any_sequence_of_markup_is_survived(pieces in prop::collection::vec(prop::sample::select(vec![
+        "<robot name=\"r\">", "</robot>", "<link name=\"", "<link name='é'>", "</link>", "\"/>", "<joint name=\"j\" type=\"fixed\">",
+        "</joint>", "<parent link=\"a\"/>", "<child link=\"é\"/>", "<origin xyz=\"1 2 3\"", " rpy=\"0,1 é 2\"", "/>", "<!--", "-->",
+        "<![CDATA[", "]]>", "<?xml version=\"0.0\"?>", "<!DOCTYPE robot [", "<!ENTITY a \"b\">", "]>", "&", "&amp;", "&#x41;", "&#;",
+        "é", "\u{2212}", "\0", "\u{1}", "<x:y z:w=\"1\">", "</x:y>", "<", ">", "\"", "'", "=", " ", "\n", "${a}", "<xacro:if value=\"1\">",
+        "</xacro:if>", "<gazebo reference=\"é\">", "</gazebo>", "<sensor><frameName> é </frameName></sensor>",
+    ]), 0..25)) {
+        let text = pieces.concat();
+        assert_eq!(repair(&text).text.len(), text.len());
+        for read in [read_text(&text), read_xacro(&text), read_text(&format!("<robot name=\"r\">{text}</robot>"))] {
+            assert!(!read.facts.robots.is_empty() || !read.source.problems.is_empty());
+            let claims = read.facts.claims.iter().map(|claim| &claim.place);
+            let frames = read.facts.frames.iter().map(|used| &used.place);
+            let problems = read.source.problems.iter().map(|problem| &problem.place);
+            for place in claims.chain(frames).chain(problems).filter(|place| place.span().is_some()) {
+                // Slicing panics off the text or inside of a character.
+                read.at(place);
+            }
+        }
+    }
+}

@@ -1,0 +1,296 @@
+//! XML elements with the names, values and places of the text as it was written.
+//!
+//! Owns the way from a text to elements, and spans. Must not know URDF beyond what may stand at the top of a file.
+
+use roxmltree::{Document, Node, ParsingOptions};
+
+use crate::source::{LineIndex, Place, SourceId, Span};
+
+use super::repair::Repaired;
+
+/// What stands at the top of a text.
+#[derive(Debug, PartialEq, Eq)]
+pub(super) enum Top {
+    /// One `<robot>`; the span of a second element behind it, which consumers do not read.
+    Robot(Option<Span>),
+    /// Parts of a robot without `<robot>` around them.
+    Fragment,
+    /// Something else: what it is, where, and what to do.
+    Other(String, Option<Span>, Option<String>),
+}
+
+/// Elements that make a text without `<robot>` a part of a robot description.
+const PARTS: [&str; 14] = [
+    "link",
+    "joint",
+    "gazebo",
+    "transmission",
+    "material",
+    "ros2_control",
+    "sensor",
+    "macro",
+    "property",
+    "include",
+    "group",
+    "if",
+    "unless",
+    "arg",
+];
+
+/// Judges the top of a text by its elements. A xacro file may have any root: the one of the including file counts.
+pub(super) fn top(repaired: &Repaired, xacro: bool) -> Top {
+    let Some((name, span)) = repaired.tops.first() else {
+        return Top::Other("holds no XML element".to_owned(), None, None);
+    };
+    if name == "robot" {
+        return Top::Robot(repaired.tops.get(1).map(|(_, span)| *span));
+    }
+    let is_part = |name: &str| PARTS.contains(&name) || name.starts_with("xacro:");
+    if repaired.tops.iter().all(|(name, _)| is_part(name)) {
+        return Top::Fragment;
+    }
+    let (what, help) = match name.to_lowercase().as_str() {
+        "sdf" | "gazebo" | "world" | "model" => ("an SDF file", Some("convert it to URDF, or leave it out")),
+        "launch" => ("a launch file", Some("name the robot description that it loads")),
+        "mujoco" => ("a MuJoCo model", Some("convert it to URDF, or leave it out")),
+        "package" => ("a package manifest", None),
+        "collada" => ("a COLLADA mesh", None),
+        "html" | "!doctype" => (
+            "a web page, perhaps saved instead of the file itself",
+            Some("download the raw file"),
+        ),
+        "robot" => (
+            "no robot description to a consumer, who looks for `<robot>` in lower case",
+            None,
+        ),
+        _ if xacro && repaired.tops.len() == 1 => return Top::Robot(None),
+        _ => ("no robot description", None),
+    };
+    Top::Other(
+        format!("the root element is `<{name}>`: this is {what}, and a URDF opens with `<robot>`"),
+        Some(*span),
+        help.map(str::to_owned),
+    )
+}
+
+/// The original text that elements stand in.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Text<'a> {
+    /// Whose text it is.
+    pub(super) source: SourceId,
+    /// As it was written.
+    pub(super) original: &'a str,
+    /// How many bytes were put in front of it for the parser.
+    pub(super) shift: usize,
+}
+
+impl<'a> Text<'a> {
+    fn span(&self, range: std::ops::Range<usize>) -> Span {
+        let end = self.original.len();
+        let at = |offset: usize| offset.saturating_sub(self.shift).min(end);
+        Span::new(at(range.start), at(range.end))
+    }
+
+    fn slice(&self, span: Span) -> &'a str {
+        self.original.get(span.start..span.end).unwrap_or_default()
+    }
+}
+
+/// A fault of the XML itself.
+#[derive(Debug)]
+pub(super) struct Fault {
+    /// Where the parser stopped.
+    pub(super) span: Span,
+    /// In its words.
+    pub(super) message: String,
+}
+
+/// Parses a repaired text (with `text.shift` bytes put in front).
+pub(super) fn parse<'t>(repaired: &'t str, text: Text<'_>) -> Result<Document<'t>, Fault> {
+    let options = ParsingOptions {
+        allow_dtd: false,
+        ..ParsingOptions::default()
+    };
+    Document::parse_with_options(repaired, options).map_err(|error| {
+        let position = error.pos();
+        let index = LineIndex::new(repaired);
+        let line = index.line_start(position.row.saturating_sub(1) as usize).unwrap_or(0);
+        let columns = position.col.saturating_sub(1) as usize;
+        let within: usize = repaired
+            .get(line..)
+            .map_or(0, |rest| rest.chars().take(columns).map(char::len_utf8).sum());
+        let at = match error {
+            // The parser blames the beginning; what is missing is missing at the end.
+            roxmltree::Error::UnclosedRootNode => repaired.trim_end().len().saturating_sub(1),
+            _ => line + within,
+        };
+        let span = text.span(at..at + 1);
+        let said = error.to_string();
+        let said = said.split(" at ").next().unwrap_or(&said).to_owned();
+        Fault {
+            span: boundary(text.original, span),
+            message: said,
+        }
+    })
+}
+
+/// The span widened to whole characters, or the last character at the end of the text.
+fn boundary(text: &str, span: Span) -> Span {
+    let mut start = span.start.min(text.len().saturating_sub(1));
+    while start > 0 && !text.is_char_boundary(start) {
+        start -= 1;
+    }
+    let mut end = (start + 1).min(text.len());
+    while end < text.len() && !text.is_char_boundary(end) {
+        end += 1;
+    }
+    Span::new(start, end)
+}
+
+/// An attribute as it was written.
+#[derive(Clone, Debug)]
+pub(super) struct Attribute<'a> {
+    /// Its name, with its prefix.
+    pub(super) name: &'a str,
+    /// Where the name stands.
+    pub(super) name_place: Place,
+    /// The value, with references resolved.
+    pub(super) value: String,
+    /// The value's bytes in the text, without quotes.
+    pub(super) span: Span,
+    /// Whether the value's bytes are the value: pieces of it have spans.
+    pub(super) verbatim: bool,
+    source: SourceId,
+}
+
+impl Attribute<'_> {
+    /// Where the value stands.
+    pub(super) fn place(&self) -> Place {
+        Place::text(self.source, self.span)
+    }
+}
+
+/// An element as it was written.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Element<'a> {
+    node: Node<'a, 'a>,
+    text: Text<'a>,
+}
+
+impl<'a> Element<'a> {
+    /// The root element of a document.
+    pub(super) fn root(document: &'a Document<'a>, text: Text<'a>) -> Self {
+        Self {
+            node: document.root_element(),
+            text,
+        }
+    }
+
+    /// The name as written, with its prefix.
+    pub(super) fn name(&self) -> &'a str {
+        self.text.slice(self.name_span())
+    }
+
+    fn name_span(&self) -> Span {
+        let start = self.node.range().start + 1;
+        // Names keep their length in repair; a default namespace does not change it.
+        self.text.span(start..start + self.node.tag_name().name().len())
+    }
+
+    /// Where the name stands.
+    pub(super) fn name_place(&self) -> Place {
+        Place::text(self.text.source, self.name_span())
+    }
+
+    /// The whole element.
+    pub(super) fn place(&self) -> Place {
+        Place::text(self.text.source, self.text.span(self.node.range()))
+    }
+
+    /// The start tag.
+    pub(super) fn tag_place(&self) -> Place {
+        let whole = self.text.span(self.node.range());
+        let mut quote = None;
+        let close = self.text.slice(whole).bytes().position(|byte| {
+            if quote == Some(byte) {
+                quote = None;
+            } else if quote.is_none() && matches!(byte, b'"' | b'\'') {
+                quote = Some(byte);
+            }
+            quote.is_none() && byte == b'>'
+        });
+        let end = close.map_or(whole.end, |close| whole.start + close + 1);
+        Place::text(self.text.source, Span::new(whole.start, end))
+    }
+
+    /// The attributes, in order.
+    pub(super) fn attributes(&self) -> impl Iterator<Item = Attribute<'a>> + use<'a> {
+        let text = self.text;
+        let input = self.node.document().input_text();
+        self.node.attributes().map(move |attribute| {
+            let span = text.span(attribute.range_value());
+            let raw = text.slice(span);
+            let repaired = input.get(attribute.range_value()).unwrap_or_default();
+            // References are resolved; what was repaired stands for itself.
+            let referring = raw.contains('&') && repaired == raw;
+            let name = text.span(attribute.range_qname());
+            Attribute {
+                name: text.slice(name),
+                name_place: Place::text(text.source, name),
+                value: if referring {
+                    attribute.value().to_owned()
+                } else {
+                    raw.to_owned()
+                },
+                span,
+                verbatim: !referring,
+                source: text.source,
+            }
+        })
+    }
+
+    /// The attribute of this name.
+    pub(super) fn attribute(&self, name: &str) -> Option<Attribute<'a>> {
+        self.attributes().find(|attribute| attribute.name == name)
+    }
+
+    /// The elements directly inside.
+    pub(super) fn children(&self) -> impl Iterator<Item = Element<'a>> + use<'a> {
+        let text = self.text;
+        self.node
+            .children()
+            .filter(Node::is_element)
+            .map(move |node| Element { node, text })
+    }
+
+    /// The first element directly inside of this name.
+    pub(super) fn child(&self, name: &str) -> Option<Element<'a>> {
+        self.children().find(|child| child.name() == name)
+    }
+
+    /// All elements inside, however deep, and this one, in the order of the text.
+    pub(super) fn descendants(&self) -> impl Iterator<Item = Element<'a>> + use<'a> {
+        let text = self.text;
+        self.node
+            .descendants()
+            .filter(Node::is_element)
+            .map(move |node| Element { node, text })
+    }
+
+    /// The element around.
+    pub(super) fn parent(&self) -> Option<Element<'a>> {
+        let text = self.text;
+        self.node.parent_element().map(|node| Element { node, text })
+    }
+
+    /// The text directly inside, without blanks around, with its place.
+    pub(super) fn words(&self) -> Option<(String, Place)> {
+        let node = self.node.children().find(Node::is_text)?;
+        let span = self.text.span(node.range());
+        let raw = self.text.slice(span);
+        let words = raw.trim();
+        let start = span.start + (raw.len() - raw.trim_start().len());
+        let place = Place::text(self.text.source, Span::new(start, start + words.len()));
+        (!words.is_empty()).then(|| (words.to_owned(), place))
+    }
+}

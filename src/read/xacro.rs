@@ -1,0 +1,298 @@
+//! Xacro: macro files expanded by the `xacro` program where it is installed, or read as far as they are written out.
+//!
+//! Owns running the program within bounds, and the words for what it could not do. Must not know how URDF is read.
+
+use std::io::{ErrorKind, Read};
+use std::path::Path;
+use std::process::{Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+use crate::source::{LineIndex, Place, ReadStatus, Source, Span};
+use crate::world::Facts;
+
+use super::urdf::{self, MeshLookup};
+
+/// How long the program may run.
+const TIMEOUT: Duration = Duration::from_secs(30);
+
+/// How much it may write, bytes. The largest expansion seen in real files has half a megabyte.
+const LARGEST: usize = 64 * 1024 * 1024;
+
+/// Lines of its complaints that are kept.
+const LAST_LINES: usize = 6;
+
+/// Why a file was not expanded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Expansion {
+    /// There is no `xacro` on the path.
+    NotInstalled,
+    /// It ran and failed.
+    Failed {
+        /// The last lines of its complaints.
+        stderr: String,
+        /// The one-based line of the file itself that it names, if it names one.
+        line: Option<usize>,
+    },
+    /// It did not end in time.
+    TimedOut,
+    /// It wrote more than anybody needs.
+    TooLarge,
+}
+
+/// Expands a xacro file with `args` of the form `name:=value`. No shell is involved.
+///
+/// # Errors
+///
+/// [`Expansion`] says why there is no expansion; [`Expansion::report`] says it to the user.
+pub fn expand(path: &Path, args: &[String]) -> Result<String, Expansion> {
+    let failed = |stderr: String| Expansion::Failed { stderr, line: None };
+    if let Some(odd) = args.iter().find(|arg| arg.starts_with('-') || !arg.contains(":=")) {
+        // Anything else would be an option of the program, which can write files.
+        return Err(failed(format!("`{odd}` is no argument of the form name:=value")));
+    }
+    let mut command = Command::new("xacro");
+    // A path that begins with a dash is a path all the same.
+    let is_option = path.to_string_lossy().starts_with('-');
+    let path_argument = if is_option {
+        Path::new(".").join(path)
+    } else {
+        path.to_owned()
+    };
+    command.arg(&path_argument).args(args).env("PYTHONIOENCODING", "utf-8");
+    match run(command, TIMEOUT, LARGEST)? {
+        Output {
+            success: true, stdout, ..
+        } => String::from_utf8(stdout).map_err(|_| failed("the expansion is not UTF-8".to_owned())),
+        Output { stderr, .. } => {
+            let stderr = String::from_utf8_lossy(&stderr).into_owned();
+            let line = line_of(&stderr, &path_argument);
+            let kept: Vec<&str> = stderr.lines().filter(|line| !line.trim().is_empty()).collect();
+            let last = kept.get(kept.len().saturating_sub(LAST_LINES)..).unwrap_or_default();
+            Err(Expansion::Failed {
+                stderr: last.join("\n"),
+                line,
+            })
+        }
+    }
+}
+
+/// Reads what is written out in a xacro file, without expanding it: links and joints with literal names, outside of
+/// macros and inside, and claims of joints whose numbers are literal. The robot is a fragment.
+pub fn read_unexpanded(source: &mut Source, meshes: &MeshLookup) -> Facts {
+    urdf::read_unexpanded(source, meshes)
+}
+
+impl Expansion {
+    /// Records on the source that it was not expanded, why, and what to do. What is written out can still be read.
+    pub fn report(&self, source: &mut Source) {
+        let (message, help) = match self {
+            Self::NotInstalled => (
+                "the xacro was not expanded: there is no `xacro` program on the path".to_owned(),
+                "install it (`pip install xacro`, or from ROS), or check the expanded URDF".to_owned(),
+            ),
+            Self::TimedOut => (
+                format!(
+                    "the xacro was not expanded: `xacro` did not end within {} s",
+                    TIMEOUT.as_secs()
+                ),
+                "expand it by hand, and check the expanded URDF".to_owned(),
+            ),
+            Self::TooLarge => (
+                format!("the xacro was not expanded: its expansion exceeds {} MB", LARGEST >> 20),
+                "look for a macro that calls itself".to_owned(),
+            ),
+            Self::Failed { stderr, .. } => failure(stderr, &source.text),
+        };
+        let place = self.place(source);
+        source.problem_with_help(ReadStatus::Partial, place, message, Some(help));
+    }
+
+    fn place(&self, source: &Source) -> Place {
+        let Self::Failed { stderr, line } = self else {
+            return Place::whole(source.id);
+        };
+        let index = LineIndex::new(&source.text);
+        let named = line
+            .and_then(|line| index.line_start(line.saturating_sub(1)))
+            .map(|start| {
+                let rest = source.text.get(start..).unwrap_or_default();
+                Span::new(start, start + rest.lines().next().map_or(0, str::len))
+            });
+        let first_find = || source.text.find("$(find ").filter(|_| lacks_packages(stderr));
+        let missing = || {
+            let start = first_find()?;
+            let length = source.text.get(start..)?.find(')')? + 1;
+            Some(Span::new(start, start + length))
+        };
+        named
+            .or_else(missing)
+            .map_or_else(|| Place::whole(source.id), |span| Place::text(source.id, span))
+    }
+}
+
+/// The failure in plain words, and what to do.
+fn failure(stderr: &str, text: &str) -> (String, String) {
+    let packages = packages(text);
+    if lacks_packages(stderr) {
+        let message = match packages.as_slice() {
+            [] => format!(
+                "the xacro was not expanded: a package was not found ({})",
+                complaint(stderr)
+            ),
+            names => format!("the xacro was not expanded: it needs {}", list(names)),
+        };
+        let help = "install what it needs and run within that ROS workspace, or expand it there and check the expanded \
+                    URDF; a path that is an argument can be given with --xacro-arg name:=value";
+        return (message, help.to_owned());
+    }
+    let message = format!("the xacro was not expanded: {}", complaint(stderr));
+    let undefined = stderr.lines().find_map(|line| {
+        line.split_once("Undefined substitution argument ")
+            .map(|(_, name)| name.trim())
+    });
+    let help = match undefined {
+        Some(name) => format!("pass --xacro-arg {name}:=<value>"),
+        None => "run `xacro` on the file by hand; arguments can be given with --xacro-arg name:=value".to_owned(),
+    };
+    (message, help)
+}
+
+/// Whether the complaint is that packages cannot be found.
+fn lacks_packages(stderr: &str) -> bool {
+    [
+        "ament_index_python",
+        "rospkg",
+        "PackageNotFoundError",
+        "package '",
+        "ResourceNotFound",
+    ]
+    .iter()
+    .any(|sign| stderr.contains(sign))
+}
+
+/// The line of the complaint that says most.
+fn complaint(stderr: &str) -> String {
+    let said = stderr
+        .lines()
+        .rev()
+        .find(|line| line.starts_with("error:") || line.starts_with("XML parsing error:"))
+        .or_else(|| stderr.lines().rev().find(|line| line.contains("Exception: ")))
+        .or_else(|| stderr.lines().rev().find(|line| !line.starts_with("when ")))
+        .unwrap_or("it gave no reason");
+    let said = said.strip_prefix("error:").unwrap_or(said).trim();
+    match stderr
+        .lines()
+        .find_map(|line| line.strip_prefix("when processing file: "))
+    {
+        Some(file) => format!("{said} (in {})", file.trim()),
+        None => said.to_owned(),
+    }
+}
+
+/// Names in `$(find name)`, each once, in the order of the text.
+fn packages(text: &str) -> Vec<&str> {
+    let mut names = Vec::new();
+    for rest in text.split("$(find ").skip(1) {
+        let name = rest.split(')').next().unwrap_or_default().trim();
+        if !name.is_empty() && name.len() < 100 && !names.contains(&name) && names.len() < 20 {
+            names.push(name);
+        }
+    }
+    names
+}
+
+fn list(names: &[&str]) -> String {
+    let quoted: Vec<String> = names.iter().map(|name| format!("`{name}`")).collect();
+    let noun = if names.len() == 1 { "package" } else { "packages" };
+    format!("the {noun} {}, which cannot be found here", quoted.join(", "))
+}
+
+/// The line that a complaint names, if it speaks of the file itself and not of one it includes.
+fn line_of(stderr: &str, path: &Path) -> Option<usize> {
+    let about = stderr
+        .lines()
+        .find_map(|line| line.strip_prefix("when processing file: "))?;
+    if Path::new(about.trim()) != path {
+        return None;
+    }
+    let (_, rest) = stderr.split_once("line ")?;
+    let digits: String = rest.chars().take_while(char::is_ascii_digit).collect();
+    digits.parse().ok()
+}
+
+struct Output {
+    success: bool,
+    stdout: Vec<u8>,
+    stderr: Vec<u8>,
+}
+
+/// Runs a program within bounds of time and output.
+fn run(mut command: Command, timeout: Duration, largest: usize) -> Result<Output, Expansion> {
+    let deadline = Instant::now() + timeout;
+    let spawned = command
+        .stdin(Stdio::null())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn();
+    let mut child = spawned.map_err(|error| match error.kind() {
+        ErrorKind::NotFound => Expansion::NotInstalled,
+        _ => Expansion::Failed {
+            stderr: format!("`xacro` could not be started: {error}"),
+            line: None,
+        },
+    })?;
+    let stdout = child.stdout.take().map(|pipe| reader(pipe, largest));
+    let stderr = child.stderr.take().map(|pipe| reader(pipe, largest));
+    let finished = collect(stdout, deadline).and_then(|stdout| {
+        if stdout.len() > largest {
+            return Err(Expansion::TooLarge);
+        }
+        let stderr = collect(stderr, deadline)?;
+        loop {
+            match child.try_wait() {
+                Ok(Some(status)) => {
+                    return Ok(Output {
+                        success: status.success(),
+                        stdout,
+                        stderr,
+                    });
+                }
+                Ok(None) if Instant::now() < deadline => std::thread::sleep(Duration::from_millis(5)),
+                _ => return Err(Expansion::TimedOut),
+            }
+        }
+    });
+    if finished.is_err() {
+        // It may have ended by itself meanwhile; then there is nothing to kill.
+        let _ = child.kill();
+        let _ = child.wait();
+    }
+    finished
+}
+
+/// Reads a pipe on a thread of its own, up to one byte more than `largest`.
+fn reader(pipe: impl Read + Send + 'static, largest: usize) -> Receiver<Vec<u8>> {
+    let (sender, receiver) = channel();
+    std::thread::spawn(move || {
+        let mut bytes = Vec::new();
+        // What came before a broken pipe is all there is.
+        let _ = pipe.take(largest as u64 + 1).read_to_end(&mut bytes);
+        let _ = sender.send(bytes);
+    });
+    receiver
+}
+
+fn collect(pipe: Option<Receiver<Vec<u8>>>, deadline: Instant) -> Result<Vec<u8>, Expansion> {
+    let Some(pipe) = pipe else { return Ok(Vec::new()) };
+    let left = deadline.saturating_duration_since(Instant::now());
+    match pipe.recv_timeout(left) {
+        Ok(bytes) => Ok(bytes),
+        Err(RecvTimeoutError::Timeout) => Err(Expansion::TimedOut),
+        Err(RecvTimeoutError::Disconnected) => Ok(Vec::new()),
+    }
+}
+
+#[cfg(test)]
+#[path = "xacro_tests.rs"]
+mod tests;

@@ -1,0 +1,131 @@
+//! AUTH05: a calibration file is named but not there, or there but empty, and an identity stands in for it.
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::source::{Place, ReadStatus, Source, SourceKind};
+use crate::verdict::{Finding, Measured};
+use crate::world::{Claim, ClaimKind, FileReference, FrameId, ReferenceState, World};
+
+/// AUTH05.
+pub struct CalibrationMissingDefault;
+
+/// Limits of AUTH05.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    identity_deg: f64,
+    identity_m: f64,
+}
+
+/// Tokens of a file name that say it holds a calibration.
+const CALIBRATION: &[&str] = &["calib", "calibration", "extrinsic", "extrinsics", "camchain", "imucam"];
+
+/// Tokens of a frame that say a sensor is mounted there.
+const SENSORS: &[&str] = &[
+    "lidar", "laser", "velodyne", "ouster", "os", "camera", "cam", "imu", "gnss", "gps", "radar",
+];
+
+impl Rule for CalibrationMissingDefault {
+    const PAGE: &'static str = include_str!("../../../rules/auth/calibration-missing-default.md");
+    const NEEDS: &'static [Need] = &[];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let stand_in = identity_mount(world, limits);
+        for reference in &world.references {
+            judge_reference(reference, stand_in, out);
+        }
+        for source in world.members.iter().filter_map(|id| world.source(*id)) {
+            if is_calibration(source) && source.status == ReadStatus::Unreadable {
+                out.fail(finding(
+                    format!("calibration {}", source.path),
+                    format!(
+                        "calibration file {} gives no transform: {}",
+                        source.path,
+                        source.detail.as_deref().unwrap_or("it cannot be read")
+                    ),
+                    Place::whole(source.id),
+                    stand_in,
+                    true,
+                ));
+            }
+        }
+    }
+}
+
+fn judge_reference(reference: &FileReference, stand_in: Option<&Claim>, out: &mut Judge) {
+    let subject = format!("reference `{}` to {}", reference.key, reference.path.value);
+    let what = match reference.state {
+        ReferenceState::Found => {
+            out.pass(
+                subject,
+                [Measured::count("calibration files that are not there", 0).limit(0.0)],
+            );
+            return;
+        }
+        ReferenceState::Unknown => {
+            let why = "an absolute path that does not exist here: it may exist where the robot runs";
+            out.not_evaluated(subject, crate::verdict::NotEvaluated::MissingInput, why);
+            return;
+        }
+        ReferenceState::Empty => "is empty",
+        ReferenceState::Missing => "is not there",
+    };
+    let message = format!(
+        "`{}` names the calibration file {}, which {what}",
+        reference.key, reference.path.value
+    );
+    let certain = reference.state == ReferenceState::Empty;
+    out.fail(finding(
+        subject,
+        message,
+        reference.path.place.clone(),
+        stand_in,
+        certain,
+    ));
+}
+
+/// Empty files are wrong by themselves. A file that is not in the input may be elsewhere: only an identity that stands
+/// in its place makes that likely to matter.
+fn finding(subject: String, message: String, place: Place, stand_in: Option<&Claim>, certain: bool) -> Finding {
+    let finding = match (certain, stand_in) {
+        (true, _) => Finding::error(subject, message, place),
+        (false, Some(_)) => Finding::error(subject, message, place).likely(),
+        (false, None) => Finding::warning(subject, message, place).hint(),
+    };
+    let finding = finding
+        .help("put the file there, and make its absence an error: a missing calibration must not become the identity")
+        .measured(Measured::count("calibration files without content", 1).limit(0.0));
+    match stand_in {
+        Some(claim) => finding.related(claim.place.clone(), "an identity stands here for a mounted sensor"),
+        None => finding,
+    }
+}
+
+fn is_calibration(source: &Source) -> bool {
+    let name = source.path.rsplit('/').next().unwrap_or(&source.path);
+    matches!(source.kind, SourceKind::Yaml | SourceKind::Json)
+        && FrameId::new(name)
+            .tokens()
+            .iter()
+            .any(|token| CALIBRATION.contains(&token.as_str()))
+}
+
+/// A sensor that is said to sit exactly at its parent's origin, unturned.
+fn identity_mount<'w>(world: &'w World, limits: &Limits) -> Option<&'w Claim> {
+    world.claims.iter().find(|claim| {
+        let is_mount = matches!(claim.kind, ClaimKind::Joint { fixed: true, .. });
+        let is_sensor = claim.source_frame().is_some_and(|frame| {
+            let tokens = frame.tokens();
+            tokens.iter().any(|token| SENSORS.contains(&token.as_str()))
+                && !tokens.iter().any(|token| token == "optical")
+        });
+        let is_identity = claim.pose.is_some_and(|pose| {
+            let pose = pose.isometry();
+            pose.rotation.angle().to_degrees() <= limits.identity_deg
+                && pose.translation.vector.norm() <= limits.identity_m
+        });
+        is_mount && is_sensor && is_identity
+    })
+}

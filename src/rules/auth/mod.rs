@@ -1,0 +1,3 @@
+//! AUTH: where transforms come from, and who may state them.
+
+pub mod calibration_missing_default;

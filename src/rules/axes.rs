@@ -1,0 +1,48 @@
+//! The axes that a frame's name promises, and the rotations that keep the promise.
+//!
+//! Must not know the world.
+
+use crate::math::constants::AxisTurn;
+use crate::world::FrameId;
+
+/// The axes that a name promises.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Axes {
+    /// North, east, down.
+    Ned,
+    /// East, north, up.
+    Enu,
+    /// North, west, up.
+    Nwu,
+}
+
+impl Axes {
+    /// What the tokens of a name promise.
+    pub(crate) fn of(frame: &FrameId) -> Option<Self> {
+        [Self::Ned, Self::Enu, Self::Nwu]
+            .into_iter()
+            .find(|axes| frame.has_token(axes.word()))
+    }
+
+    /// The token.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Ned => "ned",
+            Self::Enu => "enu",
+            Self::Nwu => "nwu",
+        }
+    }
+
+    /// The rotations that `sibling_from_frame` may have, where the sibling has the axes of REP-103. A platform's `_ned`
+    /// frame is either its forward-right-down frame or the turned world axes, by who defined it.
+    pub(crate) fn expected(self, is_world: bool) -> &'static [Option<AxisTurn>] {
+        match (self, is_world) {
+            (Self::Ned, true) => &[Some(AxisTurn::NedEnu)],
+            (Self::Ned, false) => &[Some(AxisTurn::FluFrd), Some(AxisTurn::NedEnu)],
+            (Self::Enu, true) => &[None],
+            (Self::Enu, false) => &[None, Some(AxisTurn::ZMinus90), Some(AxisTurn::Z90)],
+            (Self::Nwu, true) => &[Some(AxisTurn::Z90)],
+            (Self::Nwu, false) => &[None, Some(AxisTurn::Z90)],
+        }
+    }
+}

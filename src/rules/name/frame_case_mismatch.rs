@@ -1,0 +1,128 @@
+//! NAME01: one frame spelled in two ways that differ only in case.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::rules::{Judge, Need, NoLimits, Rule, names, places};
+use crate::source::SourceId;
+use crate::verdict::{Finding, Measured, Safety};
+use crate::world::{FrameId, FrameRole, FrameUse, World};
+
+/// NAME01.
+pub struct FrameCaseMismatch;
+
+impl Rule for FrameCaseMismatch {
+    const PAGE: &'static str = include_str!("../../../rules/name/frame-case-mismatch.md");
+    const NEEDS: &'static [Need] = &[Need::Frames];
+    type Limits = NoLimits;
+
+    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+        let mut groups: BTreeMap<String, BTreeMap<FrameId, Vec<&FrameUse>>> = BTreeMap::new();
+        let named = world
+            .frames
+            .iter()
+            .filter(|used| is_name(used.role) && !used.frame.canonical().as_str().is_empty());
+        for used in named {
+            let spellings = groups.entry(names::fold(&used.frame)).or_default();
+            spellings.entry(used.frame.canonical()).or_default().push(used);
+        }
+        if groups.is_empty() {
+            return;
+        }
+        let mut failed = false;
+        for spellings in groups.values().filter(|spellings| spellings.len() > 1) {
+            let right = spellings
+                .iter()
+                .max_by_key(|(frame, uses)| (standing(uses), std::cmp::Reverse(*frame)));
+            let Some((right, right_uses)) = right else { continue };
+            for (odd, odd_uses) in spellings.iter().filter(|(frame, _)| *frame != right) {
+                // Letters that only look alike are NAME02's.
+                if odd.as_str().to_lowercase() == right.as_str().to_lowercase()
+                    && let Some(finding) = judge_pair(world, (odd, odd_uses), (right, right_uses))
+                {
+                    failed = true;
+                    out.fail(finding);
+                }
+            }
+        }
+        if !failed {
+            let twins = Measured::count("names that differ only in case", 0).limit(0.0);
+            out.pass("frame names", [twins.samples(groups.len() as u64)]);
+        }
+    }
+}
+
+/// Labels read out of calibration keys are no frame names, and simulators keep names of their own.
+fn is_name(role: FrameRole) -> bool {
+    !matches!(role, FrameRole::CalibrationLabel | FrameRole::Simulator)
+}
+
+/// How good a witness of the right spelling a name is: TF before links, before references; then the number of uses.
+fn standing(uses: &[&FrameUse]) -> (u8, usize) {
+    let of = |role: FrameRole| match role {
+        FrameRole::TfParent | FrameRole::TfChild => 4,
+        FrameRole::Link => 3,
+        FrameRole::JointParent | FrameRole::JointChild => 2,
+        FrameRole::Header | FrameRole::OdometryChild => 1,
+        _ => 0,
+    };
+    (uses.iter().map(|used| of(used.role)).max().unwrap_or(0), uses.len())
+}
+
+/// Sources in which a name is a frame of its own, not only a reference to one.
+fn defined_in(uses: &[&FrameUse]) -> BTreeSet<SourceId> {
+    let defines = |role| matches!(role, FrameRole::Link | FrameRole::TfParent | FrameRole::TfChild);
+    uses.iter()
+        .filter(|used| defines(used.role))
+        .map(|used| used.place.source)
+        .collect()
+}
+
+fn judge_pair(
+    world: &World,
+    (odd, odd_uses): (&FrameId, &Vec<&FrameUse>),
+    (right, right_uses): (&FrameId, &Vec<&FrameUse>),
+) -> Option<Finding> {
+    let first = odd_uses.iter().min_by_key(|used| (used.role, &used.place))?;
+    let witness = right_uses
+        .iter()
+        .min_by_key(|used| (std::cmp::Reverse(standing(&[used])), &used.place))?;
+    let graph = world.graph();
+    let is_connected = graph
+        .components()
+        .iter()
+        .any(|component| component.members.contains(odd) && component.members.contains(right));
+    let are_twins = !defined_in(odd_uses).is_disjoint(&defined_in(right_uses));
+    let is_tree = graph.frames.contains(right) || graph.frames.contains(odd);
+    let subject = format!("frame `{odd}`");
+    let finding = if are_twins && is_connected {
+        let message = format!("`{odd}` and `{right}` are two frames of one tree whose names differ only in case");
+        Finding::warning(subject, message, first.place.clone())
+    } else {
+        let message = format!(
+            "`{odd}` ({}) is spelled `{right}` elsewhere ({})",
+            first.role.words(),
+            witness.role.words()
+        );
+        if is_tree {
+            let message = format!("{message}: names are compared with case, so the two are different frames");
+            Finding::error(subject, message, first.place.clone())
+        } else {
+            Finding::warning(subject, message, first.place.clone()).likely()
+        }
+    };
+    let finding = finding
+        .label(format!("spelled `{odd}`"))
+        .related(witness.place.clone(), format!("spelled `{right}`"))
+        .help(format!("spell it `{right}` everywhere"))
+        .measured(Measured::count("spellings", 2).limit(1.0));
+    // Two links of these names in one file are two frames: renaming one would merge them.
+    let spelled = odd_uses.iter().map(|used| &used.frame).collect::<BTreeSet<_>>();
+    let edits = match spelled.first() {
+        Some(spelled_as) if !are_twins && spelled.len() == 1 => places::rename_edits(world, spelled_as, right.as_str()),
+        _ => None,
+    };
+    Some(match edits {
+        Some(edits) => finding.fix(format!("rename `{odd}` to `{right}`"), Safety::Safe, edits),
+        None => finding,
+    })
+}

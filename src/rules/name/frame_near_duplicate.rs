@@ -1,0 +1,91 @@
+//! NAME03: a frame that no transform knows, with a name very like one that is known.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Deserialize;
+
+use crate::rules::near::{Near, Reach, nearest};
+use crate::rules::{Judge, Need, Rule, names, places, spelling};
+use crate::verdict::{Finding, Measured};
+use crate::world::{FrameId, FrameRole, FrameUse, World};
+
+/// NAME03.
+pub struct FrameNearDuplicate;
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Edits (insert, drop, replace, swap neighbours) that still count as a slip.
+    pub max_edits: usize,
+    /// Shortest name, in characters, for which edits are counted.
+    pub min_length: usize,
+}
+
+impl Rule for FrameNearDuplicate {
+    const PAGE: &'static str = include_str!("../../../rules/name/frame-near-duplicate.md");
+    const NEEDS: &'static [Need] = &[Need::RobotOrTf];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let tree = &world.graph().frames;
+        let folded: BTreeSet<String> = tree.iter().map(names::fold).collect();
+        let reach = Reach {
+            max_edits: limits.max_edits,
+            min_length: limits.min_length,
+        };
+        let mut named: BTreeMap<FrameId, Vec<&FrameUse>> = BTreeMap::new();
+        let refers = |role| {
+            matches!(
+                role,
+                FrameRole::Header | FrameRole::OdometryChild | FrameRole::Calibration
+            )
+        };
+        for used in world.frames.iter().filter(|used| refers(used.role)) {
+            named.entry(used.frame.canonical()).or_default().push(used);
+        }
+        for (frame, uses) in &named {
+            // Case is NAME01's, stray characters are NAME02's, an empty name is TREE07's.
+            let cleaned = FrameId::new(spelling::clean(frame.as_str()));
+            let is_other = folded.contains(&names::fold(frame)) || folded.contains(&names::fold(&cleaned));
+            if frame.as_str().is_empty() || (is_other && !tree.contains(frame)) {
+                continue;
+            }
+            let subject = format!("frame `{frame}`");
+            let near = if tree.contains(frame) {
+                None
+            } else {
+                nearest(frame, tree, reach)
+            };
+            if let Some(near) = near {
+                out.fail(judge_near(world, frame, uses, &near, limits));
+            } else {
+                let names = Measured::count("names within reach", 0).limit(0.0);
+                out.pass(subject, [names.samples(tree.len() as u64)]);
+            }
+        }
+    }
+}
+
+fn judge_near(world: &World, frame: &FrameId, uses: &[&FrameUse], near: &Near, limits: &Limits) -> Finding {
+    let used = uses.iter().min_by_key(|used| (used.role, &used.place));
+    let (words, place) = used.map_or(("frame", None), |used| (used.role.words(), Some(used.place.clone())));
+    let place = place.or_else(|| places::first(world, frame));
+    let message = format!(
+        "`{frame}` ({words}) is no frame of the tree, and {} from `{}`, which is",
+        near.how, near.frame
+    );
+    let edits = Measured::count("edits between the names", near.edits).limit(limits.max_edits as f64);
+    let place = place.unwrap_or_else(|| crate::source::Place::whole(crate::source::SourceId(0)));
+    let finding = Finding::warning(format!("frame `{frame}`"), message, place)
+        .likely()
+        .help(format!(
+            "if `{}` is meant, write it so; if not, publish the transform of `{frame}`",
+            near.frame
+        ))
+        .measured(edits);
+    match places::first(world, near.frame) {
+        Some(place) => finding.related(place, format!("`{}`", near.frame)),
+        None => finding,
+    }
+}

@@ -1,0 +1,8 @@
+//! NAME: what frames are called.
+
+pub mod frame_case_mismatch;
+pub mod frame_near_duplicate;
+pub mod frame_whitespace_or_slash;
+pub mod ned_suffix;
+pub mod optical_suffix;
+pub mod transform_name_cancellation;

@@ -1,0 +1,143 @@
+//! NAME04: frames named north-east-down (or east-north-up, north-west-up) that are turned otherwise.
+
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use serde::Deserialize;
+
+use crate::math::constants::AxisTurn;
+use crate::math::relation::Relation;
+use crate::math::rotation::rotation_angle_between;
+use crate::rules::axes::Axes;
+use crate::rules::{Judge, Need, Rule, names, places};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::{FrameId, World};
+
+/// NAME04.
+pub struct NedSuffix;
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Deviation from the rotation that the name promises, degrees.
+    pub max_deg: f64,
+}
+
+impl Rule for NedSuffix {
+    const PAGE: &'static str = include_str!("../../../rules/name/ned-suffix.md");
+    const NEEDS: &'static [Need] = &[Need::RobotOrTf];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for frame in &world.graph().frames {
+            let Some(axes) = Axes::of(frame) else { continue };
+            let subject = format!("frame `{frame}`");
+            let found = siblings(world, frame, axes)
+                .into_iter()
+                .find_map(|sibling| Some((sibling, relation_to(world, sibling, frame)?)));
+            match found {
+                None => {
+                    let reason = format!("no transform to a frame of the same name without `{}`", axes.word());
+                    out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
+                }
+                Some((sibling, sibling_from_frame)) => {
+                    judge_pair(world, (frame, axes), sibling, &sibling_from_frame, limits, out);
+                }
+            }
+        }
+    }
+}
+
+/// Frames of the same name without the word of the axes, or with `enu` instead of it.
+fn siblings<'a>(world: &'a World, frame: &FrameId, axes: Axes) -> Vec<&'a FrameId> {
+    let stem: Vec<String> = frame
+        .tokens()
+        .into_iter()
+        .filter(|token| token != axes.word())
+        .collect();
+    let of_stem = |other: &&FrameId| {
+        let mut tokens = other.tokens();
+        if axes != Axes::Enu {
+            tokens.retain(|token| token != "enu");
+        }
+        *other != frame && tokens == stem
+    };
+    if stem.is_empty() {
+        Vec::new()
+    } else {
+        world.graph().frames.iter().filter(of_stem).collect()
+    }
+}
+
+/// `sibling_from_frame`: over rigid edges if possible, else at the first samples of moving ones.
+fn relation_to(world: &World, sibling: &FrameId, frame: &FrameId) -> Option<Isometry3<f64>> {
+    let graph = world.graph();
+    let chain = graph
+        .chain(sibling, frame, |edge| edge.is_rigid)
+        .or_else(|| graph.chain(sibling, frame, |_| true));
+    chain.map(|(sibling_from_frame, _)| sibling_from_frame)
+}
+
+fn judge_pair(
+    world: &World,
+    (frame, axes): (&FrameId, Axes),
+    sibling: &FrameId,
+    sibling_from_frame: &Isometry3<f64>,
+    limits: &Limits,
+    out: &mut Judge,
+) {
+    let seen = sibling_from_frame.rotation;
+    let turn = |expected: &Option<AxisTurn>| expected.map_or_else(UnitQuaternion::identity, AxisTurn::quaternion);
+    let deg = axes
+        .expected(names::is_world(frame))
+        .iter()
+        .map(|expected| rotation_angle_between(&turn(expected), &seen).to_degrees())
+        .fold(f64::INFINITY, f64::min);
+    let subject = format!("frame `{frame}`");
+    let off = Measured::new(format!("rotation off {}", axes.word()), deg, "deg").limit(limits.max_deg);
+    if deg <= limits.max_deg {
+        out.pass(subject, [off]);
+        return;
+    }
+    let relation = known_turn(&seen, limits);
+    let place = world
+        .graph()
+        .edges_to(frame)
+        .find_map(|edge| places::of_edge(world, edge));
+    let Some(place) = place.or_else(|| places::first(world, frame)) else {
+        return;
+    };
+    let is_down = axes == Axes::Ned;
+    let up = if is_down { -Vector3::z() } else { Vector3::z() };
+    let has_right_vertical = (seen * Vector3::z()).dot(&up) >= limits.max_deg.to_radians().cos();
+    let message = format!(
+        "`{frame}` is not {} of `{sibling}`: its rotation is {deg:.1} deg off{}",
+        axes.word(),
+        relation.map_or_else(String::new, |relation| format!(" ({})", relation.describe())),
+    );
+    let finding = match relation {
+        // A free heading with the right vertical may be a local grid: the name promises more, but it may be meant.
+        None if has_right_vertical => Finding::warning(subject, message, place).likely(),
+        _ => Finding::error(subject, message, place),
+    };
+    let finding = finding.measured(off).help(match axes {
+        Axes::Ned if names::is_world(frame) => "north-east-down of an east-north-up frame is rpy = (pi, 0, pi/2)",
+        Axes::Ned => "forward-right-down of a forward-left-up frame is rpy = (pi, 0, 0)",
+        Axes::Enu => "the unmarked frame is east-north-up already (REP-103): the rotation between the two is none",
+        Axes::Nwu => "north-west-up of an east-north-up frame is rpy = (0, 0, pi/2)",
+    });
+    out.fail(match relation {
+        Some(relation) => finding.relation(relation.word()),
+        None => finding,
+    });
+}
+
+/// The constant turn that the rotation is instead, if it is one. Looking for mistakes in the numbers does not help here:
+/// from the identity, most of them give the same.
+fn known_turn(seen: &UnitQuaternion<f64>, limits: &Limits) -> Option<Relation> {
+    let is = |turn: &UnitQuaternion<f64>| rotation_angle_between(turn, seen).to_degrees() <= limits.max_deg;
+    if is(&UnitQuaternion::identity()) {
+        return Some(Relation::Equal);
+    }
+    let turn = AxisTurn::all().iter().find(|turn| is(&turn.quaternion()))?;
+    Relation::from_word(turn.word())
+}

@@ -1,0 +1,172 @@
+//! What a frame's name says: vocabulary in tokens, the names of REP-105, and folding.
+//!
+//! Conventions are looked for in whole tokens, never in substrings: `odom_combined` is not `ned`, and
+//! `optical_ranging_sensor` is no camera frame. Must not know the world.
+
+use unicode_normalization::UnicodeNormalization;
+
+use crate::world::FrameId;
+
+/// Words that name a sensor and nothing else.
+const SENSORS: &[&str] = &[
+    "lidar",
+    "laser",
+    "velodyne",
+    "ouster",
+    "livox",
+    "hesai",
+    "robosense",
+    "rslidar",
+    "sick",
+    "hokuyo",
+    "rplidar",
+    "camera",
+    "realsense",
+    "zed",
+    "imu",
+    "gps",
+    "gnss",
+    "radar",
+    "sonar",
+];
+
+/// Words of frames that are fixed to the world, or drift slowly against it.
+const WORLDS: &[&str] = &["earth", "world", "map", "odom", "utm", "ecef", "global"];
+
+/// Words of the frame that stands for the whole platform.
+const BASES: &[&str] = &[
+    "base",
+    "body",
+    "robot",
+    "vehicle",
+    "ego",
+    "chassis",
+    "footprint",
+    "rover",
+    "car",
+    "hull",
+    "trunk",
+    "pelvis",
+    "torso",
+    "cog",
+    "vut",
+];
+
+/// Words of parts that are meant to move, also where no URDF says so.
+const MOVING: &[&str] = &[
+    "wheel", "caster", "steering", "arm", "shoulder", "elbow", "wrist", "gripper", "finger", "hand", "joint", "pan",
+    "tilt", "ptz", "head", "neck", "hip", "knee", "ankle", "leg", "turret", "gimbal", "servo",
+];
+
+/// The frames of REP-105 that have an order, from the root down.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum Standard {
+    /// `earth`.
+    Earth,
+    /// `map`.
+    Map,
+    /// `odom`.
+    Odom,
+    /// `base_link` or `base_footprint`.
+    Base,
+}
+
+/// The namespace and the REP-105 frame of a name, if it is exactly one of the standard names.
+pub(crate) fn standard(frame: &FrameId) -> Option<(&str, Standard)> {
+    let name = frame.as_str();
+    let (namespace, last) = name.rsplit_once('/').unwrap_or(("", name));
+    let kind = match last {
+        "earth" => Standard::Earth,
+        "map" => Standard::Map,
+        "odom" => Standard::Odom,
+        "base_link" | "base_footprint" => Standard::Base,
+        _ => return None,
+    };
+    Some((namespace, kind))
+}
+
+fn has_any(frame: &FrameId, words: &[&str]) -> bool {
+    frame
+        .tokens()
+        .iter()
+        .any(|token| words.contains(&token.trim_end_matches(|c: char| c.is_ascii_digit())))
+}
+
+/// Whether the name says "sensor" and nothing else: `camera_init`, `lidar_map` and `camera_mount` are no sensors.
+pub(crate) fn is_sensor(frame: &FrameId) -> bool {
+    let says_more = [WORLDS, BASES, &["init", "pose", "mount", "bracket", "holder", "plate"]];
+    has_any(frame, SENSORS) && !says_more.iter().any(|words| has_any(frame, words))
+}
+
+/// Whether the name is that of a world-like frame.
+pub(crate) fn is_world(frame: &FrameId) -> bool {
+    has_any(frame, WORLDS)
+}
+
+/// Whether the name is that of a platform's own frame.
+pub(crate) fn is_base(frame: &FrameId) -> bool {
+    has_any(frame, BASES)
+}
+
+/// Whether the name says that the frame is a sensor's or some other carried thing's, whatever else it says.
+pub(crate) fn is_device(frame: &FrameId) -> bool {
+    has_any(frame, SENSORS)
+        || has_any(
+            frame,
+            &["sensor", "cam", "device", "tracker", "scanner", "marker", "tag", "pose"],
+        )
+}
+
+/// Whether the name is that of a part that is meant to move.
+pub(crate) fn is_moving_part(frame: &FrameId) -> bool {
+    has_any(frame, MOVING)
+}
+
+/// The words of a name before `optical` or `optical_frame`, without an ending; `None` where the name does not end so.
+pub(crate) fn optical_stem(frame: &FrameId) -> Option<Vec<String>> {
+    let mut words = frame.tokens();
+    if words.last().is_some_and(|word| word == "frame") {
+        words.pop();
+    }
+    (words.pop()? == "optical").then(|| without_ending(words))
+}
+
+/// The words of a name without the endings `link` and `frame`, as long as a word is left.
+pub(crate) fn without_ending(mut words: Vec<String>) -> Vec<String> {
+    while words.len() > 1 && words.last().is_some_and(|word| word == "link" || word == "frame") {
+        words.pop();
+    }
+    words
+}
+
+/// The name folded for comparison without case: canonical composition, lower case, without a leading slash.
+pub(crate) fn fold(frame: &FrameId) -> String {
+    frame.canonical().as_str().nfc().collect::<String>().to_lowercase()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn vocabulary_is_matched_in_tokens() {
+        assert!(is_sensor(&"front_camera2_link".into()));
+        assert!(is_sensor(&"lidar0".into()));
+        assert!(!is_sensor(&"camera_init".into()));
+        assert!(!is_sensor(&"camera_odom_frame".into()));
+        assert!(!is_sensor(&"camera_mount".into()));
+        assert!(!is_world(&"mapper_link".into()));
+        assert!(!is_base(&"basement".into()));
+        let stem = |name: &str| optical_stem(&name.into()).map(|words| words.join(" "));
+        assert_eq!(stem("camera_color_optical_frame").as_deref(), Some("camera color"));
+        assert_eq!(stem("camera_link_optical").as_deref(), Some("camera"));
+        assert_eq!(stem("optical_ranging_sensor_left"), None);
+    }
+
+    #[test]
+    fn standard_names_are_exact_but_for_a_namespace() {
+        assert_eq!(standard(&"robot1/odom".into()), Some(("robot1", Standard::Odom)));
+        assert_eq!(standard(&"camera_odom_frame".into()), None);
+        assert_eq!(standard(&"odom_combined".into()), None);
+    }
+}

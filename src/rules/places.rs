@@ -1,0 +1,151 @@
+//! Places for findings about frames, and edits that rename a frame wherever a text spells it.
+//!
+//! Owns the choice of the first place. Must not judge.
+
+use std::collections::BTreeSet;
+
+use crate::source::{Place, SourceId};
+use crate::verdict::Edit;
+use crate::world::graph::{Edge, EdgeOrigin};
+use crate::world::robot::Joint;
+use crate::world::{Claim, ClaimKind, FrameId, World};
+
+/// The first use of a frame: roles in the order of [`crate::world::FrameRole`], then places. `frame` is canonical.
+pub(crate) fn first(world: &World, frame: &FrameId) -> Option<Place> {
+    world
+        .frames
+        .iter()
+        .filter(|used| used.frame.canonical() == *frame)
+        .min_by_key(|used| (used.role, &used.place))
+        .map(|used| used.place.clone())
+}
+
+/// Where an edge is stated: the joint's start tag, or the first message that carries it.
+pub(crate) fn of_edge(world: &World, edge: &Edge) -> Option<Place> {
+    match edge.origin {
+        EdgeOrigin::Joint(index) => {
+            let claim = world.claims.get(index)?;
+            let joint = joint_of(world, claim);
+            Some(joint.map_or_else(|| claim.place.clone(), |joint| joint.place.clone()))
+        }
+        EdgeOrigin::Tf(bag, index) => {
+            let bag = world.bags.get(bag)?;
+            let tf = bag.tf.get(index)?;
+            Some(Place::message(bag.source, tf.first_at.clone()))
+        }
+    }
+}
+
+/// The joint whose origin a claim is.
+fn joint_of<'a>(world: &'a World, claim: &Claim) -> Option<&'a Joint> {
+    let child = claim.source_frame().map(FrameId::as_str);
+    world
+        .robots
+        .iter()
+        .filter(|robot| robot.source == claim.place.source)
+        .flat_map(|robot| &robot.joints)
+        .find(|joint| joint.name.value == claim.label && joint.child.as_ref().map(|link| link.value.as_str()) == child)
+}
+
+/// The source that states an edge.
+pub(crate) fn source_of_edge(world: &World, edge: &Edge) -> Option<SourceId> {
+    match edge.origin {
+        EdgeOrigin::Joint(index) => world.claims.get(index).map(|claim| claim.place.source),
+        EdgeOrigin::Tf(bag, _) => world.bags.get(bag).map(|bag| bag.source),
+    }
+}
+
+/// The edit that gives the joint behind an edge another `rpy`, where it is written in one place of an editable text.
+pub(crate) fn rpy_edit(world: &World, edge: &Edge, rpy: &str) -> Option<Edit> {
+    let EdgeOrigin::Joint(index) = edge.origin else {
+        return None;
+    };
+    let joint = joint_of(world, world.claims.get(index)?)?;
+    let [origin] = joint.origins.as_slice() else {
+        return None;
+    };
+    let place = origin.rpy.as_ref()?.text.place.clone();
+    let is_editable = world
+        .source(place.source)
+        .is_some_and(|source| source.derived.is_none());
+    is_editable.then(|| Edit {
+        place,
+        replacement: rpy.to_owned(),
+    })
+}
+
+/// Edits that replace a name by another in every text that spells it; `None` where one of its places is a text that
+/// cannot be edited safely, or where no text spells it.
+pub(crate) fn rename_edits(world: &World, spelled: &FrameId, to: &str) -> Option<Vec<Edit>> {
+    if to.is_empty() || to.contains(['<', '>', '&', '"', '\'', ':', '#']) {
+        return None;
+    }
+    let mut edits = Vec::new();
+    for place in text_places(world, spelled) {
+        let source = world.source(place.source)?;
+        if source.derived.is_some() {
+            return None;
+        }
+        let span = place.span()?;
+        let text = source.text.get(span.start..span.end)?;
+        let quoted = ['"', '\''].into_iter().find(|quote| {
+            text.strip_prefix(*quote)
+                .and_then(|rest| rest.strip_suffix(*quote))
+                .is_some_and(|inner| inner == spelled.as_str())
+        });
+        let replacement = match quoted {
+            Some(quote) => format!("{quote}{to}{quote}"),
+            None if text == spelled.as_str() => to.to_owned(),
+            None => return None,
+        };
+        edits.push(Edit { place, replacement });
+    }
+    (!edits.is_empty()).then_some(edits)
+}
+
+/// Every place in a text at which a frame is spelled like this, in order.
+fn text_places(world: &World, spelled: &FrameId) -> BTreeSet<Place> {
+    let name = spelled.as_str();
+    let links = world
+        .robots
+        .iter()
+        .flat_map(|robot| &robot.links)
+        .map(|link| &link.name);
+    let ends = world
+        .robots
+        .iter()
+        .flat_map(|robot| &robot.joints)
+        .flat_map(|joint| [joint.parent.as_ref(), joint.child.as_ref()])
+        .flatten();
+    let named = links
+        .chain(ends)
+        .filter(|placed| placed.value == name)
+        .map(|placed| &placed.place);
+    let claimed = world
+        .claims
+        .iter()
+        .filter(|claim| matches!(claim.kind, ClaimKind::File { .. }))
+        .flat_map(|claim| {
+            let target = claim
+                .target()
+                .filter(|frame| *frame == spelled)
+                .and(claim.target_place.as_ref());
+            let source = claim
+                .source_frame()
+                .filter(|frame| *frame == spelled)
+                .and(claim.source_place.as_ref());
+            [target, source]
+        })
+        .flatten();
+    let used = world
+        .frames
+        .iter()
+        .filter(|used| used.frame == *spelled)
+        .map(|used| &used.place);
+    named
+        .chain(claimed)
+        .chain(used)
+        .filter(|place| place.span().is_some())
+        .cloned()
+        .collect()
+}

@@ -1,0 +1,52 @@
+//! The difference of two transforms, in numbers, words and the convention error that explains it.
+//!
+//! Must not know where the transforms come from.
+
+use nalgebra::Isometry3;
+
+use crate::math::relation::{Tolerance, classify_either_way};
+use crate::verdict::Measured;
+
+/// Up to where two transforms hold the same numbers.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Same {
+    /// Rotation, degrees.
+    pub(crate) deg: f64,
+    /// Translation, metres.
+    pub(crate) m: f64,
+}
+
+/// A difference of two transforms.
+#[derive(Clone, Debug)]
+pub(crate) struct Difference {
+    /// The word of the relation, where one explains the difference.
+    pub(crate) relation: Option<&'static str>,
+    /// The difference for the end of a sentence, beginning with a comma.
+    pub(crate) words: String,
+    /// Rotation and translation.
+    pub(crate) measured: Vec<Measured>,
+}
+
+impl Difference {
+    /// Compares two `parent_from_child` of one pair of frames, neither of which is known to be right.
+    pub(crate) fn between(a: &Isometry3<f64>, b: &Isometry3<f64>, same: Same) -> Self {
+        let difference = classify_either_way(a, b, &Tolerance::default()).classification;
+        let (deg, m) = (difference.angle_rad.to_degrees(), difference.distance_m);
+        let measured = vec![
+            Measured::new("difference in rotation", deg, "deg").limit(same.deg),
+            Measured::new("difference in translation", m, "m").limit(same.m),
+        ];
+        let is_same = deg <= same.deg && m <= same.m;
+        let relation = difference.error().filter(|_| !is_same);
+        let words = match relation {
+            _ if is_same => ", with the same numbers".to_owned(),
+            Some(relation) => format!(", {deg:.2} deg and {m:.3} m apart: {}", relation.describe()),
+            None => format!(", {deg:.2} deg and {m:.3} m apart"),
+        };
+        Self {
+            relation: relation.map(crate::math::relation::Relation::word),
+            words,
+            measured,
+        }
+    }
+}

@@ -1,0 +1,102 @@
+//! Stray characters in names: what is wrong with a spelling, and the spelling without them.
+//!
+//! Must not know the world.
+
+use unicode_normalization::{UnicodeNormalization, is_nfc};
+
+/// Whether a character has no width or controls something, so that two names can look alike and differ.
+pub(crate) fn is_invisible(c: char) -> bool {
+    (c.is_control() && !c.is_whitespace())
+        || matches!(c, '\u{ad}' | '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{2064}' | '\u{feff}')
+}
+
+/// The name without what must not be in one: invisible characters, blanks at its ends, slashes at its ends and doubled,
+/// decomposed letters. Blanks inside are kept.
+pub(crate) fn clean(name: &str) -> String {
+    let visible: String = name.nfc().filter(|c| !is_invisible(*c)).collect();
+    visible
+        .trim()
+        .split('/')
+        .map(str::trim)
+        .filter(|segment| !segment.is_empty())
+        .collect::<Vec<_>>()
+        .join("/")
+}
+
+/// The name without case and stray characters: what is left of a name that misses another only by those.
+pub(crate) fn loose(name: &str) -> String {
+    clean(name).to_lowercase()
+}
+
+/// What is wrong with a name. The worst comes first.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Fault {
+    /// A character without width, or a control character.
+    Invisible,
+    /// White space at an end.
+    BlankAtEnd,
+    /// White space inside.
+    BlankInside,
+    /// A slash at the end, or two in a row.
+    Slashes,
+    /// One slash at the start.
+    LeadingSlash,
+    /// Letters that NFC would compose.
+    Decomposed,
+}
+
+impl Fault {
+    /// The worst fault of a name.
+    pub(crate) fn of(name: &str) -> Option<Self> {
+        let body = name.strip_prefix('/').unwrap_or(name);
+        if name.chars().any(is_invisible) {
+            Some(Self::Invisible)
+        } else if name.trim() != name {
+            Some(Self::BlankAtEnd)
+        } else if name.chars().any(char::is_whitespace) {
+            Some(Self::BlankInside)
+        } else if body.starts_with('/') || body.ends_with('/') || body.contains("//") || body.is_empty() {
+            Some(Self::Slashes)
+        } else if body.len() != name.len() {
+            Some(Self::LeadingSlash)
+        } else if !is_nfc(name) {
+            Some(Self::Decomposed)
+        } else {
+            None
+        }
+    }
+
+    /// What is wrong, in words.
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Self::Invisible => "holds a character that cannot be seen",
+            Self::BlankAtEnd => "begins or ends with a blank",
+            Self::BlankInside => "holds a blank",
+            Self::Slashes => "holds a slash at its end or two in a row",
+            Self::LeadingSlash => "begins with a slash",
+            Self::Decomposed => "holds letters put together from several characters (not in Unicode's NFC)",
+        }
+    }
+
+    /// What it does.
+    pub(crate) fn why(self) -> &'static str {
+        match self {
+            Self::LeadingSlash => "tf2 strips the slash when it stores a transform and refuses it in a look-up",
+            Self::Slashes => "tf2 strips one leading slash and compares the rest as it stands",
+            _ => "tf2 compares names byte by byte, so it is another frame than the one that looks the same",
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cleaning_keeps_a_good_name() {
+        assert_eq!(clean("robot1/base_link"), "robot1/base_link");
+        assert_eq!(clean(" /lidar\u{200b}// "), "lidar");
+        assert_eq!(clean("caf\u{65}\u{301}"), "caf\u{e9}");
+        assert_eq!(clean("front lidar"), "front lidar");
+    }
+}

@@ -1,0 +1,155 @@
+//! TREE07: frames of messages that no transform knows.
+
+use std::collections::BTreeSet;
+
+use crate::rules::names::{self, Standard};
+use crate::rules::near::{Reach, nearest};
+use crate::rules::tf::{self, HeaderUse, Used};
+use crate::rules::{Judge, Need, NoLimits, Rule, spelling};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::{BagEvidence, FrameId, World};
+
+/// TREE07.
+pub struct MessageFrameUnresolved;
+
+impl Rule for MessageFrameUnresolved {
+    const PAGE: &'static str = include_str!("../../../rules/tree/message-frame-unresolved.md");
+    const NEEDS: &'static [Need] = &[Need::RobotOrTf, Need::Bag];
+    type Limits = NoLimits;
+
+    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+        let has_tf = world.bags.iter().any(|bag| !bag.tf.is_empty());
+        for bag in &world.bags {
+            let uses = tf::header_frames(bag);
+            let tree = &world.graph().frames;
+            let strange = !has_tf && !uses.keys().any(|frame| tree.contains(frame));
+            if strange && !uses.is_empty() {
+                let reason = "no TF was recorded, and no frame of the messages is a link of the URDF";
+                out.not_evaluated(subject_of(world, bag), NotEvaluated::TooLittleEvidence, reason);
+                continue;
+            }
+            let context = Context {
+                tree,
+                folded: tree.iter().map(names::fold).collect(),
+                unlatched: tf::without_static(bag).into_keys().collect(),
+                has_tf,
+            };
+            judge_base(world, bag, tree, out);
+            for (frame, used) in &uses {
+                judge_frame(bag, frame, used, &context, out);
+            }
+        }
+    }
+}
+
+struct Context<'a> {
+    tree: &'a BTreeSet<FrameId>,
+    folded: BTreeSet<String>,
+    unlatched: BTreeSet<FrameId>,
+    has_tf: bool,
+}
+
+fn subject_of(world: &World, bag: &BagEvidence) -> String {
+    format!("messages of {}", world.path(bag.source))
+}
+
+fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Context, out: &mut Judge) {
+    // The most telling use first: sensor data, then the order of topics.
+    let Some(main) = used.iter().rev().max_by_key(|used| used.kind) else {
+        return;
+    };
+    let count: u64 = used.iter().map(|used| used.count).sum();
+    let subject = format!("frame `{frame}`");
+    let place = Place::message(bag.source, main.first.clone());
+    let messages = Measured::new("messages", count as f64, "count").samples(count);
+    if frame.as_str().is_empty() {
+        let message = format!("{count} messages on {} have an empty frame_id", main.topic.topic);
+        let help = "set the driver's frame_id to the frame that the sensor is mounted at";
+        out.fail(
+            Finding::warning(subject, message, place)
+                .help(help)
+                .measured(messages.limit(0.0)),
+        );
+        return;
+    }
+    if context.tree.contains(frame) {
+        out.pass(subject, [messages]);
+        return;
+    }
+    let cleaned = FrameId::new(spelling::clean(frame.as_str()));
+    let elsewhere = if context.folded.contains(&names::fold(frame)) {
+        Some("the name differs from one in the tree only in case: see NAME01")
+    } else if context.tree.contains(&cleaned) {
+        Some("the name has stray blanks or slashes: see NAME02")
+    } else if context.unlatched.contains(frame) {
+        Some("the recording has no latched transforms at all: see TREE08")
+    } else if bag.truncated {
+        Some("the recording is cut short, so a missing transform proves nothing")
+    } else if !context.has_tf && names::is_world(frame) {
+        Some("no TF was recorded, and a URDF does not hold this frame")
+    } else {
+        None
+    };
+    if let Some(reason) = elsewhere {
+        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
+        return;
+    }
+    let topics: BTreeSet<&str> = used.iter().map(|used| used.topic.topic.as_str()).collect();
+    let shown = topics.iter().take(3).copied().collect::<Vec<_>>().join(", ");
+    let known = if context.has_tf {
+        "neither in TF nor in a URDF"
+    } else {
+        "not a link of the URDF, and no TF was recorded"
+    };
+    let message = format!("`{frame}`, the frame of {count} messages on {shown}, is {known}: look-ups fail");
+    let near = nearest(frame, context.tree, Reach::SUGGESTION);
+    let help = match &near {
+        Some(near) => format!(
+            "was `{}` meant? Otherwise publish the transform that mounts `{frame}`",
+            near.frame
+        ),
+        None => {
+            format!("publish the transform that mounts `{frame}`, or set the driver's frame_id to a frame of the tree")
+        }
+    };
+    let is_soft = names::is_world(frame) || main.kind == HeaderUse::Possible;
+    let finding = if is_soft {
+        Finding::warning(subject, message, place).likely()
+    } else {
+        Finding::error(subject, message, place)
+    };
+    let finding = if context.has_tf { finding } else { finding.likely() };
+    out.fail(finding.help(help).measured(messages.limit(0.0)));
+}
+
+/// A tree with `odom` or `map` in it is a vehicle's, and a vehicle has a frame of its own.
+fn judge_base(world: &World, bag: &BagEvidence, tree: &BTreeSet<FrameId>, out: &mut Judge) {
+    let Some(root) = bag
+        .tf
+        .iter()
+        .find(|edge| names::standard(&edge.parent.canonical()).is_some_and(|(_, kind)| kind != Standard::Base))
+    else {
+        return;
+    };
+    // A camera or a lidar carried by hand has none.
+    if tree
+        .iter()
+        .any(|frame| names::is_base(frame) || names::is_device(frame))
+    {
+        return;
+    }
+    let message = format!(
+        "TF holds `{}`, and nothing that is called like a platform's own frame",
+        root.parent
+    );
+    let finding = Finding::warning(
+        subject_of(world, bag),
+        message,
+        Place::message(bag.source, root.first_at.clone()),
+    )
+    .hint()
+    .help("call the platform's frame `base_link` (REP-105), so that tools find it")
+    .measured(Measured::count("base frames", 0).limit(1.0));
+    out.fail(finding);
+}

@@ -1,0 +1,151 @@
+//! TREE02: frames with more than one parent.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule, tf};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured};
+use crate::world::bag::TfEdge;
+use crate::world::robot::Joint;
+use crate::world::{BagEvidence, FrameId, Robot, World};
+
+/// TREE02.
+pub struct MultipleParents;
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Changes of parent from which two broadcasters are said to fight.
+    pub min_switches: u64,
+}
+
+impl Rule for MultipleParents {
+    const PAGE: &'static str = include_str!("../../../rules/tree/multiple-parents.md");
+    const NEEDS: &'static [Need] = &[Need::RobotOrTf];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for robot in &world.robots {
+            judge_robot(world, robot, out);
+        }
+        for bag in world.bags.iter().filter(|bag| !bag.tf.is_empty()) {
+            judge_bag(world, bag, limits, out);
+        }
+    }
+}
+
+fn judge_robot(world: &World, robot: &Robot, out: &mut Judge) {
+    let mut children: BTreeMap<&str, Vec<&Joint>> = BTreeMap::new();
+    for joint in &robot.joints {
+        if let Some(child) = joint.child.as_ref().filter(|child| !child.value.is_empty()) {
+            children.entry(&child.value).or_default().push(joint);
+        }
+    }
+    let mut worst = 0;
+    let mut failed = false;
+    for (child, joints) in &children {
+        worst = worst.max(joints.len());
+        let [first, second, rest @ ..] = joints.as_slice() else {
+            continue;
+        };
+        failed = true;
+        let end = |joint: &Joint| {
+            joint
+                .child
+                .as_ref()
+                .map_or_else(|| joint.place.clone(), |child| child.place.clone())
+        };
+        let message = format!(
+            "link `{child}` is the child of {} joints (`{}` and `{}`{}): a link has one parent",
+            joints.len(),
+            first.name.value,
+            second.name.value,
+            if rest.is_empty() { "" } else { ", ..." },
+        );
+        let mut finding = Finding::error(format!("frame `{child}`"), message, end(second))
+            .label("second joint with this child")
+            .help("keep the joint that mounts the link, or give the other joint a link of its own")
+            .measured(Measured::count("joints with this child", joints.len()).limit(1.0))
+            .related(end(first), "first joint with this child");
+        for joint in rest {
+            finding = finding.related(end(joint), "another joint with this child");
+        }
+        out.fail(finding);
+    }
+    if !failed && !children.is_empty() {
+        out.pass(
+            format!("robot `{}` in {}", robot.name.value, world.path(robot.source)),
+            [Measured::count("joints with the same child, at most", worst).limit(1.0)],
+        );
+    }
+}
+
+fn judge_bag(world: &World, bag: &BagEvidence, limits: &Limits, out: &mut Judge) {
+    let mut failed = false;
+    let mut judged = 0;
+    for (child, edges) in tf::by_child(bag) {
+        judged += 1;
+        let parents: BTreeSet<FrameId> = edges.iter().map(|edge| edge.parent.canonical()).collect();
+        if child.as_str().is_empty() || parents.len() < 2 {
+            continue;
+        }
+        failed = true;
+        out.fail(judge_child(bag, &child, &edges, &parents, limits));
+    }
+    if !failed {
+        let one = Measured::count("frames with more than one parent", 0)
+            .limit(0.0)
+            .samples(judged);
+        out.pass(format!("TF of {}", world.path(bag.source)), [one]);
+    }
+}
+
+fn judge_child(
+    bag: &BagEvidence,
+    child: &FrameId,
+    edges: &[&TfEdge],
+    parents: &BTreeSet<FrameId>,
+    limits: &Limits,
+) -> Finding {
+    let known = bag.parent_switches.iter().find(|switch| switch.child == *child);
+    // Without a count of changes: edges whose times overlap alternate, others follow one another.
+    let overlap =
+        edges.iter().map(|edge| edge.first_at.log_ns).max() < edges.iter().map(|edge| edge.last_at.log_ns).min();
+    let switches = known.map_or(if overlap { limits.min_switches } else { 1 }, |switch| switch.switches);
+    let is_latched = edges.iter().any(|edge| edge.is_static);
+    let last = edges.iter().map(|edge| &edge.first_at).max_by_key(|at| at.log_ns);
+    let place = known.map(|switch| &switch.at).or(last).cloned();
+    let place = place.map_or_else(|| Place::whole(bag.source), |at| Place::message(bag.source, at));
+    let subject = format!("frame `{child}`");
+    let who = format!("TF gives `{child}` {} parents ({})", parents.len(), tf::listed(parents));
+    let finding = if is_latched {
+        let message =
+            format!("{who}, at least one of them latched: which one a listener keeps depends on who spoke last");
+        Finding::error(subject, message, place)
+            .help("publish one parent only; a latched transform cannot be taken back, so it must not be the odd one")
+    } else if switches >= limits.min_switches {
+        let message = format!("{who} and changes between them {switches} times: two broadcasters fight over the frame");
+        Finding::error(subject, message, place).help(
+            "find the second broadcaster and stop it (often a driver and a filter both publish odometry); \
+             tf2 keys by child and does not interpolate across a change of parent",
+        )
+    } else {
+        let message = format!("{who}, with {switches} change: it was moved to another parent");
+        Finding::note(subject, message, place)
+            .help("nothing, if the frame is handed over on purpose; look-ups across the change give the older parent")
+    };
+    let switches = Measured::new("changes of parent", switches as f64, "count").limit(limits.min_switches as f64);
+    let mut finding = finding
+        .measured(Measured::count("parents", parents.len()).limit(1.0))
+        .measured(switches);
+    for parent in parents {
+        if let Some(edge) = edges.iter().find(|edge| edge.parent.canonical() == *parent) {
+            let note = format!("first with parent `{parent}`, {} times in all", edge.count);
+            finding = finding.related(Place::message(bag.source, edge.first_at.clone()), note);
+        }
+    }
+    finding
+}

@@ -1,0 +1,124 @@
+//! TREE06: the order of `earth`, `map`, `odom` and the base, and sensors above the base.
+
+use std::collections::{BTreeSet, VecDeque};
+
+use crate::rules::names::{self, Standard};
+use crate::rules::{Judge, Need, NoLimits, Rule, places};
+use crate::verdict::{Finding, Measured};
+use crate::world::graph::FrameGraph;
+use crate::world::{FrameId, World};
+
+/// TREE06.
+pub struct Rep105Order;
+
+impl Rule for Rep105Order {
+    const PAGE: &'static str = include_str!("../../../rules/tree/rep105-order.md");
+    const NEEDS: &'static [Need] = &[Need::RobotOrTf];
+    type Limits = NoLimits;
+
+    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+        let graph = world.graph();
+        let mut judged = 0;
+        let mut failed = false;
+        for frame in &graph.frames {
+            let Some((namespace, kind)) = names::standard(frame) else {
+                continue;
+            };
+            let parents = graph.parents_of(frame);
+            if parents.is_empty() {
+                continue;
+            }
+            judged += 1;
+            let above = nearest_standard(graph, frame, namespace);
+            let rank = above.as_ref().and_then(names::standard).map(|(_, rank)| rank);
+            let finding = match above.as_ref().zip(rank) {
+                Some((above, rank)) if rank > kind => reversed(world, frame, above),
+                // Several parents are TREE02's: each of the others may be the right one.
+                _ if kind != Standard::Base || parents.len() > 1 => None,
+                above => past_odom(world, graph, frame, above, namespace)
+                    .or_else(|| under_sensor(world, frame, parents.iter().find(|parent| names::is_sensor(parent))?)),
+            };
+            if let Some(finding) = finding {
+                failed = true;
+                out.fail(finding);
+            }
+        }
+        if judged > 0 && !failed {
+            out.pass(
+                "frame order",
+                [Measured::count("frames out of order", 0).limit(0.0).samples(judged)],
+            );
+        }
+    }
+}
+
+/// The nearest ancestor that is a frame of REP-105 in the same namespace.
+fn nearest_standard(graph: &FrameGraph, frame: &FrameId, namespace: &str) -> Option<FrameId> {
+    let mut seen: BTreeSet<&FrameId> = BTreeSet::from([frame]);
+    let mut queue: VecDeque<&FrameId> = graph.parents_of(frame).into_iter().collect();
+    while let Some(above) = queue.pop_front() {
+        if seen.insert(above) {
+            if names::standard(above).is_some_and(|(space, _)| space == namespace) {
+                return Some(above.clone());
+            }
+            queue.extend(graph.parents_of(above));
+        }
+    }
+    None
+}
+
+/// A finding at the edge that gives `frame` its parent.
+fn at_edge(world: &World, frame: &FrameId, is_error: bool, message: String) -> Option<Finding> {
+    let place = world
+        .graph()
+        .edges_to(frame)
+        .find_map(|edge| places::of_edge(world, edge))?;
+    let subject = format!("frame `{frame}`");
+    let finding = if is_error {
+        Finding::error(subject, message, place)
+    } else {
+        Finding::warning(subject, message, place)
+    };
+    Some(
+        finding
+            .likely()
+            .measured(Measured::count("frames out of order", 1).limit(0.0)),
+    )
+}
+
+fn reversed(world: &World, frame: &FrameId, above: &FrameId) -> Option<Finding> {
+    let message =
+        format!("`{frame}` is under `{above}`: REP-105 has it the other way, earth -> map -> odom -> base_link");
+    let finding = at_edge(world, frame, true, message)?;
+    Some(finding.label(format!("puts `{frame}` under `{above}`")).help(format!(
+        "publish the inverse with `{frame}` as the parent; a localizer that cannot may use a frame of another name"
+    )))
+}
+
+fn past_odom(
+    world: &World,
+    graph: &FrameGraph,
+    frame: &FrameId,
+    above: Option<(&FrameId, Standard)>,
+    namespace: &str,
+) -> Option<Finding> {
+    let (map, _) = above.filter(|(_, kind)| *kind == Standard::Map)?;
+    let odom = graph
+        .frames
+        .iter()
+        .find(|other| names::standard(other) == Some((namespace, Standard::Odom)))?;
+    let message = format!("`{frame}` is put under `{map}` past `{odom}`, which is there as well");
+    let finding = at_edge(world, frame, false, message)?;
+    Some(finding.label(format!("puts `{frame}` under `{map}`")).help(format!(
+        "a localizer publishes `{map}` -> `{odom}`, so that `{odom}` -> `{frame}` stays smooth (REP-105)"
+    )))
+}
+
+fn under_sensor(world: &World, frame: &FrameId, sensor: &FrameId) -> Option<Finding> {
+    let message =
+        format!("the sensor `{sensor}` is the parent of `{frame}`: the base carries its sensors, not the other way");
+    let finding = at_edge(world, frame, false, message)?;
+    Some(finding.label(format!("puts `{frame}` under `{sensor}`")).help(format!(
+        "state the mount as `{frame}` -> `{sensor}` (the inverse transform), so that odometry can be the base's parent"
+    )))
+}

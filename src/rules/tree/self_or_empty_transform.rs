@@ -1,0 +1,128 @@
+//! TREE04: transforms of a frame to itself, and transforms without a frame.
+
+use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::source::{Confidence, Place};
+use crate::verdict::{Finding, Measured};
+use crate::world::{BagEvidence, ClaimKind, FrameId, Robot, World};
+
+/// TREE04.
+pub struct SelfOrEmptyTransform;
+
+impl Rule for SelfOrEmptyTransform {
+    const PAGE: &'static str = include_str!("../../../rules/tree/self-or-empty-transform.md");
+    const NEEDS: &'static [Need] = &[Need::Transforms];
+    type Limits = NoLimits;
+
+    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+        for bag in world.bags.iter().filter(|bag| !bag.tf.is_empty()) {
+            judge_bag(world, bag, out);
+        }
+        for robot in world.robots.iter().filter(|robot| !robot.joints.is_empty()) {
+            judge_robot(world, robot, out);
+        }
+        judge_files(world, out);
+    }
+}
+
+/// What is wrong with a pair of names as tf2 sees it, and the name that tf2 gives the fault.
+fn fault(parent: &FrameId, child: &FrameId) -> Option<(&'static str, &'static str)> {
+    let (parent, child) = (parent.canonical(), child.canonical());
+    if child.as_str().is_empty() {
+        Some(("has no child frame", "TF_NO_CHILD_FRAME_ID"))
+    } else if parent.as_str().is_empty() {
+        Some(("has no parent frame", "TF_NO_FRAME_ID"))
+    } else if parent == child {
+        Some(("relates a frame to itself", "TF_SELF_TRANSFORM"))
+    } else {
+        None
+    }
+}
+
+fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
+    let mut failed = false;
+    for edge in &bag.tf {
+        let Some((what, word)) = fault(&edge.parent, &edge.child) else {
+            continue;
+        };
+        failed = true;
+        let message = format!(
+            "the transform from `{}` to `{}` on {} {what}: tf2 drops it ({word}), {} times here",
+            edge.parent, edge.child, edge.topic, edge.count
+        );
+        let place = Place::message(bag.source, edge.first_at.clone());
+        let subject = format!("`{}` -> `{}` on {}", edge.parent, edge.child, edge.topic);
+        out.fail(
+            Finding::error(subject, message, place)
+                .help("set both frame ids in the broadcaster; if it has nothing to say, let it be silent")
+                .measured(Measured::new("dropped transforms", edge.count as f64, "count").limit(0.0)),
+        );
+    }
+    if !failed {
+        let edges = Measured::count("dropped transforms", 0)
+            .limit(0.0)
+            .samples(bag.tf.len() as u64);
+        out.pass(format!("TF of {}", world.path(bag.source)), [edges]);
+    }
+}
+
+/// Joints that name an empty link. A joint from a link to itself is refused by the URDF rules.
+fn judge_robot(world: &World, robot: &Robot, out: &mut Judge) {
+    let mut failed = false;
+    for joint in &robot.joints {
+        for (end, role) in [(&joint.parent, "parent"), (&joint.child, "child")] {
+            let Some(end) = end
+                .as_ref()
+                .filter(|end| FrameId::new(end.value.as_str()).canonical().as_str().is_empty())
+            else {
+                continue;
+            };
+            failed = true;
+            let message = format!("joint `{}` has an empty {role} link", joint.name.value);
+            out.fail(
+                Finding::error(format!("joint `{}`", joint.name.value), message, end.place.clone())
+                    .help("name the link that the joint connects")
+                    .measured(Measured::count("empty names", 1).limit(0.0)),
+            );
+        }
+    }
+    if !failed {
+        let joints = Measured::count("joints with an empty link name", 0).limit(0.0);
+        let subject = format!("robot `{}` in {}", robot.name.value, world.path(robot.source));
+        out.pass(subject, [joints.samples(robot.joints.len() as u64)]);
+    }
+}
+
+fn judge_files(world: &World, out: &mut Judge) {
+    let mut judged = 0;
+    let mut failed = false;
+    for claim in &world.claims {
+        // Frames that were only guessed from a key prove nothing.
+        let (ClaimKind::File { .. }, Some((target, source))) = (&claim.kind, &claim.frames) else {
+            continue;
+        };
+        if claim.reading == Confidence::Hint {
+            continue;
+        }
+        judged += 1;
+        let Some((what, _)) = fault(target, source) else {
+            continue;
+        };
+        failed = true;
+        let message = format!("the transform `{}` from `{target}` to `{source}` {what}", claim.label);
+        let place = claim.source_place.clone().unwrap_or_else(|| claim.place.clone());
+        let subject = format!("`{}` in {}", claim.label, world.path(claim.place.source));
+        out.fail(
+            Finding::error(subject, message, place)
+                .help("name two different frames, or remove the entry")
+                .measured(Measured::count("transforms without two frames", 1).limit(0.0)),
+        );
+    }
+    if judged > 0 && !failed {
+        out.pass(
+            "calibration files",
+            [Measured::count("transforms without two frames", 0)
+                .limit(0.0)
+                .samples(judged)],
+        );
+    }
+}

@@ -1,0 +1,152 @@
+//! TREE08: latched transforms that are missing, late or not latched.
+
+use std::collections::BTreeSet;
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule, tf};
+use crate::source::{MessageRef, Place};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::bag::TopicEvidence;
+use crate::world::{BagEvidence, FrameId, World};
+
+/// TREE08.
+pub struct TfStaticMissingOrLate;
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Time by which a latched transform may come after the first message that needs it, seconds.
+    pub max_late_s: f64,
+}
+
+impl Rule for TfStaticMissingOrLate {
+    const PAGE: &'static str = include_str!("../../../rules/tree/tf-static-missing-or-late.md");
+    const NEEDS: &'static [Need] = &[Need::Tf];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in world.bags.iter().filter(|bag| !bag.tf.is_empty()) {
+            let subject = format!("latched transforms of {}", world.path(bag.source));
+            let absent = absent(bag, &subject);
+            let undescribed = if absent.is_some() {
+                None
+            } else {
+                unpublished(world, bag, &subject)
+            };
+            let missing = absent.or(undescribed);
+            let others = [late(bag, &subject, limits), volatile(bag, &subject)];
+            let mut findings: Vec<Finding> = others.into_iter().flatten().collect();
+            if missing.is_some() && bag.truncated {
+                let reason = "the recording is cut short, so a missing transform proves nothing";
+                out.not_evaluated(subject.as_str(), NotEvaluated::TooLittleEvidence, reason);
+            } else if missing.is_none() && findings.is_empty() {
+                let latched = bag.tf.iter().filter(|edge| edge.is_static).count();
+                let faults = Measured::count("missing, late or volatile", 0).limit(0.0);
+                out.pass(subject, [faults.samples(latched as u64)]);
+            } else {
+                findings.extend(missing);
+            }
+            for finding in findings {
+                out.fail(finding);
+            }
+        }
+    }
+}
+
+/// No latched transform at all, while TF knows none of the sensors' frames.
+fn absent(bag: &BagEvidence, subject: &str) -> Option<Finding> {
+    let unknown = tf::without_static(bag);
+    let first = unknown.values().min_by_key(|at| at.log_ns)?;
+    let message = format!(
+        "the recording has TF but no latched transforms, and TF knows none of its sensors' frames: {}",
+        tf::listed(unknown.keys())
+    );
+    let finding = Finding::error(subject, message, Place::message(bag.source, (*first).clone()))
+        .label("its frame cannot be looked up")
+        .help("record /tf_static too (every split file needs it), or play it back from the URDF")
+        .measured(Measured::count("sensor frames without a transform", unknown.len()).limit(0.0));
+    Some(finding)
+}
+
+/// Fixed joints of a URDF whose link is in no transform of a recording of the same robot.
+fn unpublished(world: &World, bag: &BagEvidence, subject: &str) -> Option<Finding> {
+    let missing = tf::unpublished_joints(world, bag);
+    // One robot may be described twice: in a file and in the recording.
+    let names: BTreeSet<&FrameId> = missing.iter().map(|(child, _)| child).collect();
+    let (_, joint) = missing.first()?;
+    let needed: BTreeSet<FrameId> = tf::sensor_frames(bag).map(|(frame, _, _)| frame).collect();
+    let blind: Vec<&FrameId> = names.iter().filter(|frame| needed.contains(**frame)).copied().collect();
+    let message = format!(
+        "fixed joints of the URDF are missing from TF: {}",
+        tf::listed(names.iter().copied())
+    );
+    let finding = if blind.is_empty() {
+        Finding::warning(subject, message, joint.place.clone())
+    } else {
+        Finding::error(
+            subject,
+            format!("{message}; sensors use {}", tf::listed(blind)),
+            joint.place.clone(),
+        )
+    };
+    let finding = finding
+        .label("not in TF")
+        .help("start robot_state_publisher with this URDF, and record /tf_static")
+        .measured(Measured::count("fixed joints missing from TF", names.len()).limit(0.0));
+    Some(missing.iter().skip(1).take(5).fold(finding, |finding, (_, joint)| {
+        finding.related(joint.place.clone(), "not in TF")
+    }))
+}
+
+/// Latched transforms that come after the first messages that need them.
+fn late(bag: &BagEvidence, subject: &str, limits: &Limits) -> Option<Finding> {
+    let mut late: Vec<(f64, FrameId, &MessageRef, &MessageRef)> = Vec::new();
+    for (frame, _, needed) in tf::sensor_frames(bag) {
+        let of_frame = || bag.tf.iter().filter(|edge| edge.child.canonical() == frame);
+        let first = of_frame().map(|edge| &edge.first_at).min_by_key(|at| at.log_ns);
+        if let Some(first) = first.filter(|_| of_frame().any(|edge| edge.is_static)) {
+            let late_s = (first.log_ns - needed.log_ns) as f64 / 1e9;
+            if late_s > limits.max_late_s {
+                late.push((late_s, frame, first, needed));
+            }
+        }
+    }
+    late.sort_by(|a, b| b.0.total_cmp(&a.0).then_with(|| a.1.cmp(&b.1)));
+    let (late_s, frame, first, needed) = late.first()?;
+    let names: BTreeSet<&FrameId> = late.iter().map(|(_, frame, _, _)| frame).collect();
+    let message = format!(
+        "`{frame}` gets its latched transform {late_s:.1} s after its first message (late: {})",
+        tf::listed(names)
+    );
+    let finding = Finding::warning(subject, message, Place::message(bag.source, (*first).clone()))
+        .label("first transform")
+        .help("start the broadcaster before the sensors, and the recorder before both")
+        .measured(Measured::new("delay", *late_s, "s").limit(limits.max_late_s))
+        .related(
+            Place::message(bag.source, (*needed).clone()),
+            "first message that needs it",
+        );
+    Some(finding)
+}
+
+/// A static topic that was offered without keeping its last message.
+fn volatile(bag: &BagEvidence, subject: &str) -> Option<Finding> {
+    let is_volatile = |topic: &&TopicEvidence| tf::is_static_topic(&topic.topic) && tf::is_volatile(topic);
+    let topic = bag.topics.values().find(is_volatile)?;
+    let first = bag
+        .tf
+        .iter()
+        .find(|edge| edge.topic == topic.topic)
+        .map(|edge| edge.first_at.clone());
+    let place = first.map_or_else(|| Place::whole(bag.source), |at| Place::message(bag.source, at));
+    let message = format!(
+        "{} was offered with durability volatile: late listeners never get it",
+        topic.topic
+    );
+    let finding = Finding::error(subject, message, place)
+        .help("publish it with durability transient_local (StaticTransformBroadcaster does)")
+        .measured(Measured::count("volatile publishers", 1).limit(0.0));
+    Some(finding)
+}

@@ -1,0 +1,219 @@
+//! Recordings that are sound and strange: other encodings, unknown types, wrong messages, ever new names.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)]
+
+mod support;
+
+use frames_lint::collect::Collected;
+use frames_lint::source::{ReadStatus, Source};
+use support::bag;
+use support::encode::{Body, Endian, Header, Transform};
+use support::raw::{Layout, RawChannel, in_memory};
+
+/// A recording with one channel and these messages, one a second.
+fn one_topic(channel: &RawChannel<'_>, messages: &[Vec<u8>]) -> (Source, Collected) {
+    support::collected(&in_memory(Layout::default(), |out| {
+        let id = out.channel(channel);
+        for (second, message) in (0..).zip(messages) {
+            out.message(id, second * 1_000_000_000, message);
+        }
+    }))
+}
+
+fn stamped(stamp_ns: i64) -> Vec<u8> {
+    let header = Header {
+        stamp_ns,
+        frame_id: "frame",
+    };
+    Body::Padded(header).encode(Endian::Little)
+}
+
+#[test]
+fn a_header_is_read_by_definition_not_by_name() {
+    let cases = [
+        (
+            "acme_msgs/msg/Radar",
+            "cdr",
+            "ros2msg",
+            "# radar\nuint8 A=1\nstd_msgs/Header header\nfloat32 x\n",
+            Ok(1),
+        ),
+        (
+            "acme_msgs/msg/Radar",
+            "cdr",
+            "ros2msg",
+            "float32 x\nstd_msgs/Header header\n",
+            Ok(0),
+        ),
+        (
+            "acme_msgs/msg/Radar",
+            "cdr",
+            "ros2msg",
+            "",
+            Err("the recording holds no definition of acme_msgs/msg/Radar"),
+        ),
+        (
+            "acme_msgs/msg/Radar",
+            "cdr",
+            "ros2idl",
+            "struct Radar {};",
+            Err("definitions in ros2idl are not read"),
+        ),
+        (
+            "foxglove.FrameTransform",
+            "protobuf",
+            "protobuf",
+            "x",
+            Err("protobuf messages are not read"),
+        ),
+        (
+            "std_msgs/Header",
+            "ros1",
+            "ros1msg",
+            "uint32 seq",
+            Err("ros1 messages are not read"),
+        ),
+        ("", "json", "", "", Err("json messages are not read")),
+        ("", "cdr", "", "", Err("the recording holds no definition of the type")),
+    ];
+    for (message_type, message_encoding, schema_encoding, schema, expected) in cases {
+        let channel = RawChannel {
+            message_type,
+            schema_encoding,
+            schema,
+            message_encoding,
+            ..RawChannel::default()
+        };
+        let (source, collected) = one_topic(&channel, &[stamped(7)]);
+        let topic = &bag(&collected).topics["/topic"];
+        assert_eq!(
+            (source.status, topic.count, topic.malformed),
+            (ReadStatus::Read, 1, 0),
+            "{channel:?}"
+        );
+        assert_eq!(topic.unread.as_deref(), expected.err(), "{channel:?}");
+        assert_eq!(topic.stamps.count, expected.unwrap_or(0), "{channel:?}");
+    }
+}
+
+#[test]
+fn messages_that_do_not_decode_are_counted_with_the_first_ones_place() {
+    let tf = |transforms: &[Transform<'_>]| Body::Tf(transforms).encode(Endian::Little);
+    let good = Transform {
+        header: Header {
+            stamp_ns: 5,
+            frame_id: "a",
+        },
+        child: "b",
+        translation: [0.0; 3],
+        rotation: [0.0, 0.0, 0.0, 1.0],
+    };
+    let mut lying = tf(&[good]);
+    lying[4..8].copy_from_slice(&u32::MAX.to_le_bytes());
+    let mut cut = tf(&[good, good]);
+    cut.truncate(cut.len() - 1);
+    let channel = RawChannel {
+        topic: "/tf",
+        message_type: "tf2_msgs/msg/TFMessage",
+        ..RawChannel::default()
+    };
+    let messages = [tf(&[good]), lying, cut, Vec::new(), vec![0, 9, 0, 0, 1], tf(&[good])];
+    let (source, collected) = one_topic(&channel, &messages);
+    let topic = &bag(&collected).topics["/tf"];
+    assert_eq!((topic.count, topic.malformed), (6, 4));
+    let (first, error) = topic.first_malformed.clone().unwrap();
+    assert_eq!((first.index, first.log_ns), (1, 1_000_000_000));
+    assert!(error.contains("run past the end of the message"), "{error}");
+    // Nothing of a message that no listener would get, not even its sound transforms.
+    assert_eq!(bag(&collected).tf[0].count, 2);
+    assert_eq!(source.status, ReadStatus::Partial);
+    assert!(
+        source
+            .detail
+            .unwrap()
+            .starts_with("4 of 6 messages on `/tf` do not decode: ")
+    );
+}
+
+#[test]
+fn ever_new_names_are_bounded_and_said() {
+    let bytes = in_memory(Layout::default(), |out| {
+        let tf = out.channel(&RawChannel {
+            topic: "/tf",
+            message_type: "tf2_msgs/msg/TFMessage",
+            ..RawChannel::default()
+        });
+        let imu = out.channel(&RawChannel {
+            topic: "/imu",
+            message_type: "acme/msg/Imu",
+            schema: "std_msgs/Header header",
+            ..RawChannel::default()
+        });
+        for tick in 0..22_000 {
+            let name = format!("frame_{tick}");
+            let header = Header {
+                stamp_ns: tick,
+                frame_id: &name,
+            };
+            let transform = Transform {
+                header: Header {
+                    stamp_ns: tick,
+                    frame_id: "a",
+                },
+                child: &name,
+                translation: [0.0; 3],
+                rotation: [0.0, 0.0, 0.0, 1.0],
+            };
+            out.message(tf, tick, &Body::Tf(&[transform]).encode(Endian::Little));
+            out.message(imu, tick, &Body::Padded(header).encode(Endian::Little));
+        }
+        for topic in 0..10_500 {
+            let topic = format!("/topic_{topic}");
+            out.channel(&RawChannel {
+                topic: &topic,
+                ..RawChannel::default()
+            });
+        }
+    });
+    let (source, collected) = support::collected(&bytes);
+    let bag = bag(&collected);
+    assert_eq!(
+        (bag.tf.len(), bag.topics.len(), bag.topics["/imu"].header_frames.len()),
+        (10_000, 10_000, 256)
+    );
+    assert_eq!(
+        (bag.topics["/tf"].count, bag.topics["/imu"].stamps.count),
+        (22_000, 22_000)
+    );
+    let problems: Vec<&str> = source.problems.iter().map(|problem| problem.message.as_str()).collect();
+    let expected = [
+        "502 channels beyond the first 10000 topics, or with very long names are not in the evidence",
+        "12000 transforms beyond the first 10000 edges of TF are not in the evidence",
+        "21744 message headers with ever new frame names are not in the evidence",
+    ];
+    assert_eq!((source.status, problems), (ReadStatus::Partial, expected.to_vec()));
+}
+
+#[test]
+fn a_topic_of_two_types_is_said() {
+    let bytes = in_memory(Layout::default(), |out| {
+        for (message_type, message_encoding) in [("acme/msg/A", "cdr"), ("acme/msg/B", "cdr"), ("acme/msg/C", "json")] {
+            let id = out.channel(&RawChannel {
+                message_type,
+                schema: "std_msgs/Header header",
+                message_encoding,
+                ..RawChannel::default()
+            });
+            out.message(id, 1, &stamped(7));
+        }
+    });
+    let (source, collected) = support::collected(&bytes);
+    let topic = &bag(&collected).topics["/topic"];
+    assert_eq!((topic.count, topic.stamps.count), (3, 2));
+    let problems: Vec<&str> = source.problems.iter().map(|problem| problem.message.as_str()).collect();
+    let expected = [
+        "`/topic` is recorded as two types: `acme/msg/A` and `acme/msg/B`",
+        "`/topic` is recorded as two types: `acme/msg/A` and `acme/msg/C`",
+    ];
+    assert_eq!((source.status, problems), (ReadStatus::Partial, expected.to_vec()));
+}
