@@ -30,6 +30,14 @@ const KINDS: &[&[&str]] = &[
 /// Words for frames that belong to a sensor or to its housing: what hangs on them may well coincide with them.
 const HOUSINGS: &[&str] = &[
     "stereo",
+    "kinect2",
+    "oak",
+    "oakd",
+    "xtion",
+    "astra",
+    "d435",
+    "d455",
+    "t265",
     "kinect",
     "realsense",
     "zed",
