@@ -2,14 +2,13 @@
 
 mod gather;
 mod judge;
+mod parallel;
 mod plan;
 mod platform;
 mod references;
 
 use std::fmt;
 use std::path::PathBuf;
-
-use rayon::prelude::*;
 
 use crate::progress::Progress;
 use crate::read::discover::{Inputs, discover};
@@ -54,10 +53,9 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
     let rules = plan::enabled(&options.select, &options.ignore)?;
     let (inputs, worlds) = gather_worlds(options)?;
     let several = worlds.len() > 1;
-    let verdicts: Vec<Verdict> = worlds
-        .par_iter()
-        .map(|world| judge::judge(world, &rules, several.then_some(world.label.as_str())))
-        .collect();
+    let verdicts = parallel::map(worlds.iter().collect(), |world| {
+        judge::judge(world, &rules, several.then_some(world.label.as_str()))
+    });
     let mut verdict = Verdict::default();
     for part in verdicts {
         verdict.rows.extend(part.rows);

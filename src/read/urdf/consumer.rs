@@ -7,6 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use crate::world::robot::{ConsumerJoint, ConsumerOpinion};
 
 use super::known;
+use super::plain;
 use super::repair::Repaired;
 use super::xml::Element;
 
@@ -25,7 +26,7 @@ pub(super) fn ask(repaired: &Repaired, root: &Element<'_>) -> ConsumerOpinion {
     if repaired.text.len() > LARGEST {
         return ConsumerOpinion::NotAsked(format!("the text has {} bytes", repaired.text.len()));
     }
-    let text = without_foreign(&repaired.text, root);
+    let text = without_foreign(root);
     match catch_unwind(AssertUnwindSafe(|| urdf_rs::read_from_string(&text))) {
         Ok(Ok(robot)) => ConsumerOpinion::Loads(joints(&robot)),
         Ok(Err(error)) => ConsumerOpinion::Refuses(one_line(&error.to_string())),
@@ -33,30 +34,58 @@ pub(super) fn ask(repaired: &Repaired, root: &Element<'_>) -> ConsumerOpinion {
     }
 }
 
-/// The text with blanks where elements stand that say nothing about frames or that consumers ignore: urdf-rs refuses
-/// files for a material written twice, or for an `<origin>` inside of a `<geometry>`; urdfdom does not.
-fn without_foreign(text: &str, root: &Element<'_>) -> String {
-    let mut bytes = text.as_bytes().to_vec();
-    for element in root.descendants() {
-        let Some(parent) = element.parent() else { continue };
-        let name = element.name();
-        let stays = match parent.name() {
-            // A shape that urdf-rs does not know is worth its words.
-            "geometry" => !matches!(name, "origin" | "material"),
-            parent => known::reads(parent, name) && name != "material",
-        };
-        if stays {
-            continue;
-        }
-        if let Some(span) = element.place().span() {
-            bytes
-                .get_mut(span.start..span.end)
-                .into_iter()
-                .flatten()
-                .for_each(|byte| *byte = b' ');
+/// The elements that a consumer reads and that leave a doubt, without the blanks between them: urdf-rs refuses files
+/// for a material written twice, or for an `<origin>` inside of a `<geometry>`, urdfdom does not; and it reads each
+/// character three times.
+fn without_foreign(root: &Element<'_>) -> String {
+    enum Step<'a> {
+        Open(Element<'a>),
+        Close(&'a str),
+    }
+    let mut out = String::new();
+    let mut stack = vec![Step::Open(*root)];
+    while let Some(step) = stack.pop() {
+        match step {
+            Step::Close(name) => {
+                out.push_str("</");
+                out.push_str(name);
+                out.push('>');
+            }
+            Step::Open(element) => {
+                let first = stack.len();
+                stack.push(Step::Close(element.repaired_name()));
+                stack.extend(
+                    element
+                        .children()
+                        .filter(|child| stays(&element, child))
+                        .map(Step::Open),
+                );
+                element.write_start(&mut out);
+                if stack.len() == first + 1 {
+                    stack.truncate(first);
+                    out.push_str("/>");
+                } else {
+                    out.push('>');
+                    // The first child is opened next, the end tag comes last.
+                    if let Some(inside) = stack.get_mut(first + 1..) {
+                        inside.reverse();
+                    }
+                }
+            }
         }
     }
-    String::from_utf8(bytes).unwrap_or_else(|_| text.to_owned())
+    out
+}
+
+fn stays(parent: &Element<'_>, child: &Element<'_>) -> bool {
+    let name = child.name();
+    match parent.name() {
+        "link" if plain::is_plain(child) => false,
+        "joint" if plain::is_plain_in_joint(child) => false,
+        // A shape that urdf-rs does not know is worth its words.
+        "geometry" => !matches!(name, "origin" | "material"),
+        parent => known::reads(parent, name) && name != "material",
+    }
 }
 
 fn joints(robot: &urdf_rs::Robot) -> Vec<ConsumerJoint> {

@@ -9,6 +9,7 @@ mod known;
 mod link;
 mod mesh;
 mod numbers;
+mod plain;
 mod reader;
 mod repair;
 #[cfg(test)]

@@ -91,7 +91,8 @@ impl Lexer<'_> {
 
     fn run(&mut self, end: usize) {
         let mut at = 0;
-        while let Some(open) = self.find(at, "<").filter(|open| *open < end) {
+        let next_tag = |at: usize| Some(at + self.text.get(at..)?.find('<')?);
+        while let Some(open) = next_tag(at).filter(|open| *open < end) {
             self.escape_ampersands(at, open);
             let next = if self.starts(open, "<!--") {
                 self.comment(open)
