@@ -153,17 +153,17 @@ fn met_file(path: &Path, root: &Path, group: usize, inputs: &mut Inputs) {
             input.kind = kind_of_name(path).unwrap_or(SourceKind::Unsupported);
             input.refusal = Some(format!("cannot be opened: {error}"));
         }
-        Ok(head) => match recognise(path, &head) {
-            Some(kind) => input.kind = kind,
-            None => {
-                let Some(reason) = unread_format(path) else {
-                    *inputs.skipped.entry(ending(path)).or_default() += 1;
-                    return;
-                };
+        Ok(head) => {
+            if let Some(kind) = recognise(path, &head) {
+                input.kind = kind;
+            } else if let Some(reason) = unread_format(path) {
                 input.refusal = Some(reason.to_owned());
                 input.required = false;
+            } else {
+                *inputs.skipped.entry(ending(path)).or_default() += 1;
+                return;
             }
-        },
+        }
     }
     inputs.files.push(input);
 }

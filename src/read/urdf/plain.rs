@@ -15,6 +15,11 @@ const SHAPES: &[(&str, &[(&str, usize)])] = &[
 
 const MOMENTS: &[(&str, usize)] = &[("ixx", 1), ("ixy", 1), ("ixz", 1), ("iyy", 1), ("iyz", 1), ("izz", 1)];
 
+/// Whether a link has a name and only plain things inside.
+pub(super) fn is_plain_link(link: &Element<'_>) -> bool {
+    holds(link, &[("name", 0)], &[]) && link.children().all(|child| is_plain(&child))
+}
+
 /// Whether a child of a joint says nothing about frames and is written by the book. Tree and origin are always asked.
 pub(super) fn is_plain_in_joint(element: &Element<'_>) -> bool {
     let (required, optional): (&[_], &[_]) = match element.repaired_name() {

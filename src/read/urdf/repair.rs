@@ -12,8 +12,6 @@ use crate::source::Span;
 pub(super) struct Repaired {
     /// The text, of the same length as the original. Colons in names are underscores: read names from the original.
     pub(super) text: String,
-    /// The deepest nesting of elements.
-    pub(super) depth: usize,
     /// Names of the elements at the top, as written, with their places.
     pub(super) tops: Vec<(String, Span)>,
     /// The first entity declaration of a document type, if there is one.
@@ -198,12 +196,10 @@ impl Lexer<'_> {
                 0 | b'<' => return None,
                 b'>' => {
                     self.open += 1;
-                    self.report.depth = self.report.depth.max(self.open);
                     break;
                 }
                 b'/' if self.byte(at + 1) == b'>' => {
                     at += 1;
-                    self.report.depth = self.report.depth.max(self.open + 1);
                     break;
                 }
                 _ => {

@@ -105,6 +105,17 @@ pub(super) struct Fault {
     pub(super) message: String,
 }
 
+/// Longest piece of a text without a `>`, bytes, that is parsed unseen: parsing a tag costs the square of its attributes.
+const LONGEST_TAG: usize = 8192;
+
+/// Parses a text that needs no repair; `None` where a strict parser objects, or could be kept busy.
+pub(super) fn parse_strict(text: &str) -> Option<Document<'_>> {
+    if text.split('>').any(|piece| piece.len() > LONGEST_TAG) {
+        return None;
+    }
+    Document::parse(text).ok()
+}
+
 /// Parses a repaired text (with `text.shift` bytes put in front).
 pub(super) fn parse<'t>(repaired: &'t str, text: Text<'_>) -> Result<Document<'t>, Fault> {
     let options = ParsingOptions {
@@ -193,8 +204,13 @@ impl<'a> Element<'a> {
 
     fn name_span(&self) -> Span {
         let start = self.node.range().start + 1;
-        // Names keep their length in repair; a default namespace does not change it.
-        self.text.span(start..start + self.node.tag_name().name().len())
+        let input = self.node.document().input_text().as_bytes();
+        let behind = input.get(start..).unwrap_or_default();
+        let length = behind
+            .iter()
+            .position(|byte| matches!(byte, b' ' | b'\t' | b'\n' | b'\r' | b'/' | b'>'))
+            .unwrap_or(behind.len());
+        self.text.span(start..start + length)
     }
 
     /// Where the name stands.
@@ -223,12 +239,17 @@ impl<'a> Element<'a> {
         Place::text(self.text.source, Span::new(whole.start, end))
     }
 
-    /// Writes `<name a="1"` as it stands in the repaired text, without the blanks between attributes.
+    /// Writes `<name a="1"` as it stands in the repaired text, without the blanks between attributes and without
+    /// attributes of other namespaces.
     pub(super) fn write_start(&self, out: &mut String) {
         let input = self.node.document().input_text();
         out.push('<');
         out.push_str(self.repaired_name());
-        for attribute in self.node.attributes() {
+        for attribute in self
+            .node
+            .attributes()
+            .filter(|attribute| attribute.namespace().is_none())
+        {
             out.push(' ');
             out.push_str(input.get(attribute.range()).unwrap_or_default());
         }
