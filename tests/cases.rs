@@ -1,5 +1,13 @@
 //! Every rule's page is a test: its Bad, Good and Not evaluated blocks are run, and must give what the page says.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::string_slice
+)]
+
 mod support;
 
 use std::fmt::Write as _;

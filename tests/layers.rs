@@ -1,5 +1,13 @@
 //! Who may use whom: reads the `crate::` paths of every file and fails on an arrow that points the wrong way.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::string_slice
+)]
+
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,5 +1,13 @@
 //! Healthy platforms stay silent: a car, an indoor robot and an arm, each with URDF, calibration and a recording.
 
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::string_slice
+)]
+
 mod support;
 
 use std::fs;

@@ -2,14 +2,13 @@
 
 mod gather;
 mod judge;
+mod parallel;
 mod plan;
 mod platform;
 mod references;
 
 use std::fmt;
 use std::path::PathBuf;
-
-use rayon::prelude::*;
 
 use crate::progress::Progress;
 use crate::read::discover::{Inputs, discover};
@@ -46,7 +45,7 @@ impl std::error::Error for UsageError {}
 
 /// Every rule of the tool.
 pub fn rules() -> Result<Vec<RuleInfo>, UsageError> {
-    Ok(plan::all()?.iter().map(|rule| plan::info(&rule.front)).collect())
+    Ok(plan::all()?.iter().map(|rule| RuleInfo::new(&rule.front)).collect())
 }
 
 /// Reads the inputs and judges them.
@@ -54,17 +53,16 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
     let rules = plan::enabled(&options.select, &options.ignore)?;
     let (inputs, worlds) = gather_worlds(options)?;
     let several = worlds.len() > 1;
-    let verdicts: Vec<Verdict> = worlds
-        .par_iter()
-        .map(|world| judge::judge(world, &rules, several.then_some(world.label.as_str())))
-        .collect();
+    let verdicts = parallel::map(worlds.iter().collect(), |world| {
+        judge::judge(world, &rules, several.then_some(world.label.as_str()))
+    });
     let mut verdict = Verdict::default();
     for part in verdicts {
         verdict.rows.extend(part.rows);
         verdict.findings.extend(part.findings);
     }
     verdict.sort();
-    let rules = rules.iter().map(|rule| plan::info(&rule.front)).collect();
+    let rules = rules.iter().map(|rule| RuleInfo::new(&rule.front)).collect();
     Ok(run(inputs, worlds, verdict, rules))
 }
 

@@ -2,7 +2,6 @@
 
 use crate::page::Front;
 use crate::rules::{Entry, RULES};
-use crate::run::RuleInfo;
 
 use super::UsageError;
 
@@ -19,7 +18,8 @@ pub(super) fn all() -> Result<Vec<Enabled>, UsageError> {
     RULES
         .iter()
         .map(|entry| {
-            let front = Front::parse(entry.page).map_err(|error| UsageError(error.to_string()))?;
+            let front = Front::parse(entry.page)
+                .map_err(|error| UsageError(format!("a rule's page is broken: {error}: {:.60}", entry.page)))?;
             Ok(Enabled { front, entry })
         })
         .collect()
@@ -69,20 +69,5 @@ fn unknown(all: &[Enabled], word: &str) -> String {
             format!("no rule and no family is called `{word}`; did you mean `{known}`?")
         }
         _ => format!("no rule and no family is called `{word}`; `frames-lint rules` lists them"),
-    }
-}
-
-/// What a report says of a rule.
-pub(super) fn info(front: &Front) -> RuleInfo {
-    RuleInfo {
-        code: front.code.clone(),
-        name: front.name.clone(),
-        summary: front.summary.clone(),
-        family: front.family().to_owned(),
-        severity: front.severity,
-        confidence: front.confidence,
-        status: front.status,
-        subject: front.subject.clone(),
-        since: front.since.clone(),
     }
 }

@@ -12,9 +12,6 @@ use super::super::style::Ink;
 use super::super::text::{list, one_line, plural, wrap};
 use super::Options;
 
-/// More names in a sentence are only counted.
-const MAX_NAMES: usize = 3;
-
 pub(super) fn ending(run: &Run, options: &Options, out: &mut String) {
     let summary = run.summary(options.fail_on);
     let _ = writeln!(out, "{}", counts(run, &summary, options.style));
@@ -156,15 +153,13 @@ fn not_counting(run: &Run, fail_on: FailOn) -> Option<String> {
 
 fn unread(run: &Run) -> Option<String> {
     let paths: BTreeSet<String> = run.unread().map(|source| one_line(&source.path)).collect();
-    let paths: Vec<String> = paths.into_iter().collect();
-    (!paths.is_empty()).then(|| format!("{} could not be read in full.", names(&paths)))
-}
-
-fn names(all: &[String]) -> String {
-    match all.split_at_checked(MAX_NAMES) {
-        Some((first, rest)) if !rest.is_empty() => format!("{} and {} more", first.join(", "), rest.len()),
-        _ => list(all),
-    }
+    // One path helps; several make the last line unreadable, and stand above with their reasons.
+    let what = match (paths.len(), paths.first()) {
+        (0, _) | (_, None) => return None,
+        (1, Some(path)) => path.clone(),
+        (count, _) => plural(count, "input"),
+    };
+    Some(format!("{what} could not be read in full."))
 }
 
 /// Why there is not a single judgement.
@@ -188,13 +183,5 @@ fn why_nothing(run: &Run) -> String {
     if run.verdict.rows.is_empty() {
         return "no rule was asked".to_owned();
     }
-    let reasons: BTreeSet<String> = run
-        .verdict
-        .rows
-        .iter()
-        .filter_map(|row| row.reason.as_deref())
-        .map(one_line)
-        .collect();
-    let reasons: Vec<String> = reasons.into_iter().collect();
-    format!("no rule found anything it could judge ({})", names(&reasons))
+    "no rule found anything it could judge, for the reasons above".to_owned()
 }

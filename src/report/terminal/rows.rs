@@ -41,13 +41,19 @@ pub(super) fn not_evaluated(run: &Run, options: &Options, out: &mut String) {
 }
 
 fn by_reason(rows: &[&Row], style: Style, out: &mut String) {
-    let mut rules: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
+    let mut rules: BTreeMap<&str, (BTreeSet<&str>, usize)> = BTreeMap::new();
     for row in rows {
-        rules.entry(reason(row)).or_default().insert(&row.rule);
+        let (rules, checks) = rules.entry(reason(row)).or_default();
+        rules.insert(&row.rule);
+        *checks += 1;
     }
-    let mut reasons: Vec<(usize, &str)> = rules.iter().map(|(reason, rules)| (rules.len(), *reason)).collect();
-    reasons.sort_by(|a, b| (b.0, a.1).cmp(&(a.0, b.1)));
-    for (count, reason) in reasons.iter().take(MAX_REASONS) {
+    // Most rules first, then most checks.
+    let mut reasons: Vec<(usize, usize, &str)> = rules
+        .iter()
+        .map(|(reason, (rules, checks))| (rules.len(), *checks, *reason))
+        .collect();
+    reasons.sort_by(|a, b| (b.0, b.1, a.2).cmp(&(a.0, a.1, b.2)));
+    for (count, _, reason) in reasons.iter().take(MAX_REASONS) {
         let count = plural(*count, "rule");
         let line = wrap(
             &one_line(reason),

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use crate::run::Run;
 
 use super::super::place::Locator;
-use super::{Link, Links, outsiders, shown, title, worlds};
+use super::{Link, Links, Names, outsiders, shown, title, worlds};
 
 /// A directed graph: solid edges are constant, dashed ones move, red ones are disputed; frames outside every tree are dotted.
 pub fn render(run: &Run) -> String {
@@ -14,10 +14,15 @@ pub fn render(run: &Run) -> String {
     let mut out = "digraph frames {\n  rankdir=TB;\n  node [shape=box, fontname=\"sans-serif\"];\n".to_owned();
     let several = worlds(run).count() > 1;
     for (index, world) in worlds(run).enumerate() {
+        let names = Names::new(world, &locator);
         if several {
-            let _ = writeln!(out, "  subgraph cluster_{index} {{\n  label={};", quoted(&title(world)));
+            let _ = writeln!(
+                out,
+                "  subgraph cluster_{index} {{\n  label={};",
+                quoted(&title(world, &names))
+            );
         }
-        let links = Links::new(world, &locator, "x");
+        let links = Links::new(world, &names, "x");
         let mut ids: BTreeMap<&str, String> = BTreeMap::new();
         for frame in &world.graph().frames {
             let id = format!("w{index}f{}", ids.len());
@@ -29,7 +34,7 @@ pub fn render(run: &Run) -> String {
                 let _ = writeln!(out, "  {from} -> {to} [label={}{}];", quoted(&label(link)), look(link));
             }
         }
-        let outside = outsiders(world, &locator);
+        let outside = outsiders(world, &names);
         for (number, frame) in outside.iter().flat_map(BTreeMap::keys).enumerate() {
             let _ = writeln!(
                 out,

@@ -1,262 +1,69 @@
 //! The frame tree of a run with who says what: text, Graphviz and Mermaid.
 //!
-//! This file turns a world into edges with their statements; the drawings stand beside it. It shows and judges nothing:
-//! the mark on sources that differ is for the eye.
+//! Owns the words that the drawings share. Shows and judges nothing: the mark on sources that differ is for the eye.
 
 pub mod dot;
+mod links;
 pub mod mermaid;
 #[cfg(test)]
 mod tests;
 pub mod text;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
 
 use nalgebra::Isometry3;
 
 use crate::run::Run;
-use crate::source::{Confidence, SourceId};
-use crate::world::bag::TfEdge;
-use crate::world::graph::{Edge, EdgeOrigin};
-use crate::world::{Claim, ClaimKind, FrameId, Pose, World};
+use crate::source::{At, Place, SourceId};
+use crate::world::{ClaimKind, FrameId, World};
 
 use super::place::Locator;
-use super::text::{number, one_line, trimmed};
+use super::text::{one_line, trimmed};
+use links::{Link, Links};
 
-/// Rotations that differ by more are marked, radians (0.1 degrees: ten times what three printed decimals of a radian hide).
-const SAME_ANGLE_RAD: f64 = 0.1 * std::f64::consts::PI / 180.0;
-/// Translations that differ by more are marked, metres.
-const SAME_DISTANCE_M: f64 = 0.001;
-
-/// One source's statement of an edge.
-struct Statement {
-    /// `robot.urdf:12 joint lidar_joint (fixed)`.
-    who: String,
-    /// `parent_from_child`: constant, or the zero position or first sample of a moving one.
-    parent_from_child: Option<Isometry3<f64>>,
-    /// Whether the pose holds for as long as was seen.
-    constant: bool,
-    /// What kind of pose it is, where it is not constant.
-    moment: &'static str,
-    /// How it differs from the first constant statement.
-    differs: Option<String>,
+/// Short names of the sources of one world: paths without the folder they all lie in, which is said once.
+struct Names<'a> {
+    locator: &'a Locator<'a>,
+    /// The folder with its last slash; empty where there is none in common.
+    folder: String,
 }
 
-/// All statements of one parent and one child.
-struct Link {
-    statements: Vec<Statement>,
-}
-
-/// The edges of a world by parent and child.
-struct Links<'a> {
-    of: BTreeMap<(&'a FrameId, &'a FrameId), Link>,
-    children: BTreeMap<&'a FrameId, Vec<&'a FrameId>>,
-    /// What files state of frames that are not parent and child: `` `camera` from `lidar` `` with where.
-    beside: BTreeMap<String, Vec<String>>,
-}
-
-impl Link {
-    /// Whether two sources state different poses.
-    fn is_disputed(&self) -> bool {
-        self.statements.iter().any(|statement| statement.differs.is_some())
-    }
-
-    /// Whether no statement is constant.
-    fn moves(&self) -> bool {
-        !self.statements.iter().any(|statement| statement.constant)
-    }
-
-    /// The statement whose pose is shown: the first constant one, else the first that has a pose.
-    fn leading(&self) -> Option<&Statement> {
-        let posed = || {
-            self.statements
-                .iter()
-                .filter(|statement| statement.parent_from_child.is_some())
-        };
-        posed().find(|statement| statement.constant).or_else(|| posed().next())
-    }
-}
-
-impl<'a> Links<'a> {
-    fn new(world: &'a World, locator: &Locator, times: &str) -> Self {
-        let types = joint_types(world);
-        let mut of: BTreeMap<(&FrameId, &FrameId), Link> = BTreeMap::new();
-        for edge in &world.graph().edges {
-            if let Some(statement) = statement(world, edge, &types, locator, times) {
-                of.entry((&edge.parent, &edge.child))
-                    .or_insert_with(|| Link { statements: Vec::new() })
-                    .statements
-                    .push(statement);
+impl<'a> Names<'a> {
+    fn new(world: &World, locator: &'a Locator<'a>) -> Self {
+        let mut paths = world.members.iter().map(|id| world.path(*id));
+        let mut folder = paths.next().unwrap_or_default();
+        folder = folder
+            .rfind('/')
+            .and_then(|slash| folder.get(..=slash))
+            .unwrap_or_default();
+        for path in paths {
+            while !path.starts_with(folder) {
+                let parent = folder.trim_end_matches('/').rfind('/');
+                folder = parent.and_then(|slash| folder.get(..=slash)).unwrap_or_default();
             }
         }
-        let beside = calibrations(world, locator, &mut of);
-        let mut children: BTreeMap<&FrameId, Vec<&FrameId>> = BTreeMap::new();
-        for ((parent, child), link) in &mut of {
-            children.entry(parent).or_default().push(child);
-            mark_differences(&mut link.statements);
-        }
-        Self { of, children, beside }
-    }
-
-    fn get(&self, parent: &'a FrameId, child: &'a FrameId) -> Option<&Link> {
-        self.of.get(&(parent, child))
-    }
-
-    fn children(&self, parent: &FrameId) -> &[&'a FrameId] {
-        self.children.get(parent).map_or(&[], Vec::as_slice)
-    }
-}
-
-/// Adds the statements of calibration files to the edges they are about, and returns the others.
-fn calibrations<'a>(
-    world: &'a World,
-    locator: &Locator,
-    of: &mut BTreeMap<(&'a FrameId, &'a FrameId), Link>,
-) -> BTreeMap<String, Vec<String>> {
-    let frames = &world.graph().frames;
-    let mut beside: BTreeMap<String, Vec<String>> = BTreeMap::new();
-    for claim in &world.claims {
-        let (ClaimKind::File { .. }, Some((target, source))) = (&claim.kind, &claim.frames) else {
-            continue;
-        };
-        let who = one_line(&format!("{} {}", line_of(claim, locator), claim.label));
-        let target_from_source = claim.pose.as_ref().map(Pose::isometry);
-        let known = frames.get(&target.canonical()).zip(frames.get(&source.canonical()));
-        let stated = known.map(|(target, source)| {
-            if of.contains_key(&(target, source)) {
-                ((target, source), target_from_source)
-            } else {
-                ((source, target), target_from_source.map(|pose| pose.inverse()))
-            }
-        });
-        match stated.and_then(|(pair, pose)| of.get_mut(&pair).zip(Some(pose))) {
-            // Half a transform, or one whose direction is a guess, is named but not compared.
-            Some((link, parent_from_child)) => link.statements.push(Statement {
-                who: format!("{who} (calibration)"),
-                parent_from_child,
-                constant: claim.has_rotation && claim.has_translation && claim.reading > Confidence::Hint,
-                moment: "calibration",
-                differs: None,
-            }),
-            None => beside.entry(one_line(&claim.name())).or_default().push(who),
+        Self {
+            locator,
+            folder: folder.to_owned(),
         }
     }
-    beside
-}
 
-/// `robot.urdf:12`.
-fn line_of(claim: &Claim, locator: &Locator) -> String {
-    let source = locator.name(claim.place.source);
-    let line = locator.find(&claim.place).start;
-    line.map_or_else(|| source.clone(), |at| format!("{source}:{}", at.line))
-}
-
-/// Types of joints as written, by source and name.
-fn joint_types(world: &World) -> BTreeMap<(SourceId, &str), &str> {
-    world
-        .robots
-        .iter()
-        .flat_map(|robot| {
-            robot
-                .joints
-                .iter()
-                .map(|joint| ((robot.source, joint.name.value.as_str()), joint.kind.value.as_str()))
-        })
-        .collect()
-}
-
-fn statement(
-    world: &World,
-    edge: &Edge,
-    types: &BTreeMap<(SourceId, &str), &str>,
-    locator: &Locator,
-    times: &str,
-) -> Option<Statement> {
-    match edge.origin {
-        EdgeOrigin::Joint(index) => {
-            let claim = world.claims.get(index)?;
-            Some(joint_statement(claim, edge, types, locator))
-        }
-        EdgeOrigin::Tf(bag, index) => {
-            let bag = world.bags.get(bag)?;
-            let tf = bag.tf.get(index)?;
-            Some(tf_statement(&locator.name(bag.source), tf, edge, times))
-        }
+    fn short<'b>(&self, path: &'b str) -> &'b str {
+        path.strip_prefix(self.folder.as_str()).unwrap_or(path)
     }
-}
 
-fn joint_statement(
-    claim: &Claim,
-    edge: &Edge,
-    types: &BTreeMap<(SourceId, &str), &str>,
-    locator: &Locator,
-) -> Statement {
-    let name = match &claim.kind {
-        ClaimKind::Joint { joint, .. } => joint.as_str(),
-        ClaimKind::File { .. } => claim.label.as_str(),
-    };
-    let kind = types
-        .get(&(claim.place.source, name))
-        .copied()
-        .unwrap_or(if edge.is_rigid { "fixed" } else { "moving" });
-    Statement {
-        who: one_line(&format!("{} joint {name} ({kind})", line_of(claim, locator))),
-        parent_from_child: edge.pose,
-        constant: edge.is_rigid,
-        moment: "at zero",
-        differs: None,
+    /// `drive.mcap`, `robot.xacro (expanded)`.
+    fn name(&self, id: SourceId) -> String {
+        self.short(&self.locator.name(id)).to_owned()
     }
-}
 
-fn tf_statement(path: &str, tf: &TfEdge, edge: &Edge, times: &str) -> Statement {
-    let rate = if tf.is_static { None } else { rate_hz(tf) };
-    let rate = rate.map_or_else(String::new, |hz| format!(" {} Hz", number(hz, 2)));
-    // A joint publisher repeats fixed joints on /tf: what never moved can be compared.
-    let still = tf
-        .extreme
-        .as_ref()
-        .is_some_and(|(_, angle_rad, distance_m)| *angle_rad <= SAME_ANGLE_RAD && *distance_m <= SAME_DISTANCE_M);
-    Statement {
-        who: one_line(&format!("{path} {}{rate} {times}{}", tf.topic, tf.count)),
-        parent_from_child: edge.pose,
-        constant: tf.is_static || (still && tf.count > 1),
-        moment: "first sample",
-        differs: None,
-    }
-}
-
-/// From the median step, which gaps and sampling do not move; else from the whole length.
-fn rate_hz(tf: &TfEdge) -> Option<f64> {
-    let step_ns = tf
-        .stamps
-        .median_step_ns
-        .filter(|step| *step > 0)
-        .map(|step| step as f64)
-        .or_else(|| {
-            let length = tf.last_at.log_ns.checked_sub(tf.first_at.log_ns)?;
-            (length > 0 && tf.count > 1).then(|| length as f64 / (tf.count - 1) as f64)
-        })?;
-    Some(1e9 / step_ns)
-}
-
-fn mark_differences(statements: &mut [Statement]) {
-    let Some(first) = statements
-        .iter()
-        .find(|statement| statement.constant && statement.parent_from_child.is_some())
-        .and_then(|statement| statement.parent_from_child)
-    else {
-        return;
-    };
-    for statement in statements.iter_mut().filter(|statement| statement.constant) {
-        if let Some(other) = statement.parent_from_child {
-            let angle_rad = first.rotation.angle_to(&other.rotation);
-            let distance_m = (first.translation.vector - other.translation.vector).norm();
-            if angle_rad > SAME_ANGLE_RAD || distance_m > SAME_DISTANCE_M {
-                statement.differs = Some(format!(
-                    "differs by {} deg, {} m",
-                    number(angle_rad.to_degrees(), 3),
-                    number(distance_m, 3)
-                ));
-            }
+    /// `robot.urdf:12`.
+    fn line(&self, place: &Place) -> String {
+        let name = self.name(place.source);
+        match self.locator.find(place).start {
+            Some(at) => format!("{name}:{}", at.line),
+            None => name,
         }
     }
 }
@@ -276,21 +83,28 @@ fn pose_words(parent_from_child: &Isometry3<f64>) -> String {
 }
 
 /// Frames that are named somewhere but stand in no tree, each with where: first those of messages, then those of files.
-fn outsiders<'a>(world: &'a World, locator: &Locator) -> [BTreeMap<&'a str, Vec<String>>; 2] {
+/// Frames of a calibration that is shown itself are left out.
+fn outsiders<'a>(world: &'a World, names: &Names) -> [BTreeMap<&'a str, Vec<String>>; 2] {
     let mut found = [BTreeMap::new(), BTreeMap::new()];
     let frames: &BTreeSet<FrameId> = &world.graph().frames;
+    let calibrated: BTreeSet<&FrameId> = world
+        .claims
+        .iter()
+        .filter(|claim| matches!(claim.kind, ClaimKind::File { .. }))
+        .flat_map(|claim| claim.target().into_iter().chain(claim.source_frame()))
+        .collect();
     let [messages, files] = &mut found;
     for used in &world.frames {
         if used.role.in_tree() || frames.contains(&used.frame.canonical()) {
             continue;
         }
-        let is_message = matches!(used.place.at, crate::source::At::Message(_));
-        let list: &mut BTreeMap<&str, Vec<String>> = if is_message { messages } else { files };
-        let place = match &used.place.at {
-            crate::source::At::Message(message) => {
-                format!("{} {}", locator.name(used.place.source), message.topic)
-            }
-            _ => locator.short(&used.place),
+        let (list, place): (&mut BTreeMap<&str, Vec<String>>, String) = match &used.place.at {
+            At::Message(message) => (
+                &mut *messages,
+                format!("{} {}", names.name(used.place.source), message.topic),
+            ),
+            _ if calibrated.contains(&used.frame) => continue,
+            _ => (&mut *files, names.line(&used.place)),
         };
         list.entry(used.frame.as_str())
             .or_default()
@@ -303,22 +117,24 @@ fn outsiders<'a>(world: &'a World, locator: &Locator) -> [BTreeMap<&'a str, Vec<
     found
 }
 
-/// What a world is called: the paths of its robots, or of its first sources.
-fn title(world: &World) -> String {
+/// What a world is called: its robots, or its first sources, and their folder.
+fn title(world: &World, names: &Names) -> String {
     let robots: BTreeSet<&str> = world.robots.iter().map(|robot| world.path(robot.source)).collect();
-    let named = if robots.is_empty() {
+    let paths = if robots.is_empty() {
         world.members.iter().map(|id| world.path(*id)).collect()
     } else {
         robots
     };
-    let more = named.len().saturating_sub(3);
-    let first: Vec<&str> = named.into_iter().take(3).collect();
-    let more = if more > 0 {
-        format!(" and {more} more")
-    } else {
-        String::new()
-    };
-    one_line(&format!("{}{more}", first.join(", ")))
+    let more = paths.len().saturating_sub(3);
+    let first: Vec<&str> = paths.into_iter().take(3).map(|path| names.short(path)).collect();
+    let mut title = first.join(", ");
+    if more > 0 {
+        let _ = write!(title, " and {more} more");
+    }
+    if !names.folder.is_empty() {
+        let _ = write!(title, " in {}", names.folder);
+    }
+    one_line(&title)
 }
 
 /// Worlds that hold any frame.

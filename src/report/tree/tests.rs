@@ -179,3 +179,20 @@ fn names_cannot_break_the_drawings() {
     assert!(!draw(&run).contains('\u{1b}'));
     assert_eq!(draw(&Run::default()), "No frames: nothing that was read names one.\n");
 }
+
+#[test]
+fn a_common_folder_is_said_once() {
+    let mut s = Sample::default();
+    let urdf = s.source("ws/cart/robot.urdf", SourceKind::Urdf, ROBOT);
+    s.source("ws/cart/calib/a.yaml", SourceKind::Yaml, "");
+    s.source("ws/carts.yaml", SourceKind::Yaml, "");
+    s.joint(urdf, "lidar_joint", "base", "lidar", Pose::IDENTITY);
+    let mut run = s.run();
+    assert_eq!(
+        draw(&run),
+        "cart/calib/a.yaml, cart/robot.urdf, carts.yaml in ws/\n\nbase\n└─ lidar  identity\n       cart/robot.urdf:3 joint lidar_joint (fixed)\n"
+    );
+    run.worlds.push(run.worlds[0].clone());
+    assert!(draw(&run).starts_with("Platform cart/calib/a.yaml, cart/robot.urdf, carts.yaml in ws/\n\nbase\n"));
+    assert_eq!(draw(&run).matches("\n\nPlatform").count(), 1);
+}

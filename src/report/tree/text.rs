@@ -11,7 +11,7 @@ use super::super::Style;
 use super::super::place::Locator;
 use super::super::style::Ink;
 use super::super::text::plural;
-use super::{Link, Links, outsiders, pose_words, shown, title, worlds};
+use super::{Link, Links, Names, outsiders, pose_words, shown, title, worlds};
 
 /// Deeper frames are not indented further: a chain of thousands of frames stays readable, and small.
 const MAX_INDENT: usize = 24;
@@ -22,11 +22,14 @@ pub fn render(run: &Run, style: Style) -> String {
     let mut out = String::new();
     let several = worlds(run).count() > 1;
     for world in worlds(run) {
-        if several {
-            let title = format!("{}Platform {}", if out.is_empty() { "" } else { "\n" }, title(world));
-            let _ = writeln!(out, "{}\n", style.paint(Ink::Strong, &title));
+        let names = Names::new(world, &locator);
+        if several || !names.folder.is_empty() {
+            gap(&mut out);
+            let title = title(world, &names);
+            let title = if several { format!("Platform {title}") } else { title };
+            let _ = writeln!(out, "{}", style.paint(Ink::Strong, &title));
         }
-        world_text(world, &locator, style, &mut out);
+        world_text(world, &names, style, &mut out);
     }
     if out.is_empty() {
         out.push_str("No frames: nothing that was read names one.\n");
@@ -34,10 +37,11 @@ pub fn render(run: &Run, style: Style) -> String {
     out
 }
 
-fn world_text(world: &World, locator: &Locator, style: Style, out: &mut String) {
-    let links = Links::new(world, locator, style.pick("×", "x"));
+fn world_text(world: &World, names: &Names, style: Style, out: &mut String) {
+    let links = Links::new(world, names, style.pick("×", "x"));
     let components = world.graph().components();
     for (index, component) in components.iter().enumerate() {
+        gap(out);
         if components.len() > 1 {
             let frames = plural(component.members.len(), "frame");
             let heading = format!("Tree {} of {}, {frames}", index + 1, components.len());
@@ -51,22 +55,26 @@ fn world_text(world: &World, locator: &Locator, style: Style, out: &mut String) 
             path: BTreeSet::new(),
         }
         .component(component, out);
-        if index + 1 < components.len() {
-            out.push('\n');
-        }
     }
     list("Stated by files, not an edge of the tree", &links.beside, style, out);
-    let [messages, files] = outsiders(world, locator);
+    let [messages, files] = outsiders(world, names);
     list("Named by messages, not in the tree", &messages, style, out);
     list("Named by files, not in the tree", &files, style, out);
+}
+
+/// An empty line between parts.
+fn gap(out: &mut String) {
+    if !out.is_empty() {
+        out.push('\n');
+    }
 }
 
 fn list<K: AsRef<str>>(heading: &str, frames: &BTreeMap<K, Vec<String>>, style: Style, out: &mut String) {
     if frames.is_empty() {
         return;
     }
-    let gap = if out.is_empty() { "" } else { "\n" };
-    let _ = writeln!(out, "{gap}{}", style.paint(Ink::Strong, heading));
+    gap(out);
+    let _ = writeln!(out, "{}", style.paint(Ink::Strong, heading));
     for (frame, places) in frames {
         let _ = writeln!(
             out,

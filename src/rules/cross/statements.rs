@@ -155,12 +155,14 @@ fn comparable(world: &World, a: &Statement, b: &Statement) -> Option<Comparable>
         (Rank::File, Rank::File) if a.place.source == b.place.source => {
             (last(a) != last(b) && a.label != b.label).then_some(Comparable::Same)
         }
+        // Frames of one letter (`T_BS`) mean "the sensor of this file".
+        (Rank::File, Rank::File) if is_letter(&a.target) || is_letter(&a.source_frame) => None,
         (Rank::File, Rank::File) => {
             let folder = |id: SourceId| Path::new(world.path(id)).parent().map(Path::to_path_buf);
             if folder(a.place.source) != folder(b.place.source) {
                 return None;
             }
-            Some(if a.label == b.label {
+            Some(if last(a) == last(b) {
                 Comparable::Alternatives
             } else {
                 Comparable::Same
@@ -168,6 +170,10 @@ fn comparable(world: &World, a: &Statement, b: &Statement) -> Option<Comparable>
         }
         _ => Some(Comparable::Same),
     }
+}
+
+fn is_letter(frame: &FrameId) -> bool {
+    frame.as_str().chars().count() == 1
 }
 
 fn statements(world: &World) -> Vec<Statement> {

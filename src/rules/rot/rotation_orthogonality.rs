@@ -91,12 +91,12 @@ fn finding(world: &World, parts: &Parts, error: f64, allowed: f64, limits: &Limi
     let Some(nearest) = nearest_rotation(&parts.rotation) else {
         return finding;
     };
+    // Somebody may have meant the scale.
+    let safety = scale.map_or(Safety::Safe, |_| Safety::ChangesBehaviour);
     let moved_deg = nearest.angle_moved_rad.to_degrees();
     finding = finding.measured(Measured::new("angle to the nearest rotation", moved_deg, "deg").limit(limits.fix_deg));
     match parts.replace_rotation(world, nearest.rotation.matrix()) {
-        Some(edits) if moved_deg <= limits.fix_deg => {
-            finding.fix("replace it by the nearest rotation", Safety::Safe, edits)
-        }
+        Some(edits) if moved_deg <= limits.fix_deg => finding.fix("replace it by the nearest rotation", safety, edits),
         _ => finding,
     }
 }

@@ -30,6 +30,14 @@ const KINDS: &[&[&str]] = &[
 /// Words for frames that belong to a sensor or to its housing: what hangs on them may well coincide with them.
 const HOUSINGS: &[&str] = &[
     "stereo",
+    "kinect2",
+    "oak",
+    "oakd",
+    "xtion",
+    "astra",
+    "d435",
+    "d455",
+    "t265",
     "kinect",
     "realsense",
     "zed",
@@ -44,6 +52,30 @@ const HOUSINGS: &[&str] = &[
 
 /// Words for frames that are drawn by a convention, not mounted.
 const VIRTUAL: &[&str] = &["optical", "footprint", "virtual", "dummy", "joint"];
+
+/// Words for parts and data of one sensor.
+const PARTS: &[&str] = &[
+    "link",
+    "frame",
+    "base",
+    "sensor",
+    "device",
+    "color",
+    "colour",
+    "rgb",
+    "depth",
+    "infra",
+    "infra1",
+    "infra2",
+    "ir",
+    "accelerometer",
+    "accel",
+    "gyrometer",
+    "gyroscope",
+    "gyro",
+    "magnetometer",
+    "mag",
+];
 
 /// A sensor on something that is no sensor.
 #[derive(Debug)]
@@ -66,12 +98,21 @@ impl Mounting {
         self.parent_from_sensor.translation.vector.norm() <= 1e-12 && self.parent_from_sensor.rotation.angle() <= 1e-9
     }
 
+    /// Whether the two frames are called after one sensor: `camera_link` and `camera_color_frame`.
+    fn is_same_sensor(&self, other: &Self) -> bool {
+        let name = |frame: &FrameId| -> Vec<String> {
+            let tokens = frame.tokens().into_iter();
+            tokens.filter(|token| !PARTS.contains(&token.as_str())).collect()
+        };
+        name(&self.sensor) == name(&other.sensor)
+    }
+
     /// Whether another sensor of the same kind and source has exactly this pose on the same parent.
     pub(super) fn is_copy_of(&self, other: &Self) -> bool {
         let difference = self.parent_from_sensor.inv_mul(&other.parent_from_sensor);
         self.place.source == other.place.source
             && self.parent == other.parent
-            && self.sensor != other.sensor
+            && !self.is_same_sensor(other)
             && kind(&self.sensor) == kind(&other.sensor)
             && difference.translation.vector.norm() <= 1e-12
             && difference.rotation.angle() <= 1e-9

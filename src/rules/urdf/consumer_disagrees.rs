@@ -44,10 +44,7 @@ impl Rule for ConsumerDisagrees {
 
 /// One parser's refusal is an opinion: urdfdom takes files that it does not, and the other way round.
 fn refused(world: &World, robot: &Robot, why: &str) -> Finding {
-    let message = format!(
-        "{CONSUMER} refuses the description: {}",
-        why.lines().next().unwrap_or_default().trim()
-    );
+    let message = format!("{CONSUMER} refuses the description: {why}");
     let explained = !robot.malformed.is_empty() || !robot.repeated.is_empty();
     let finding = Finding::note(subject::robot(world, robot), message, robot.name.place.clone())
         .label("refused")
@@ -74,17 +71,13 @@ fn judge_loaded(world: &World, robot: &Robot, loaded: &[ConsumerJoint], limits: 
             out.fail(finding);
         }
     }
-    let lost = robot.joints.len().abs_diff(loaded.len());
-    if lost > 0 {
-        let message = format!(
-            "{CONSUMER} reads {} joints where {} are written",
-            loaded.len(),
-            robot.joints.len()
-        );
+    let (written, read) = (robot.joints.len(), loaded.len());
+    if written != read {
+        let message = format!("{CONSUMER} reads {read} joints where {written} are written");
         let finding = Finding::error(subject::robot(world, robot), message, robot.name.place.clone())
             .label("another tree is read")
             .help("look for joints that stand where a consumer does not look, or that share a name");
-        out.fail(finding.measured(Measured::count("joints lost", lost).limit(0.0)));
+        out.fail(finding.measured(Measured::count("joints read", read).limit(written as f64)));
     } else if differing == 0 {
         let measured = Measured::count("joints read otherwise", 0).limit(0.0);
         out.pass(

@@ -2,9 +2,9 @@
 
 use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured};
+use crate::verdict::{Finding, Measured, Severity};
 use crate::world::World;
-use crate::world::robot::{Inertial, Link, Robot};
+use crate::world::robot::{Inertial, Joint, Link, Robot};
 
 use super::moments::{principal_moments, rounding};
 use super::subject;
@@ -22,6 +22,8 @@ pub struct Limits {
     pub digits: f64,
     /// Moments that are taken for zero, kg m².
     pub absolute: f64,
+    /// Mass under which a fixed link hardly counts, kilograms.
+    pub light_kg: f64,
 }
 
 impl Rule for InertiaInvalid {
@@ -85,9 +87,16 @@ fn judge_body(world: &World, robot: &Robot, link: &Link, body: &Inertial, limits
         let message = format!(
             "the inertia of `{name}` belongs to no body: its largest principal moment {largest:.3e} kg m² is over the \
              sum of the others, {:.3e} kg m²",
-            least + middle
+            (least + middle).max(0.0)
         );
-        Finding::warning(owner, message, body.place.clone())
+        // A light link that is fixed to another is lumped into it, where its own moments hardly count.
+        let is_light = body.mass_kg.is_none_or(|mass| mass < limits.light_kg);
+        let severity = if is_light && is_fixed(robot, link) {
+            Severity::Note
+        } else {
+            Severity::Warning
+        };
+        Finding::new(severity, owner, message, body.place.clone())
             .label("breaks the triangle inequality")
             .help("take the inertia from CAD, about the centre of mass, or from the formula of a box or cylinder")
             .measured(Measured::new("largest principal moment", largest, "kg m²").limit(least + middle))
@@ -95,6 +104,15 @@ fn judge_body(world: &World, robot: &Robot, link: &Link, body: &Inertial, limits
         return None;
     };
     Some(finding)
+}
+
+fn is_fixed(robot: &Robot, link: &Link) -> bool {
+    let name = &link.name.value;
+    let mut above = robot
+        .joints
+        .iter()
+        .filter(|joint| joint.child.as_ref().is_some_and(|child| child.value == *name));
+    above.any(Joint::is_fixed)
 }
 
 fn all_zero(world: &World, robot: &Robot, zero: &[(&Link, &Inertial)]) -> Option<Finding> {

@@ -86,5 +86,5 @@ fn finding(world: &World, robot: &Robot, joint: &Joint, list: &NumberList, lengt
     )
     .label("not of length one")
     .help("normalise it: some consumers do so, others turn or shift the joint by that much more");
-    with_fix(finding, "normalise the axis", Safety::Safe, edits)
+    with_fix(finding, "normalise the axis", Safety::ChangesBehaviour, edits)
 }

@@ -6,7 +6,7 @@ use crate::rules::literal::{is_macro, rewrite, spell, with_fix};
 use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, Safety};
+use crate::verdict::{Finding, Measured, Safety, Severity};
 use crate::world::robot::{Joint, JointLimit, Robot};
 use crate::world::{Literal, World};
 
@@ -97,7 +97,10 @@ fn judge_limit(
     if lower > upper {
         let message =
             format!("the limits of joint `{name}` are the wrong way round: lower {lower} is over upper {upper}");
-        let finding = Finding::error(owner, message, place)
+        // Bullet takes lower over upper for "free", and its own models write 1 and -1 for that.
+        let is_idiom = !is_revolute && upper >= -1.0 && lower <= 1.0 && [lower, upper].iter().all(|b| b.fract() == 0.0);
+        let severity = if is_idiom { Severity::Note } else { Severity::Error };
+        let finding = Finding::new(severity, owner, message, place)
             .label("lower over upper")
             .help("exchange the two numbers, or correct the sign of one")
             .measured(Measured::new("upper minus lower", upper - lower, unit).limit(0.0));

@@ -1,7 +1,7 @@
 //! URDF09: meshes that are not where the description says.
 
 use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
 use crate::world::robot::{Link, Mesh, Robot};
 
@@ -37,9 +37,11 @@ impl Rule for MeshMissing {
                 .collect();
             let found = meshes.iter().filter(|(_, mesh)| mesh.found == Some(true)).count();
             let unknown = meshes.len() - missing.len() - found;
+            // Where all are missing, the description came alone: that says nothing about the robot.
+            let is_slip = found > 0;
             if meshes.is_empty() {
                 subject::nothing(world, robot, "mesh", out);
-            } else if let Some(finding) = finding(world, robot, &missing, limits) {
+            } else if let Some(finding) = finding(world, robot, &missing, is_slip, limits) {
                 out.fail(finding);
             } else if found > 0 {
                 out.pass(
@@ -64,9 +66,19 @@ impl Rule for MeshMissing {
     }
 }
 
-fn finding(world: &World, robot: &Robot, missing: &[(&Link, &Mesh)], limits: &Limits) -> Option<Finding> {
+fn finding(
+    world: &World,
+    robot: &Robot,
+    missing: &[(&Link, &Mesh)],
+    is_slip: bool,
+    limits: &Limits,
+) -> Option<Finding> {
     let (link, first) = missing.first()?;
     let message = match missing.len() {
+        n if !is_slip => format!(
+            "none of the {n} meshes is there, the first is `{}`",
+            first.filename.value
+        ),
         1 => format!(
             "the {} mesh `{}` of `{}` is not there",
             first.usage, first.filename.value, link.name.value
@@ -77,7 +89,8 @@ fn finding(world: &World, robot: &Robot, missing: &[(&Link, &Mesh)], limits: &Li
         ),
     };
     let subject = format!("meshes of {}", world.path(robot.source));
-    let mut finding = Finding::warning(subject, message, first.filename.place.clone())
+    let severity = if is_slip { Severity::Warning } else { Severity::Note };
+    let mut finding = Finding::new(severity, subject, message, first.filename.place.clone())
         .label("no such file")
         .help("correct the path (upper and lower case count), or add the mesh")
         .measured(Measured::count("meshes that are not there", missing.len()).limit(0.0));
