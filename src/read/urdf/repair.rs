@@ -46,10 +46,10 @@ pub(super) fn repair(text: &str) -> Repaired {
 const MOST_ATTRIBUTES: usize = 1000;
 
 /// Most elements of a text, each some kilobytes once it is read; the largest known robots have four thousand.
-const MOST_ELEMENTS: usize = 50_000;
+pub(super) const MOST_ELEMENTS: usize = 60_000;
 
 /// Longest name of an element or attribute, and longest value that names something, bytes: findings repeat names.
-const LONGEST_NAME: usize = 1000;
+pub(super) const LONGEST_NAME: usize = 1000;
 
 /// Longest reference to a character or a predefined entity that is looked for (`#x10FFFF`), with some leading zeros.
 const LONGEST_REFERENCE: usize = 16;
