@@ -14,6 +14,7 @@
 )]
 
 pub mod encode;
+pub mod program;
 pub mod raw;
 pub mod recipe;
 pub mod schemas;
