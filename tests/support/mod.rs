@@ -4,6 +4,7 @@
 
 #![allow(
     dead_code,
+    clippy::print_stderr,
     unreachable_pub,
     clippy::unwrap_used,
     clippy::expect_used,

@@ -1,12 +1,15 @@
 //! The real program as a child process: what it says, how it ends, and how much memory it takes.
 
-use std::ffi::OsStr;
+use std::ffi::{OsStr, OsString};
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
 use serde_json::Value;
+
+/// Peak resident memory that no input may make the program exceed, MB.
+pub const MOST_MB: u64 = 500;
 
 /// A child that needs longer hangs.
 const PATIENCE: Duration = Duration::from_secs(180);
@@ -68,7 +71,7 @@ pub fn run<S: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = S
         }
         std::thread::sleep(Duration::from_millis(1));
     };
-    let mut bytes = |file: &mut std::fs::File| {
+    let bytes = |file: &mut std::fs::File| {
         let mut bytes = Vec::new();
         file.seek(SeekFrom::Start(0)).expect("a file is seekable");
         file.read_to_end(&mut bytes).expect("a file is readable");
@@ -91,4 +94,66 @@ fn resident_mb(process: u32) -> u64 {
         .unwrap_or_default();
     let kb = line.split_whitespace().nth(1).and_then(|kb| kb.parse::<u64>().ok());
     kb.unwrap_or(0) / 1024
+}
+
+/// What holds of every run.
+pub fn is_sound(ran: &Ran, what: &str) {
+    let err = &ran.err;
+    assert!(
+        !err.contains("panicked") && !err.contains("internal error"),
+        "{what}: {err}"
+    );
+    assert!([0, 1, 3].contains(&ran.code), "{what}: exit code {}: {err}", ran.code);
+    assert!(ran.peak_mb < MOST_MB, "{what}: {} MB", ran.peak_mb);
+}
+
+/// Checks `names` for people and twice for programs. Both answers hold every one of `says`; the name of a file is told.
+pub fn check_all<S: AsRef<OsStr>>(folder: &Path, names: &[S], code: i32, says: &[&str]) -> Value {
+    let what = names
+        .iter()
+        .map(|name| name.as_ref().to_string_lossy())
+        .collect::<Vec<_>>()
+        .join(" ");
+    let ask = |format: &str| {
+        let verb = ["check", "--format", format].map(OsString::from);
+        let arguments = verb
+            .into_iter()
+            .chain(names.iter().map(|name| name.as_ref().to_owned()));
+        let ran = run(folder, arguments);
+        is_sound(&ran, &what);
+        assert_eq!(ran.code, code, "{what}: {}", String::from_utf8_lossy(&ran.out));
+        ran
+    };
+    let (human, json, again) = (ask("human"), ask("json"), ask("json"));
+    assert!(json.out == again.out, "{what}: two runs differ");
+    let (text, report) = (human.text(), json.report());
+    let peak = human.peak_mb.max(json.peak_mb).max(again.peak_mb);
+    eprintln!("{what}: exit {code}, peak {peak} MB");
+    let document = report["inputs"].to_string().replace("\\\"", "\"");
+    for word in says {
+        assert!(text.contains(word), "{what}: `{word}` is not in:\n{text}");
+        assert!(document.contains(word), "{what}: `{word}` is not in:\n{document}");
+    }
+    let summary = &report["summary"];
+    if code == 0 {
+        assert!(
+            summary["passed"].as_u64().expect("a report") > 0,
+            "{what}: nothing was checked: {summary}"
+        );
+    }
+    report
+}
+
+/// [`check_all`] of one file with these bytes, which must be named.
+pub fn check(name: &str, bytes: impl AsRef<[u8]>, code: i32, says: &[&str]) -> Value {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    std::fs::write(folder.path().join(name), bytes).expect("a report");
+    let report = check_all(folder.path(), &[name], code, says);
+    assert_eq!(report["inputs"][0]["path"], name);
+    report
+}
+
+/// The line of the first problem of the first input.
+pub fn line(report: &Value) -> Option<u64> {
+    report["inputs"][0]["problems"][0]["line"].as_u64()
 }

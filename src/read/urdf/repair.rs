@@ -254,14 +254,14 @@ impl Lexer<'_> {
             self.text.get(at..end),
             Some("name" | "link" | "joint" | "type" | "version")
         );
+        if names && close - quote > LONGEST_NAME {
+            return self.too_much(at, &format!("a name has {} bytes", close - quote - 1));
+        }
         if close - quote > LONGEST_VALUE {
             return self.too_much(
                 at,
                 &format!("the value of an attribute has {} bytes", close - quote - 1),
             );
-        }
-        if names && close - quote > LONGEST_NAME {
-            return self.too_much(at, &format!("a name has {} bytes", close - quote - 1));
         }
         self.escape_ampersands(quote + 1, close);
         for offset in quote + 1..close {
