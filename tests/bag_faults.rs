@@ -82,7 +82,12 @@ struct Fault {
 }
 
 fn fault(name: &'static str, from: &'static str, to: impl Into<String>, expected: &'static [&'static str]) -> Fault {
-    Fault { name, changes: vec![(from, to.into())], with_urdf: false, expected }
+    Fault {
+        name,
+        changes: vec![(from, to.into())],
+        with_urdf: false,
+        expected,
+    }
 }
 
 /// A static transform more.
@@ -106,7 +111,12 @@ impl Fault {
             if from.is_empty() {
                 return recipe + to;
             }
-            assert_eq!(recipe.matches(from).count(), 1, "{}: `{from}` stands once in the recipe", self.name);
+            assert_eq!(
+                recipe.matches(from).count(),
+                1,
+                "{}: `{from}` stands once in the recipe",
+                self.name
+            );
             recipe.replace(from, to)
         })
     }
@@ -114,7 +124,10 @@ impl Fault {
 
 fn without_static() -> (&'static str, String) {
     let start = HEALTHY.find("  - topic: /tf_static").unwrap();
-    (&HEALTHY[start..HEALTHY.find("  - topic: /tf\n").unwrap()], String::new())
+    (
+        &HEALTHY[start..HEALTHY.find("  - topic: /tf\n").unwrap()],
+        String::new(),
+    )
 }
 
 fn faults() -> Vec<Fault> {
@@ -124,34 +137,137 @@ fn faults() -> Vec<Fault> {
             "  - topic: /tf\n    at_s: 30.01\n    transforms:\n      - {parent: odom, child: base_link, quaternion: [0, 0, .nan, 1]}\n",
             &[],
         ),
-        fault("quaternion of norm 1.05, static", IMU, IMU.replace("xyz: [0.42, 0.11, 0.27]", "xyz: [0.42, 0.11, 0.27], quaternion: [0, 0, 0, 1.05]"), &[]),
-        fault("quaternion of zeros, static", IMU, IMU.replace("xyz: [0.42, 0.11, 0.27]", "xyz: [0.42, 0.11, 0.27], quaternion: [0, 0, 0, 0]"), &[]),
-        also("cycle, static", "{parent: lidar, child: base_link, xyz: [-1, 0, -1.8]}", &[]),
-        also("cycle of leaves, static", "{parent: b, child: a, xyz: [-1, 0, -1.8]}\n      - {parent: a, child: b, xyz: [1, 0, 1.8]}", &[]),
-        also("two parents, static", "{parent: camera, child: lidar, xyz: [-0.5, 0, 0.5]}", &[]),
+        fault(
+            "quaternion of norm 1.05, static",
+            IMU,
+            IMU.replace(
+                "xyz: [0.42, 0.11, 0.27]",
+                "xyz: [0.42, 0.11, 0.27], quaternion: [0, 0, 0, 1.05]",
+            ),
+            &[],
+        ),
+        fault(
+            "quaternion of zeros, static",
+            IMU,
+            IMU.replace(
+                "xyz: [0.42, 0.11, 0.27]",
+                "xyz: [0.42, 0.11, 0.27], quaternion: [0, 0, 0, 0]",
+            ),
+            &[],
+        ),
+        also(
+            "cycle, static",
+            "{parent: lidar, child: base_link, xyz: [-1, 0, -1.8]}",
+            &[],
+        ),
+        also(
+            "cycle of leaves, static",
+            "{parent: b, child: a, xyz: [-1, 0, -1.8]}\n      - {parent: a, child: b, xyz: [1, 0, 1.8]}",
+            &[],
+        ),
+        also(
+            "two parents, static",
+            "{parent: camera, child: lidar, xyz: [-0.5, 0, 0.5]}",
+            &[],
+        ),
         fault("disconnected sensor", LIDAR, LIDAR.replace("base_link", "roof"), &[]),
-        fault("disconnected camera", CAMERA, CAMERA.replace("base_link", "windscreen"), &[]),
-        Fault { name: "no /tf_static", changes: vec![without_static()], with_urdf: false, expected: &[] },
-        Fault { name: "no /tf_static, beside a URDF", changes: vec![without_static()], with_urdf: true, expected: &[] },
-        fault("leading slash in a sensor's frame_id", "frame_id: lidar", "frame_id: /lidar", &[]),
-        fault("other case in a sensor's frame_id", "frame_id: lidar", "frame_id: Lidar", &[]),
-        fault("unknown frame_id of a sensor", "frame_id: lidar", "frame_id: velodyne_front", &[]),
+        fault(
+            "disconnected camera",
+            CAMERA,
+            CAMERA.replace("base_link", "windscreen"),
+            &[],
+        ),
+        Fault {
+            name: "no /tf_static",
+            changes: vec![without_static()],
+            with_urdf: false,
+            expected: &[],
+        },
+        Fault {
+            name: "no /tf_static, beside a URDF",
+            changes: vec![without_static()],
+            with_urdf: true,
+            expected: &[],
+        },
+        fault(
+            "leading slash in a sensor's frame_id",
+            "frame_id: lidar",
+            "frame_id: /lidar",
+            &[],
+        ),
+        fault(
+            "other case in a sensor's frame_id",
+            "frame_id: lidar",
+            "frame_id: Lidar",
+            &[],
+        ),
+        fault(
+            "unknown frame_id of a sensor",
+            "frame_id: lidar",
+            "frame_id: velodyne_front",
+            &[],
+        ),
         also("transform from a frame to itself", "{parent: lidar, child: lidar}", &[]),
         topic(
             "stamp of /tf a second back, once",
             "  - topic: /tf\n    at_s: 30.01\n    stamp_offset_s: -1\n    transforms:\n      - {parent: odom, child: base_link, velocity: [3, 0, 0], yaw_rate_deg_s: 4}\n",
             &[],
         ),
-        fault("12 s without odom -> base_link", ODOM, ODOM.replace("4}", "4, until_s: 20}") + &ODOM.replace("4}", "4, from_s: 32}"), &[]),
-        fault("GNSS 18 s ahead", GNSS_TOPIC, "frame_id: gnss, stamp_offset_s: 17.92", &[]),
-        fault("one edge static and dynamic", ODOM, format!("{ODOM}      - {{parent: base_link, child: imu, xyz: [0.42, 0.11, 0.27]}}\n"), &[]),
-        fault("optical frame with identity", "quaternion: [-0.5, 0.5, -0.5, 0.5]", "quaternion: [0, 0, 0, 1]", &[]),
-        fault("optical frame with identity, beside a URDF", "quaternion: [-0.5, 0.5, -0.5, 0.5]", "quaternion: [0, 0, 0, 1]", &[]).beside_a_urdf(),
+        fault(
+            "12 s without odom -> base_link",
+            ODOM,
+            ODOM.replace("4}", "4, until_s: 20}") + &ODOM.replace("4}", "4, from_s: 32}"),
+            &[],
+        ),
+        fault(
+            "GNSS 18 s ahead",
+            GNSS_TOPIC,
+            "frame_id: gnss, stamp_offset_s: 17.92",
+            &[],
+        ),
+        fault(
+            "one edge static and dynamic",
+            ODOM,
+            format!("{ODOM}      - {{parent: base_link, child: imu, xyz: [0.42, 0.11, 0.27]}}\n"),
+            &[],
+        ),
+        fault(
+            "optical frame with identity",
+            "quaternion: [-0.5, 0.5, -0.5, 0.5]",
+            "quaternion: [0, 0, 0, 1]",
+            &[],
+        ),
+        fault(
+            "optical frame with identity, beside a URDF",
+            "quaternion: [-0.5, 0.5, -0.5, 0.5]",
+            "quaternion: [0, 0, 0, 1]",
+            &[],
+        )
+        .beside_a_urdf(),
         also("empty child id", "{parent: lidar, child: \"\"}", &[]),
         fault("stamps of /tf in TAI", TF, format!("{TF}    stamp_offset_s: 37\n"), &[]),
-        fault("map -> base_link as well", ODOM, format!("{ODOM}      - {{parent: map, child: base_link, xyz: [12.5, -3.1, 0], velocity: [3, 0, 0], yaw_rate_deg_s: 4, rpy_deg: [0, 0, 14]}}\n"), &[]),
-        fault("lidar turned by 180 deg", LIDAR, LIDAR.replace("[0.3, 1.2, 4]", "[-0.3, -1.2, -176]"), &[]).beside_a_urdf(),
-        fault("lidar 30 cm lower and 21 deg off", LIDAR, LIDAR.replace("1.85], rpy_deg: [0.3, 1.2, 4]", "1.55], rpy_deg: [0.3, 1.2, 25]"), &[]).beside_a_urdf(),
+        fault(
+            "map -> base_link as well",
+            ODOM,
+            format!(
+                "{ODOM}      - {{parent: map, child: base_link, xyz: [12.5, -3.1, 0], velocity: [3, 0, 0], yaw_rate_deg_s: 4, rpy_deg: [0, 0, 14]}}\n"
+            ),
+            &[],
+        ),
+        fault(
+            "lidar turned by 180 deg",
+            LIDAR,
+            LIDAR.replace("[0.3, 1.2, 4]", "[-0.3, -1.2, -176]"),
+            &[],
+        )
+        .beside_a_urdf(),
+        fault(
+            "lidar 30 cm lower and 21 deg off",
+            LIDAR,
+            LIDAR.replace("1.85], rpy_deg: [0.3, 1.2, 4]", "1.55], rpy_deg: [0.3, 1.2, 25]"),
+            &[],
+        )
+        .beside_a_urdf(),
     ]
 }
 
@@ -179,7 +295,11 @@ fn describe(finding: &Finding) -> String {
         At::Message(message) => message.topic.clone(),
         other => format!("{other:?}"),
     };
-    let relation = finding.relation.as_deref().map(|word| format!(" {word}")).unwrap_or_default();
+    let relation = finding
+        .relation
+        .as_deref()
+        .map(|word| format!(" {word}"))
+        .unwrap_or_default();
     format!("{} {} {topic}{relation}", finding.rule, finding.severity.word())
 }
 
@@ -192,11 +312,20 @@ fn every_fault_is_found_by_its_rule_and_by_no_other() {
         if std::env::var_os("SHOW").is_some() {
             println!("== {}", fault.name);
             for finding in &run.verdict.findings {
-                println!("   {}: {}\n      {}\n      help: {}", describe(finding), finding.subject, finding.message, finding.help);
+                println!(
+                    "   {}: {}\n      {}\n      help: {}",
+                    describe(finding),
+                    finding.subject,
+                    finding.message,
+                    finding.help
+                );
             }
         }
         if found != fault.expected {
-            wrong.push(format!("{}: found {found:?}, expected {:?}", fault.name, fault.expected));
+            wrong.push(format!(
+                "{}: found {found:?}, expected {:?}",
+                fault.name, fault.expected
+            ));
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
@@ -206,7 +335,11 @@ fn every_fault_is_found_by_its_rule_and_by_no_other() {
 fn the_healthy_recording_is_silent_and_much_was_judged() {
     for with_urdf in [false, true] {
         let (_folder, run) = check(HEALTHY, with_urdf);
-        assert!(run.sources.iter().all(|source| source.status == ReadStatus::Read), "{:?}", run.sources);
+        assert!(
+            run.sources.iter().all(|source| source.status == ReadStatus::Read),
+            "{:?}",
+            run.sources
+        );
         let said: Vec<String> = run.verdict.findings.iter().map(describe).collect();
         assert!(said.is_empty(), "{said:?}");
         assert_eq!(run.exit_code(FailOn::Note), 0);

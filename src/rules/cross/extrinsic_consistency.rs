@@ -2,11 +2,11 @@
 
 use serde::Deserialize;
 
-use crate::math::relation::Relation;
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
 
+use super::blame::named;
 use super::statements::{Pair, pairs};
 
 /// CROSS01.
@@ -53,7 +53,7 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
         return;
     }
     let small = angle_deg <= limits.warn_deg && distance_m <= limits.warn_m;
-    if let (false, Some(relation)) = (small, found.error()) {
+    if let (false, Some(relation)) = (small, named(pair)) {
         let why = format!("CROSS02 names the convention error: {}", relation.word());
         out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         return;
@@ -76,7 +76,7 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
         pair.reference.target, pair.reference.source_frame,
     );
     let [rotation, translation] = measured;
-    let mut finding = Finding::new(severity, subject, message, pair.other.place.clone())
+    let finding = Finding::new(severity, subject, message, pair.other.place.clone())
         .confidence(pair.reading())
         .label(format!(
             "stated by {}{}",
@@ -90,8 +90,5 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
         .help(help)
         .measured(rotation)
         .measured(translation);
-    if found.best == Some(Relation::Equal) {
-        finding = finding.relation(Relation::Equal.word());
-    }
     out.fail(finding);
 }

@@ -1,5 +1,6 @@
 //! CROSS: what several sources say of the same pair of frames.
 
+mod blame;
 pub mod extrinsic_consistency;
 pub mod extrinsic_relation;
 mod statements;
