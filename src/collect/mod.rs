@@ -129,6 +129,12 @@ impl Collector {
 
     fn finish(self, source: &mut Source, truncated: bool) -> Collected {
         self.problems(source);
+        if self.messages == 0 && !truncated {
+            let help =
+                "was the recorder stopped before the first message, or subscribed with the wrong QoS?".to_owned();
+            let place = Place::whole(source.id);
+            source.problem_with_help(ReadStatus::Read, place, "the recording holds no messages", Some(help));
+        }
         let (edges, parent_switches, mut frames) = self.tf.finish(source.id);
         for topic in &self.topics {
             frames.extend(topic.frame_uses(source.id));

@@ -54,7 +54,7 @@ pub(super) fn holds_radians_twice(pair: &Pair) -> bool {
 pub(super) fn same_cause(relation: Relation) -> &'static str {
     match relation {
         Relation::Degrees => " Where ROT08 speaks of the same numbers, it is the same fault.",
-        Relation::Millimetres => " Where ROT09 speaks of the same numbers, it is the same fault.",
+        Relation::Millimetres => " Where ROT06 speaks of the same numbers, it is the same fault.",
         Relation::RotationLost | Relation::Optical | Relation::OpticalInverse => {
             " Where NAME06 speaks of the same frame, it is the same fault."
         }
