@@ -130,7 +130,7 @@ fn autoware(xyz: [f64; 3], rpy: [f64; 3]) -> String {
 fn check(urdf: &str, file: &str, text: &str) -> (tempfile::TempDir, Run) {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("car.urdf"), urdf).unwrap();
-    if file.ends_with(".mcap") {
+    if file == Form::Bag.file() {
         support::write(text, &folder.path().join(file));
     } else {
         fs::write(folder.path().join(file), text).unwrap();
@@ -163,7 +163,7 @@ fn place(run: &Run, finding: &Finding) -> String {
             LineIndex::new(&source.text).locate(&source.text, span.start).line
         ),
         At::Message(message) => format!("{file}:{}", message.topic),
-        other => format!("{file}:{other:?}"),
+        At::Whole => format!("{file}: whole"),
     }
 }
 
@@ -340,4 +340,56 @@ fn degrees_in_a_file_are_told_as_one_cause() {
         .collect();
     assert_eq!(rules, ["CROSS02", "ROT08"]);
     assert!(cross(&run)[0].help.contains("ROT08"));
+}
+
+/// A URDF, a file and a recording: whichever is the odd one is named, once.
+#[test]
+fn one_odd_source_of_three_is_told_once() {
+    let truth = base_link_from_lidar();
+    let odd = Relation::Z180.apply(&truth).unwrap();
+    let (roll, pitch, yaw) = odd.rotation.euler_angles();
+    let odd_urdf = URDF.replace("0.21 -0.34 0.83", &format!("{roll:.9} {pitch:.9} {yaw:.9}"));
+    let cases = [
+        (odd_urdf.as_str(), &truth, &truth, "car.urdf:7"),
+        (URDF, &odd, &truth, "calibration.yaml:2"),
+        (URDF, &truth, &odd, "drive.mcap:/tf_static"),
+    ];
+    for (urdf, in_file, in_bag, expected) in cases {
+        for turned in [false, true] {
+            let file = if turned {
+                Form::Nested
+                    .text(&in_file.inverse())
+                    .replace("base_link_from_lidar", "lidar_from_base_link")
+            } else {
+                Form::Autoware.text(in_file)
+            };
+            let folder = tempfile::tempdir().unwrap();
+            fs::write(folder.path().join("car.urdf"), urdf).unwrap();
+            fs::write(folder.path().join("calibration.yaml"), file).unwrap();
+            support::write(&Form::Bag.text(in_bag), &folder.path().join("drive.mcap"));
+            let run = engine::check(&Options {
+                paths: vec![folder.path().to_path_buf()],
+                ..Options::default()
+            })
+            .unwrap();
+            let found = cross(&run);
+            assert_eq!(found.len(), 1, "{expected}: {found:?}");
+            assert_eq!(
+                (found[0].rule.as_str(), found[0].relation.as_deref()),
+                ("CROSS02", Some("z180"))
+            );
+            let expected = if turned {
+                expected.replace("yaml:2", "yaml:1")
+            } else {
+                expected.to_owned()
+            };
+            assert_eq!(place(&run, found[0]), expected);
+            assert_eq!(
+                found[0].places.len(),
+                3,
+                "all three are pointed at: {:?}",
+                found[0].places
+            );
+        }
+    }
 }

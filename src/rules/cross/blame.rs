@@ -7,7 +7,7 @@ use crate::math::relation::{Classification, EitherWay, Relation, Tolerance, clas
 use super::statements::{Pair, Statement};
 
 /// Puts the statement that holds the error second, and names the relation from the first to it. The reference is taken
-/// for right unless the numbers say otherwise.
+/// for right unless the numbers, or most of the other sources, say otherwise.
 pub(super) fn blame(pair: &mut Pair, mount_m: f64) -> Classification {
     let found = pair.classify();
     let longest_m = [&pair.reference, &pair.other]
@@ -21,13 +21,25 @@ pub(super) fn blame(pair: &mut Pair, mount_m: f64) -> Classification {
         // Nothing is mounted that far away: the longer one holds millimetres, or else the shorter one was scaled twice.
         Some(Relation::Metres) => longest_m > mount_m,
         Some(Relation::Millimetres) => longest_m <= mount_m,
-        _ => false,
+        // Two against one, where the error can be told from the other side as well.
+        Some(_) => {
+            outvoted(pair)
+                && classify(&pair.other.pose, &pair.reference.pose, &Tolerance::default())
+                    .best
+                    .is_some()
+        }
     };
     if !swap {
         return found;
     }
-    std::mem::swap(&mut pair.reference, &mut pair.other);
+    pair.swap();
     pair.classify()
+}
+
+/// Whether more of the other sources agree with the second than with the first.
+fn outvoted(pair: &Pair) -> bool {
+    let with_other = pair.seconded_by.iter().filter(|(with_other, ..)| *with_other).count();
+    with_other > pair.seconded_by.len() - with_other
 }
 
 /// The convention error between the two, whichever of them holds it.

@@ -46,6 +46,14 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
         out.pass(subject, measured);
         return;
     }
+    if let Some(first) = &pair.repeats {
+        out.not_evaluated(
+            subject,
+            NotEvaluated::NotApplicable,
+            format!("the same difference as {first}"),
+        );
+        return;
+    }
     if pair.alternatives {
         let why =
             "the same key in sibling files: two devices, or two versions; only a named convention error is reported";
@@ -78,17 +86,9 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
     let [rotation, translation] = measured;
     let finding = Finding::new(severity, subject, message, pair.other.place.clone())
         .confidence(pair.reading())
-        .label(format!(
-            "stated by {}{}",
-            pair.other.who,
-            if pair.turned { " (the other way round)" } else { "" }
-        ))
-        .related(
-            pair.reference.place.clone(),
-            format!("stated by {}", pair.reference.who),
-        )
+        .label(format!("stated by {}", pair.other.who))
         .help(help)
         .measured(rotation)
         .measured(translation);
-    out.fail(finding);
+    out.fail(pair.point_at_others(finding));
 }

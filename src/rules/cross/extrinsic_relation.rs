@@ -37,6 +37,14 @@ impl Rule for ExtrinsicRelation {
 
 fn judge_pair(world: &World, mut pair: Pair, limits: &Limits, out: &mut Judge) {
     let subject = pair.subject(world);
+    if let Some(first) = &pair.repeats {
+        out.not_evaluated(
+            subject,
+            NotEvaluated::NotApplicable,
+            format!("the same difference as {first}"),
+        );
+        return;
+    }
     let found = blame(&mut pair, limits.mount_m);
     let (angle_deg, distance_m) = (found.angle_rad.to_degrees(), found.distance_m);
     let difference = [
@@ -56,7 +64,10 @@ fn judge_pair(world: &World, mut pair: Pair, limits: &Limits, out: &mut Judge) {
             let why = "the same key in sibling files, and mounts along the axes: two devices look like this as well";
             out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
         }
-        (Some(relation), _) => out.fail(finding(&pair, subject, relation, &found, difference)),
+        (Some(relation), _) => {
+            let finding = finding(&pair, subject, relation, &found, difference);
+            out.fail(pair.point_at_others(finding));
+        }
     }
 }
 
@@ -96,15 +107,7 @@ fn finding(
     let [rotation, translation] = difference;
     Finding::error(subject, message, pair.other.place.clone())
         .confidence(pair.reading())
-        .label(format!(
-            "stated by {}{}",
-            pair.other.who,
-            if pair.turned { " (the other way round)" } else { "" }
-        ))
-        .related(
-            pair.reference.place.clone(),
-            format!("stated by {}", pair.reference.who),
-        )
+        .label(format!("stated by {}", pair.other.who))
         .help(help)
         .relation(relation.word())
         .measured(rotation)

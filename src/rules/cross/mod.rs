@@ -3,5 +3,6 @@
 mod blame;
 pub mod extrinsic_consistency;
 pub mod extrinsic_relation;
+mod fold;
 mod statements;
 pub mod urdf_tf_topology;

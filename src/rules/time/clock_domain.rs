@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use crate::rules::{Judge, Need, Rule};
-use crate::source::Place;
+use crate::source::{Confidence, Place};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::{BagEvidence, World};
 
@@ -46,10 +46,15 @@ impl Rule for ClockDomain {
                 let group = std::mem::replace(&mut since_start, rest);
                 let mut findings: Vec<Finding> = group.into_iter().map(|(_, finding)| finding).collect();
                 findings.sort_by(|a, b| a.subject.cmp(&b.subject));
-                if all && findings.len() == streams.len() && findings.len() >= limits.min_simulated {
-                    findings = findings.into_iter().map(simulation).collect();
+                let is_simulation = all && findings.len() == streams.len() && findings.len() >= limits.min_simulated;
+                if is_simulation && let Some(first) = findings.first_mut() {
+                    simulation(first, streams.len());
                 }
-                tell_once(findings, "count from the same start", out);
+                tell_once(
+                    findings,
+                    if is_simulation { "" } else { "count from the same start" },
+                    out,
+                );
             }
         }
     }
@@ -129,15 +134,16 @@ fn uptime(stream: &Stream<'_>, stamp_s: f64, measured: Measured) -> Finding {
 }
 
 /// Every stream counts from one start: no sensor's clock is odd, the recorder's is.
-fn simulation(mut finding: Finding) -> Finding {
+fn simulation(finding: &mut Finding, streams: usize) {
+    let stamp_s = finding.measured.first().map_or(0.0, |median| median.value);
     finding.severity = Severity::Warning;
+    finding.confidence = Confidence::Likely;
     finding.message = format!(
-        "{}: every stream of this recording does so: simulated time, logged in wall time",
-        finding.message
+        "all {streams} streams are stamped near {stamp_s:.1} s, beside a log in calendar time: a simulation recorded in \
+         wall time, or a host whose clock was not set"
     );
-    finding.help =
-        "record a simulation with `--use-sim-time`; of a real robot, set the host's clock before it starts".into();
-    finding.likely()
+    "record a simulation with `--use-sim-time`; on a robot, set the host's clock before the drivers start"
+        .clone_into(&mut finding.help);
 }
 
 /// In simulated time stamps count from the start of the simulation; calendar stamps beside it are of another clock.

@@ -1,6 +1,5 @@
 //! Gaps in streams that are otherwise regular: a part of TIME03.
 
-use crate::math::stats::median;
 use crate::rules::Judge;
 use crate::source::Place;
 use crate::verdict::{Finding, Measured};
@@ -42,10 +41,14 @@ fn gap(stream: &Stream<'_>, limits: &Limits) -> Option<Gap> {
     let (gap_ns, message) = stamps.largest_gap.as_ref()?;
     let (gap_s, step_s) = (*gap_ns as f64 / 1e9, stamps.median_step_ns? as f64 / 1e9);
     let few = stamps.long_gaps as f64 <= (limits.regular_share * stamps.count as f64).max(1.0) && step_s > 0.0;
-    if !few
-        || gap_s <= limits.gap_s
-        || gap_s <= limits.gap_medians * step_s
-        || steady_share(stream) < limits.steady_share
+    if !few || gap_s <= limits.gap_s || gap_s <= limits.gap_medians * step_s {
+        return None;
+    }
+    // A latched first message is older than the recording.
+    if stamps
+        .first
+        .as_ref()
+        .is_some_and(|first| first.index + 1 == message.index)
     {
         return None;
     }
@@ -74,28 +77,4 @@ fn gap(stream: &Stream<'_>, limits: &Limits) -> Option<Gap> {
         until_ns: message.log_ns,
         finding,
     })
-}
-
-/// Share of the steps between sampled stamps that lie within half and one and a half of their median: near 1 for what
-/// is sent at a rate, small for what is sent when something happens.
-fn steady_share(stream: &Stream<'_>) -> f64 {
-    let stamps: Vec<i64> = stream
-        .stamps
-        .samples
-        .iter()
-        .map(|(stamp, _)| *stamp)
-        .filter(|stamp| *stamp != 0)
-        .collect();
-    let steps: Vec<f64> = stamps
-        .iter()
-        .zip(stamps.iter().skip(1))
-        .map(|(a, b)| b.saturating_sub(*a) as f64)
-        .filter(|step| *step > 0.0)
-        .collect();
-    let Some(middle) = median(&steps) else { return 0.0 };
-    let near = steps
-        .iter()
-        .filter(|step| (0.5 * middle..=1.5 * middle).contains(*step))
-        .count();
-    near as f64 / steps.len() as f64
 }

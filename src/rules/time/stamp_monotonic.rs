@@ -23,7 +23,6 @@ pub struct Limits {
     pub(super) gap_s: f64,
     pub(super) gap_medians: f64,
     pub(super) regular_share: f64,
-    pub(super) steady_share: f64,
 }
 
 impl Rule for StampMonotonic {

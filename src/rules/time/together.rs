@@ -5,19 +5,19 @@
 use crate::rules::Judge;
 use crate::verdict::{Finding, Label, NotEvaluated, PlaceRole};
 
-/// How many of the other streams a message names.
+/// How many of the other streams a finding names and points at.
 const NAMED: usize = 3;
 
 /// Gives findings of different streams that have one cause as one: the first, which names the others and points at them.
-/// `more` says what the others do ("run the same way"). The others get a row that points to the first.
+/// `more` says what the others do ("run the same way"); where it is empty, the message speaks of all already. The others get a row that points to the first.
 pub(super) fn tell_once(findings: Vec<Finding>, more: &str, out: &mut Judge) {
     let mut findings = findings.into_iter();
     let Some(mut first) = findings.next() else { return };
     let others: Vec<Finding> = findings.collect();
-    for other in &others {
+    for (index, other) in others.iter().enumerate() {
         let why = format!("has the same cause as the finding on {}", first.subject);
         out.not_evaluated(other.subject.clone(), NotEvaluated::NotApplicable, why);
-        if let Some(label) = other.places.first() {
+        if let Some(label) = other.places.first().filter(|_| index < NAMED) {
             first.places.push(Label {
                 role: PlaceRole::Related,
                 note: other.subject.clone(),
@@ -25,7 +25,7 @@ pub(super) fn tell_once(findings: Vec<Finding>, more: &str, out: &mut Judge) {
             });
         }
     }
-    if !others.is_empty() {
+    if !others.is_empty() && !more.is_empty() {
         let named: Vec<&str> = others.iter().take(NAMED).map(|other| other.subject.as_str()).collect();
         let rest = match others.len().saturating_sub(NAMED) {
             0 => String::new(),
