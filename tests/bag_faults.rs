@@ -132,6 +132,7 @@ fn without_static() -> (&'static str, String) {
     )
 }
 
+#[allow(clippy::too_many_lines)] // One table.
 fn faults() -> Vec<Fault> {
     vec![
         topic(
