@@ -70,6 +70,8 @@ const IMU: &str = "      - {parent: base_link, child: imu, xyz: [0.42, 0.11, 0.2
 const LIDAR: &str = "      - {parent: base_link, child: lidar, xyz: [0.95, 0.04, 1.85], rpy_deg: [0.3, 1.2, 4]}\n";
 const CAMERA: &str = "      - {parent: base_link, child: camera, xyz: [1.42, 0.03, 1.38], rpy_deg: [0, 2, 0.6]}\n";
 const ODOM: &str = "      - {parent: odom, child: base_link, velocity: [3, 0, 0], yaw_rate_deg_s: 4}\n";
+const MAP: &str = "      - {parent: map, child: odom, xyz: [12.5, -3.1, 0], rpy_deg: [0, 0, 14]}\n";
+const IMU_TOPIC: &str = "  - {topic: /imu, type: sensor_msgs/msg/Imu, rate_hz: 100, frame_id: imu}\n";
 const TF: &str = "  - topic: /tf\n    rate_hz: 50\n";
 const GNSS_TOPIC: &str = "frame_id: gnss, stamp_offset_s: -0.08";
 
@@ -231,6 +233,34 @@ fn faults() -> Vec<Fault> {
             ODOM.replace("4}", "4, until_s: 20}") + &ODOM.replace("4}", "4, from_s: 32}"),
             &["TIME03 warning /tf"],
         ),
+        Fault {
+            name: "12 s without anything but GNSS",
+            changes: vec![
+                (
+                    MAP,
+                    MAP.replace("14]}", "14], until_s: 20}") + &MAP.replace("14]}", "14], from_s: 32}"),
+                ),
+                (
+                    ODOM,
+                    ODOM.replace("4}", "4, until_s: 20}") + &ODOM.replace("4}", "4, from_s: 32}"),
+                ),
+                (
+                    IMU_TOPIC,
+                    IMU_TOPIC.replace('}', ", until_s: 20}") + &IMU_TOPIC.replace('}', ", from_s: 32}"),
+                ),
+            ],
+            with_urdf: false,
+            expected: &["TIME03 warning /tf"],
+        },
+        Fault {
+            name: "a TAI grandmaster for the IMU and the lidar",
+            changes: vec![
+                ("frame_id: imu}", "frame_id: imu, stamp_offset_s: 37}".to_owned()),
+                ("stamp_offset_s: -0.05", "stamp_offset_s: 36.95".to_owned()),
+            ],
+            with_urdf: false,
+            expected: &["TIME01 error /imu"],
+        },
         fault(
             "GNSS 18 s ahead",
             GNSS_TOPIC,
