@@ -24,7 +24,8 @@ pub(super) fn judge(world: &World, rules: &[Enabled], label: Option<&str>) -> Ve
             .collect();
         let mut crash = None;
         if missing.is_empty() {
-            match catch_unwind(AssertUnwindSafe(|| (rule.entry.run)(world, &rule.front, &mut out))) {
+            let asked = AssertUnwindSafe(|| (rule.entry.run)(world, rule.whole()?, &mut out));
+            match catch_unwind(asked) {
                 Ok(Ok(())) => {}
                 Ok(Err(error)) => crash = Some(error.to_string()),
                 Err(panic) => crash = Some(panic_words(panic.as_ref())),
@@ -145,10 +146,7 @@ mod tests {
                          confidence: likely\nsubject: one for each test\n---\n";
 
     fn run_with(entry: &'static Entry) -> Verdict {
-        let rule = Enabled {
-            front: Front::parse(FRONT).unwrap(),
-            entry,
-        };
+        let rule = Enabled::new(entry).unwrap();
         judge(&World::default(), &[rule], None)
     }
 
