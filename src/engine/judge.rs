@@ -137,7 +137,6 @@ pub(super) fn panic_words(panic: &(dyn std::any::Any + Send)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::page::Front;
     use crate::rules::{Entry, Need};
     use crate::source::{Place, SourceId};
     use crate::verdict::{Measured, Severity};
