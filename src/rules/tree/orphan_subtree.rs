@@ -21,6 +21,8 @@ impl Rule for OrphanSubtree {
             .graph()
             .components()
             .into_iter()
+            // A frame without a name is TREE04's, TREE07's or TREE12's.
+            .filter(|component| component.members.iter().any(|frame| !frame.as_str().is_empty()))
             .partition(|component| is_part(world, component));
         if let Some(part) = parts.first() {
             let names: Vec<FrameId> = part.members.iter().take(1).cloned().collect();
