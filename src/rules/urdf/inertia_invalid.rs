@@ -24,6 +24,8 @@ pub struct Limits {
     pub absolute: f64,
     /// Share of the largest principal moment up to which a broken bound is a note.
     pub gross: f64,
+    /// Mass under which a link is nothing but a frame, kilograms.
+    pub weightless_kg: f64,
     /// Mass under which a fixed link hardly counts, kilograms.
     pub light_kg: f64,
 }
@@ -84,7 +86,8 @@ fn judge_body(world: &World, robot: &Robot, link: &Link, body: &Inertial, limits
         limits.absolute + (limits.relative * largest.abs()).max(rounding(inertia).min(limits.digits * largest.abs()));
     let place = body.inertia_place.clone().unwrap_or_else(|| body.place.clone());
     let slight = limits.gross * largest.abs();
-    let is_filled_in = is_placeholder(inertia);
+    let is_weightless = body.mass_kg.is_some_and(|mass| mass < limits.weightless_kg);
+    let is_filled_in = is_weightless || is_placeholder(inertia);
     let severity = |is_slight: bool| {
         if is_slight || is_filled_in {
             Severity::Note
