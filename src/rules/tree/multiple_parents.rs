@@ -48,7 +48,13 @@ impl Rule for MultipleParents {
 fn judge_robot(world: &World, robot: &Robot, out: &mut Judge) {
     let mut children: BTreeMap<&str, Vec<&Joint>> = BTreeMap::new();
     for joint in &robot.joints {
-        if let Some(child) = joint.child.as_ref().filter(|child| !child.value.is_empty()) {
+        // A joint of a link with itself gives it no parent: URDF02.
+        let is_self = joint
+            .parent
+            .as_ref()
+            .zip(joint.child.as_ref())
+            .is_some_and(|(parent, child)| parent.value == child.value);
+        if let Some(child) = joint.child.as_ref().filter(|child| !child.value.is_empty() && !is_self) {
             children.entry(&child.value).or_default().push(joint);
         }
     }

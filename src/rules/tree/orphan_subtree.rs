@@ -2,7 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use crate::rules::{Judge, Need, NoLimits, Rule, places};
+use crate::rules::{Judge, Need, NoLimits, Rule, places, tf};
+use crate::source::SourceId;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::graph::Component;
 use crate::world::{FrameId, FrameRole, World};
@@ -18,7 +19,25 @@ impl Rule for OrphanSubtree {
     type Limits = NoLimits;
 
     fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
-        let components = world.graph().components();
+        let (parts, components): (Vec<Component>, Vec<Component>) = world
+            .graph()
+            .components()
+            .into_iter()
+            // A frame without a name is TREE04's, TREE07's or TREE12's.
+            .filter(|component| component.members.iter().any(|frame| !frame.as_str().is_empty()))
+            .partition(|component| is_part(world, component));
+        if let Some(part) = parts.first() {
+            let names: Vec<FrameId> = part.members.iter().take(1).cloned().collect();
+            let reason = format!(
+                "{} frames (the first is {}) stand in a part of a description: what joins them may stand elsewhere",
+                parts.iter().map(|part| part.members.len()).sum::<usize>(),
+                tf::listed(&names)
+            );
+            out.not_evaluated("frames of parts", NotEvaluated::TooLittleEvidence, reason);
+        }
+        if components.is_empty() && !parts.is_empty() {
+            return;
+        }
         if components.len() <= 1 {
             out.pass(
                 "frame tree",
@@ -36,6 +55,18 @@ impl Rule for OrphanSubtree {
             }
         }
     }
+}
+
+/// Whether all that names these frames is a part of a description (a xacro that was not expanded).
+fn is_part(world: &World, component: &Component) -> bool {
+    let fragments = world.robots.iter().filter(|robot| robot.fragment.is_some());
+    let sources: BTreeSet<SourceId> = fragments.map(|robot| robot.source).collect();
+    !sources.is_empty()
+        && world
+            .frames
+            .iter()
+            .filter(|used| component.members.contains(&used.frame.canonical()))
+            .all(|used| sources.contains(&used.place.source))
 }
 
 fn judge_orphan(
