@@ -193,6 +193,12 @@ impl Reader<'_> {
             source.detail = Some("a part for other xacro files: only what needs no expansion was read".to_owned());
             return xacro::read_unexpanded(source, &lookup);
         }
+        // Most published `.urdf` files still declare the namespace of the xacro they were made from: their own text is
+        // judged, so that findings point into it.
+        if !xacro_parts::needs_expansion(&source.text) {
+            source.kind = SourceKind::Urdf;
+            return urdf::read(source, &lookup);
+        }
         match xacro::expand(&input.path, self.xacro_args) {
             Ok(text) => {
                 source.detail = Some("expanded; judged in its expansion".to_owned());

@@ -34,6 +34,12 @@ pub fn includes(text: &str) -> Vec<String> {
     names
 }
 
+/// Whether expanding would change anything: an element of xacro, a macro call or an expression. The namespace alone does
+/// nothing.
+pub fn needs_expansion(text: &str) -> bool {
+    ["<xacro:", "${", "$("].iter().any(|sign| text.contains(sign))
+}
+
 /// Whether a xacro text only defines things for others: macros and properties, no links, joints or calls of its own.
 ///
 /// A text that cannot be parsed is no library: the reader then says what is wrong with it.
@@ -68,6 +74,15 @@ mod tests {
             <xacro:include filename="${part}.xacro"/>
         </robot>"#;
         assert_eq!(includes(text), ["wheel.xacro", "inertia.xacro", ".xacro"]);
+    }
+
+    #[test]
+    fn a_namespace_without_use_needs_no_expansion() {
+        let robot = |body: &str| format!(r#"<robot xmlns:xacro="http://www.ros.org/wiki/xacro">{body}</robot>"#);
+        assert!(!needs_expansion(&robot("<link name='base_link'/>")));
+        assert!(needs_expansion(&robot("<xacro:wheel/>")));
+        assert!(needs_expansion(&robot("<link name='${prefix}base_link'/>")));
+        assert!(needs_expansion(&robot("<link name='$(arg prefix)base_link'/>")));
     }
 
     #[test]

@@ -57,6 +57,14 @@ pub(crate) fn of_edge(world: &World, edge: &Edge) -> Option<Place> {
     }
 }
 
+/// Where the numbers of an edge stand: a joint's `<origin>`, where it has one; else as [`of_edge`].
+pub(crate) fn of_numbers(world: &World, edge: &Edge) -> Option<Place> {
+    match edge.origin {
+        EdgeOrigin::Joint(index) => world.claims.get(index).map(|claim| claim.place.clone()),
+        EdgeOrigin::Tf(..) => of_edge(world, edge),
+    }
+}
+
 /// The joint whose origin a claim is.
 fn joint_of<'a>(world: &'a World, claim: &Claim) -> Option<&'a Joint> {
     let child = claim.source_frame().map(FrameId::as_str);

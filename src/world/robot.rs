@@ -70,6 +70,10 @@ pub struct Inertial {
     pub mass_kg: Option<f64>,
     /// `ixx ixy ixz iyy iyz izz`, kg m²; `None` where one is missing or no number.
     pub inertia: Option<[f64; 6]>,
+    /// The `<mass>` element, if there is one.
+    pub mass_place: Option<Place>,
+    /// The `<inertia>` element, if there is one.
+    pub inertia_place: Option<Place>,
 }
 
 /// A `<link>`.

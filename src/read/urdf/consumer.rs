@@ -83,8 +83,8 @@ fn without_foreign(root: &Element<'_>) -> (String, usize) {
 fn stays(parent: &Element<'_>, child: &Element<'_>) -> bool {
     let name = child.name();
     match parent.name() {
-        // urdf-rs does not ask whether the links of a joint are there.
-        "robot" if name == "link" => !plain::is_plain_link(child),
+        // urdf-rs reads links, joints and materials, and does not ask whether the links of a joint are there.
+        "robot" => name == "joint" || (name == "link" && !plain::is_plain_link(child)),
         "link" if plain::is_plain(child) => false,
         "joint" if plain::is_plain_in_joint(child) => false,
         // A shape that urdf-rs does not know is worth its words.

@@ -63,6 +63,8 @@ impl Reader<'_> {
             place: element.place(),
             mass_kg,
             inertia,
+            mass_place: element.child("mass").map(|mass| mass.place()),
+            inertia_place: element.child("inertia").map(|inertia| inertia.place()),
         }
     }
 

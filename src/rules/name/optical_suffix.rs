@@ -64,7 +64,11 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
         return;
     }
     let not_turned = worst.parent_from_optical.angle().to_degrees() <= limits.exact_deg;
-    if !worst.is_sibling && (!not_turned || names::optical_stem(worst.parent).is_some()) {
+    // No camera is rolled by a quarter turn and looks sideways at once: exactly the inverse is a mistake anywhere.
+    let is_inverse = rotation_angle_between(&AxisTurn::Optical.quaternion().inverse(), &worst.parent_from_optical)
+        .to_degrees()
+        <= limits.exact_deg;
+    if !worst.is_sibling && (!(not_turned || is_inverse) || names::optical_stem(worst.parent).is_some()) {
         let reason = format!(
             "`{}` is not this camera's own link, and the camera may be mounted at any angle",
             worst.parent
@@ -75,7 +79,7 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
     let place = worst
         .edge
         .or_else(|| graph.edges_to(frame).next())
-        .and_then(|edge| places::of_edge(world, edge));
+        .and_then(|edge| places::of_numbers(world, edge));
     let Some(place) = place.or_else(|| places::first(world, frame)) else {
         return;
     };

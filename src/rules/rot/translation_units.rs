@@ -21,6 +21,10 @@ pub struct TranslationUnits;
 pub struct Limits {
     /// Length from which a mounting is looked at, metres.
     pub far_m: f64,
+    /// Length from which a joint is looked at that stands among many much shorter ones, metres.
+    pub far_among_many_m: f64,
+    /// How many other translations are many.
+    pub many: usize,
     /// Length that no mounting has, metres.
     pub impossible_m: f64,
     /// How many times longer than everything else in the source.
@@ -49,9 +53,20 @@ impl Rule for TranslationUnits {
                 .map(Stated::norm)
                 .filter(|norm| *norm < limits.far_m)
                 .fold(0.0, f64::max);
+            let is_many = group.len() > limits.many;
             for stated in &group {
+                let is_near = stated.norm() < limits.far_m;
+                let usual = if is_near {
+                    longest_other(&group, stated.norm())
+                } else {
+                    usual
+                };
+                let far = match (is_near, is_many && stated.is_joint && usual > 0.0) {
+                    (true, true) => limits.far_among_many_m,
+                    _ => limits.far_m,
+                };
                 let found = against_others(world, source, stated, &pairs, limits)
-                    .or_else(|| by_size(world, source, stated, usual, limits));
+                    .or_else(|| by_size(world, source, stated, (usual, far), limits));
                 match found {
                     Some(finding) => out.fail(finding),
                     None => right.pass(source, Measured::new("length", stated.norm(), "m").limit(limits.far_m)),
@@ -59,6 +74,18 @@ impl Rule for TranslationUnits {
             }
         }
         right.report(world, out);
+    }
+}
+
+/// The longest translation beside the one of this length.
+fn longest_other(group: &[Stated], norm: f64) -> f64 {
+    let mut norms: Vec<f64> = group.iter().map(Stated::norm).collect();
+    norms.sort_by(|a, b| b.total_cmp(a));
+    let at = norms.iter().position(|other| *other <= norm).unwrap_or(0);
+    if at > 0 {
+        norms.first().copied().unwrap_or(0.0)
+    } else {
+        norms.get(1).copied().unwrap_or(0.0)
     }
 }
 
@@ -94,9 +121,15 @@ fn against_others(world: &World, source: SourceId, stated: &Stated, pairs: &Pair
 }
 
 /// Likely: longer than any mounting, and right when read in millimetres.
-fn by_size(world: &World, source: SourceId, stated: &Stated, usual: f64, limits: &Limits) -> Option<Finding> {
+fn by_size(
+    world: &World,
+    source: SourceId,
+    stated: &Stated,
+    (usual, far): (f64, f64),
+    limits: &Limits,
+) -> Option<Finding> {
     let norm = stated.norm();
-    let suspicious = norm >= limits.far_m && norm >= limits.outlier * usual && !stated.is_from_a_world();
+    let suspicious = norm >= far && norm >= limits.outlier * usual && !stated.is_from_a_world();
     if !suspicious || norm / 1000.0 > limits.plausible_m {
         return None;
     }

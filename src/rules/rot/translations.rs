@@ -23,6 +23,8 @@ pub(super) struct Stated<'a> {
     pub literals: &'a [Literal],
     /// The pair of frames, if known.
     pub frames: Option<(FrameId, FrameId)>,
+    /// Whether it is that of a URDF joint.
+    pub is_joint: bool,
     /// Where it stands.
     pub place: Place,
 }
@@ -55,6 +57,7 @@ pub(super) fn by_source(world: &World) -> BTreeMap<SourceId, Vec<Stated<'_>>> {
             name,
             xyz: pose.translation_m,
             literals: &claim.translation_literals,
+            is_joint: matches!(claim.kind, ClaimKind::Joint { .. }),
             frames: claim
                 .frames
                 .clone()
@@ -69,6 +72,7 @@ pub(super) fn by_source(world: &World) -> BTreeMap<SourceId, Vec<Stated<'_>>> {
                 name: format!("`{}` from `{}` on {}", edge.parent, edge.child, edge.topic),
                 xyz: sample.pose.translation_m,
                 literals: &[],
+                is_joint: false,
                 frames: Some((edge.parent.clone(), edge.child.clone())),
                 place: Place::message(bag.source, sample.at.clone()),
             });

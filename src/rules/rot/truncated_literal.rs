@@ -60,8 +60,7 @@ impl Rule for TruncatedLiteral {
                     literal,
                     exact,
                 });
-                let felt = short.filter(|short| lateral_mm(short.error_rad(), limits) > limits.lateral_mm);
-                match felt {
+                match short {
                     Some(short) => found.entry(source).or_default().push(short),
                     None => right.pass(source, Measured::new("error of a multiple of pi", 0.0, "rad")),
                 }
@@ -73,6 +72,13 @@ impl Rule for TruncatedLiteral {
                     .total_cmp(&a.error_rad())
                     .then(a.literal.span.cmp(&b.literal.span))
             });
+            // Beside errors that are felt, the others are not worth a word.
+            let felt = |short: &Truncated| lateral_mm(short.error_rad(), limits) > limits.lateral_mm;
+            if short.first().is_some_and(felt) {
+                let all = short.len();
+                short.retain(felt);
+                (short.len()..all).for_each(|_| right.count(source));
+            }
             if let Some(finding) = finding(world, source, &short, limits) {
                 out.fail(finding);
             }
@@ -110,7 +116,7 @@ fn finding(world: &World, source: SourceId, short: &[Truncated], limits: &Limits
         .iter()
         .map(|short| rewrite(world, source, short.literal, short.exact.to_string()))
         .collect();
-    let mut finding = Finding::note(
+    let finding = Finding::note(
         format!("truncated angles of {}", world.path(source)),
         message,
         place(worst),
@@ -119,7 +125,13 @@ fn finding(world: &World, source: SourceId, short: &[Truncated], limits: &Limits
     .help("write the angle with all digits; in xacro `${pi/2}`")
     .measured(Measured::new("largest error", worst.error_rad(), "rad").samples(short.len() as u64))
     .measured(Measured::new("lateral error", error_mm, "mm").limit(limits.lateral_mm));
-    finding = with_fix(finding, "write all digits", Safety::Safe, edits);
+    // Five digits are enough for most; that they are cut is still no accident.
+    let finding = if error_mm > limits.lateral_mm {
+        finding
+    } else {
+        finding.hint()
+    };
+    let mut finding = with_fix(finding, "write all digits", Safety::Safe, edits);
     for other in short.iter().skip(1).take(limits.shown) {
         finding = finding.related(place(other), format!("{} of {}", other.literal.text, other.name));
     }

@@ -8,4 +8,5 @@ pub mod self_or_empty_transform;
 pub mod static_dynamic_conflict;
 pub mod tf_cycle;
 pub mod tf_static_missing_or_late;
+mod undefined_links;
 pub mod urdf_structure;

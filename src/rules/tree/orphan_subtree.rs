@@ -1,12 +1,15 @@
 //! TREE01: frames that no chain connects to the rest.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::rules::places::Firsts;
-use crate::rules::{Judge, Need, NoLimits, Rule};
-use crate::verdict::{Finding, Measured};
+use crate::rules::{Judge, Need, NoLimits, Rule, tf};
+use crate::source::SourceId;
+use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::graph::Component;
 use crate::world::{FrameId, FrameRole, World};
+
+use super::tf_cycle::loops;
 
 /// TREE01.
 pub struct OrphanSubtree;
@@ -17,7 +20,30 @@ impl Rule for OrphanSubtree {
     type Limits = NoLimits;
 
     fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
-        let components = world.graph().components();
+        let named_by_wholes = named_by_wholes(world);
+        let (parts, components): (Vec<Component>, Vec<Component>) = world
+            .graph()
+            .components()
+            .into_iter()
+            // A frame without a name is TREE04's, TREE07's or TREE12's.
+            .filter(|component| component.members.iter().any(|frame| !frame.as_str().is_empty()))
+            .partition(|component| {
+                named_by_wholes
+                    .as_ref()
+                    .is_some_and(|named| component.members.is_disjoint(named))
+            });
+        if let Some(part) = parts.first() {
+            let names: Vec<FrameId> = part.members.iter().take(1).cloned().collect();
+            let reason = format!(
+                "{} frames (the first is {}) stand in a part of a description: what joins them may stand elsewhere",
+                parts.iter().map(|part| part.members.len()).sum::<usize>(),
+                tf::listed(&names)
+            );
+            out.not_evaluated("frames of parts", NotEvaluated::TooLittleEvidence, reason);
+        }
+        if components.is_empty() && !parts.is_empty() {
+            return;
+        }
         if components.len() <= 1 {
             out.pass(
                 "frame tree",
@@ -27,17 +53,32 @@ impl Rule for OrphanSubtree {
         }
         let main = main_component(world, &components);
         let firsts = Firsts::new(world);
+        let looping: BTreeSet<FrameId> = loops(world).into_iter().flat_map(|(frames, _)| frames).collect();
         for (index, orphan) in components.iter().enumerate() {
             if index != main
                 && let Some(connected) = components.get(main)
             {
-                judge_orphan(&firsts, orphan, connected, components.len(), out);
+                judge_orphan(&firsts, orphan, connected, (components.len(), &looping), out);
             }
         }
     }
 }
 
-fn judge_orphan(firsts: &Firsts<'_>, orphan: &Component, main: &Component, trees: usize, out: &mut Judge) {
+/// The frames that more than parts of descriptions (xacro files that were not expanded) name; `None` without parts.
+fn named_by_wholes(world: &World) -> Option<BTreeSet<FrameId>> {
+    let parts = world.robots.iter().filter(|robot| robot.fragment.is_some());
+    let parts: BTreeSet<SourceId> = parts.map(|robot| robot.source).collect();
+    let wholes = world.frames.iter().filter(|used| !parts.contains(&used.place.source));
+    (!parts.is_empty()).then(|| wholes.map(|used| used.frame.canonical()).collect())
+}
+
+fn judge_orphan(
+    firsts: &Firsts<'_>,
+    orphan: &Component,
+    main: &Component,
+    (trees, looping): (usize, &BTreeSet<FrameId>),
+    out: &mut Judge,
+) {
     let Some(root) = orphan.roots.first().or_else(|| orphan.members.first()) else {
         return;
     };
@@ -47,6 +88,11 @@ fn judge_orphan(firsts: &Firsts<'_>, orphan: &Component, main: &Component, trees
     else {
         return;
     };
+    if orphan.roots.is_empty() && orphan.members.iter().any(|frame| looping.contains(frame)) {
+        let why = "it has no root that could be connected, because it goes round in a loop; see TREE03";
+        out.not_evaluated(format!("subtree `{root}`"), NotEvaluated::NotApplicable, why);
+        return;
+    }
     let others = orphan.members.len() - 1;
     let main_root = main.roots.first().or_else(|| main.members.first());
     let subject = format!("subtree `{root}`");

@@ -5,13 +5,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::rules::near::{Reach, nearest};
 use crate::rules::spelling::loose;
 use crate::rules::{Judge, Need, NoLimits, Rule, tf};
-use crate::source::Placed;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::robot::Link;
 use crate::world::{FrameId, Robot, World};
+
+use super::undefined_links::undefined;
 
 /// TREE12.
 pub struct UrdfStructure;
@@ -28,7 +28,14 @@ impl Rule for UrdfStructure {
                 out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
                 continue;
             }
-            let findings = judge_robot(robot, &subject);
+            let is_xacro = world.path(robot.source).to_lowercase().ends_with(".xacro");
+            // Properties, materials and the like, or the empty default of an optional include.
+            if robot.links.is_empty() && robot.joints.is_empty() && (is_xacro || robot.name.value.is_empty()) {
+                let reason = "it has neither links nor joints: a part for other files";
+                out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
+                continue;
+            }
+            let findings = judge_robot(robot, &subject, is_xacro);
             if findings.is_empty() {
                 out.pass(
                     subject,
@@ -44,7 +51,7 @@ impl Rule for UrdfStructure {
     }
 }
 
-fn judge_robot(robot: &Robot, subject: &str) -> Vec<Finding> {
+fn judge_robot(robot: &Robot, subject: &str, is_xacro: bool) -> Vec<Finding> {
     let mut findings = Vec::new();
     let by_name = robot.links.iter().rev().map(|link| (loose(&link.name.value), link));
     let links: BTreeMap<String, &Link> = by_name.collect();
@@ -56,49 +63,51 @@ fn judge_robot(robot: &Robot, subject: &str) -> Vec<Finding> {
                 .measured(Measured::count("links", 0).limit(1.0)),
         );
     }
-    for link in robot.links.iter().filter(|link| link.name.value.trim().is_empty()) {
-        findings.push(
-            Finding::error(subject, "a link has no name", link.place.clone())
-                .help("give the link a name")
-                .measured(Measured::count("links without a name", 1).limit(0.0)),
-        );
+    let missing = undefined(robot, &links);
+    let nameless: Vec<&Link> = robot
+        .links
+        .iter()
+        .filter(|link| link.name.value.trim().is_empty())
+        .collect();
+    for (index, link) in nameless.iter().enumerate() {
+        let finding = Finding::error(subject, "a link has no name", link.place.clone())
+            .measured(Measured::count("links without a name", 1).limit(0.0));
+        // A name that joints use and no link has is probably this one's: one cause, one finding.
+        findings.push(match missing.get(index) {
+            Some(joints) => finding
+                .help(format!(
+                    "give the link a name: is it the `{}` that joints name?",
+                    joints.name()
+                ))
+                .related(joints.first.2.place.clone(), "no link has this name"),
+            None => finding.help("give the link a name"),
+        });
     }
     for joint in &robot.joints {
         for (end, role) in [(&joint.parent, "parent"), (&joint.child, "child")] {
             let name = &joint.name.value;
-            let finding = match end {
-                None => Finding::error(subject, format!("joint `{name}` has no <{role}>"), joint.place.clone())
-                    .help(format!("add <{role} link=\"...\"/>"))
-                    .measured(Measured::count("missing ends", 1).limit(0.0)),
-                // An empty name is TREE04's.
-                Some(link) if link.value.is_empty() || links.contains_key(&loose(&link.value)) => continue,
-                Some(link) => undefined(subject, name, role, link, robot),
-            };
-            findings.push(finding);
+            if end.is_none() {
+                findings.push(
+                    Finding::error(subject, format!("joint `{name}` has no <{role}>"), joint.place.clone())
+                        .help(format!("add <{role} link=\"...\"/>"))
+                        .measured(Measured::count("missing ends", 1).limit(0.0)),
+                );
+            }
         }
     }
-    findings.extend(judge_roots(robot, subject, &links));
+    for undefined in missing.iter().skip(nameless.len()) {
+        let finding = undefined.finding(subject, robot);
+        // A xacro may be mounted on what another file brings.
+        let is_mounted = is_xacro && !undefined.is_child;
+        findings.push(if is_mounted { finding.hint() } else { finding });
+    }
+    // A link that lost its joint to a misspelt child is not a second root of its own.
+    let explained = missing.iter().filter(|undefined| undefined.is_child).count();
+    findings.extend(judge_roots(robot, subject, &links, explained));
     findings
 }
 
-fn undefined(subject: &str, joint: &str, role: &str, link: &Placed<String>, robot: &Robot) -> Finding {
-    let names: Vec<FrameId> = robot.links.iter().map(|link| link.name.value.as_str().into()).collect();
-    let near = nearest(&FrameId::new(link.value.as_str()), &names, Reach::SUGGESTION);
-    let help = match near {
-        Some(near) => format!("define the link, or was `{}` meant?", near.frame),
-        None => "define the link, or name one that exists".to_owned(),
-    };
-    let message = format!(
-        "joint `{joint}` names `{}` as its {role}, and there is no such link",
-        link.value
-    );
-    Finding::error(subject, message, link.place.clone())
-        .label("no link of this name")
-        .help(help)
-        .measured(Measured::count("undefined links", 1).limit(0.0))
-}
-
-fn judge_roots(robot: &Robot, subject: &str, links: &BTreeMap<String, &Link>) -> Option<Finding> {
+fn judge_roots(robot: &Robot, subject: &str, links: &BTreeMap<String, &Link>, explained: usize) -> Option<Finding> {
     let children: BTreeSet<String> = robot
         .joints
         .iter()
@@ -125,6 +134,9 @@ fn judge_roots(robot: &Robot, subject: &str, links: &BTreeMap<String, &Link>) ->
         .collect();
     // No root at all is a loop: TREE03's.
     let first = (!roots.is_empty()).then(|| roots.remove(0))?;
+    if !roots.is_empty() && roots.len() <= explained {
+        return None;
+    }
     if let Some(second) = roots.first() {
         let names: Vec<FrameId> = std::iter::once(first)
             .chain(roots.iter().copied())

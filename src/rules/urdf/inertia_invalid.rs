@@ -6,7 +6,7 @@ use crate::verdict::{Finding, Measured, Severity};
 use crate::world::World;
 use crate::world::robot::{Inertial, Joint, Link, Robot};
 
-use super::moments::{principal_moments, rounding};
+use super::moments::{is_placeholder, principal_moments, rounding};
 use super::subject;
 
 /// URDF08.
@@ -22,6 +22,10 @@ pub struct Limits {
     pub digits: f64,
     /// Moments that are taken for zero, kg m².
     pub absolute: f64,
+    /// Share of the largest principal moment up to which a broken bound is a note.
+    pub gross: f64,
+    /// Mass under which a link is nothing but a frame, kilograms.
+    pub weightless_kg: f64,
     /// Mass under which a fixed link hardly counts, kilograms.
     pub light_kg: f64,
 }
@@ -64,10 +68,14 @@ fn judge_body(world: &World, robot: &Robot, link: &Link, body: &Inertial, limits
     let owner = subject::link(world, robot, link);
     let name = &link.name.value;
     if let Some(mass) = body.mass_kg.filter(|mass| *mass < 0.0) {
-        let finding = Finding::error(owner, format!("the mass of `{name}` is {mass} kg"), body.place.clone())
-            .label("negative mass")
-            .help("write the mass of the link; leave <inertial> out where it is not known")
-            .measured(Measured::new("mass", mass, "kg").limit(0.0));
+        let finding = Finding::error(
+            owner,
+            format!("the mass of `{name}` is {mass} kg"),
+            body.mass_place.clone().unwrap_or_else(|| body.place.clone()),
+        )
+        .label("negative mass")
+        .help("write the mass of the link; leave <inertial> out where it is not known")
+        .measured(Measured::new("mass", mass, "kg").limit(0.0));
         return Some(finding);
     }
     let inertia = body
@@ -76,10 +84,21 @@ fn judge_body(world: &World, robot: &Robot, link: &Link, body: &Inertial, limits
     let [least, middle, largest] = principal_moments(inertia)?;
     let tolerance =
         limits.absolute + (limits.relative * largest.abs()).max(rounding(inertia).min(limits.digits * largest.abs()));
+    let place = body.inertia_place.clone().unwrap_or_else(|| body.place.clone());
+    let slight = limits.gross * largest.abs();
+    let is_weightless = body.mass_kg.is_some_and(|mass| mass < limits.weightless_kg);
+    let is_filled_in = is_weightless || is_placeholder(inertia);
+    let severity = |is_slight: bool| {
+        if is_slight || is_filled_in {
+            Severity::Note
+        } else {
+            Severity::Warning
+        }
+    };
     let finding = if least < -tolerance {
         let message =
             format!("the inertia of `{name}` is not positive: its smallest principal moment is {least:.3e} kg m²");
-        Finding::warning(owner, message, body.place.clone())
+        Finding::new(severity(least >= -slight), owner, message, place)
             .label("a principal moment is negative")
             .help("look for a wrong sign or for products of inertia that are too large; simulators refuse or explode")
             .measured(Measured::new("smallest principal moment", least, "kg m²").limit(0.0))
@@ -90,13 +109,9 @@ fn judge_body(world: &World, robot: &Robot, link: &Link, body: &Inertial, limits
             (least + middle).max(0.0)
         );
         // A light link that is fixed to another is lumped into it, where its own moments hardly count.
-        let is_light = body.mass_kg.is_none_or(|mass| mass < limits.light_kg);
-        let severity = if is_light && is_fixed(robot, link) {
-            Severity::Note
-        } else {
-            Severity::Warning
-        };
-        Finding::new(severity, owner, message, body.place.clone())
+        let is_light = body.mass_kg.is_none_or(|mass| mass < limits.light_kg) && is_fixed(robot, link);
+        let is_slight = largest - (least + middle) <= slight;
+        Finding::new(severity(is_slight || is_light), owner, message, place)
             .label("breaks the triangle inequality")
             .help("take the inertia from CAD, about the centre of mass, or from the formula of a box or cylinder")
             .measured(Measured::new("largest principal moment", largest, "kg m²").limit(least + middle))
