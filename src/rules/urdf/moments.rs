@@ -25,8 +25,11 @@ pub(super) fn principal_moments([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Option<[f
 /// Numbers that nobody measured: six times the same one, or moments of which one or two are zero.
 pub(super) fn is_placeholder(inertia: [f64; 6]) -> bool {
     let [xx, xy, xz, yy, yz, zz] = inertia;
+    // Written by hand to the last digit: these are compared as they stand.
+    #[allow(clippy::float_cmp)]
     let is_one_number = inertia.iter().all(|moment| *moment == xx);
     let moments = [xx, yy, zz];
+    #[allow(clippy::float_cmp)]
     let has_zero = [xy, xz, yz] == [0.0; 3] && moments.contains(&0.0) && moments.iter().all(|moment| *moment >= 0.0);
     is_one_number || has_zero
 }
