@@ -53,13 +53,15 @@ impl Rule for TranslationUnits {
                 .map(Stated::norm)
                 .filter(|norm| *norm < limits.far_m)
                 .fold(0.0, f64::max);
+            let (longest, second) = two_longest(&group);
             let is_many = group.len() > limits.many;
             for stated in &group {
                 let is_near = stated.norm() < limits.far_m;
-                let usual = if is_near {
-                    longest_other(&group, stated.norm())
-                } else {
-                    usual
+                // A near one is measured by the longest of the others.
+                let usual = match (is_near, longest > stated.norm()) {
+                    (false, _) => usual,
+                    (true, true) => longest,
+                    (true, false) => second,
                 };
                 let far = match (is_near, is_many && stated.is_joint && usual > 0.0) {
                     (true, true) => limits.far_among_many_m,
@@ -77,16 +79,18 @@ impl Rule for TranslationUnits {
     }
 }
 
-/// The longest translation beside the one of this length.
-fn longest_other(group: &[Stated], norm: f64) -> f64 {
-    let mut norms: Vec<f64> = group.iter().map(Stated::norm).collect();
-    norms.sort_by(|a, b| b.total_cmp(a));
-    let at = norms.iter().position(|other| *other <= norm).unwrap_or(0);
-    if at > 0 {
-        norms.first().copied().unwrap_or(0.0)
-    } else {
-        norms.get(1).copied().unwrap_or(0.0)
-    }
+/// The two longest translations, the longest first; 0 where there is none.
+fn two_longest(group: &[Stated]) -> (f64, f64) {
+    group
+        .iter()
+        .map(Stated::norm)
+        .fold((0.0, 0.0), |(first, second), norm| {
+            if norm > first {
+                (norm, first)
+            } else {
+                (first, norm.max(second))
+            }
+        })
 }
 
 /// Certain: another source states the same mounting a thousand or a hundred times shorter.
