@@ -24,18 +24,16 @@ impl Rule for UrdfStructure {
     fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
         for robot in &world.robots {
             let subject = format!("robot `{}` in {}", robot.name.value, world.path(robot.source));
-            if let Some(reason) = &robot.fragment {
+            let placeholder = "the file holds neither links nor joints: a placeholder, or no robot";
+            let is_empty = robot.links.is_empty() && robot.joints.is_empty();
+            if let Some(reason) = robot.fragment.as_deref().or(is_empty.then_some(placeholder)) {
                 out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
                 continue;
             }
             let findings = judge_robot(robot, &subject);
             if findings.is_empty() {
-                out.pass(
-                    subject,
-                    [Measured::count("root links", 1)
-                        .limit(1.0)
-                        .samples(robot.links.len() as u64)],
-                );
+                let roots = Measured::count("root links", 1).limit(1.0);
+                out.pass(subject, [roots.samples(robot.links.len() as u64)]);
             }
             for finding in findings {
                 out.fail(finding);
@@ -48,14 +46,6 @@ fn judge_robot(robot: &Robot, subject: &str) -> Vec<Finding> {
     let mut findings = Vec::new();
     let by_name = robot.links.iter().rev().map(|link| (loose(&link.name.value), link));
     let links: BTreeMap<String, &Link> = by_name.collect();
-    if robot.links.is_empty() {
-        let message = format!("robot `{}` has no links", robot.name.value);
-        findings.push(
-            Finding::error(subject, message, robot.name.place.clone())
-                .help("a robot needs at least one link")
-                .measured(Measured::count("links", 0).limit(1.0)),
-        );
-    }
     for link in robot.links.iter().filter(|link| link.name.value.trim().is_empty()) {
         findings.push(
             Finding::error(subject, "a link has no name", link.place.clone())
