@@ -158,10 +158,8 @@ mod tests {
 
     fn world_of(source: Source, text: &str, spelled: &str) -> World {
         let id = source.id;
-        let mut world = World {
-            sources: vec![source].into(),
-            ..World::default()
-        };
+        let mut world = World::default();
+        world.sources = vec![source].into();
         for (start, found) in text.match_indices(spelled) {
             world.frames.push(FrameUse {
                 frame: FrameId::new(spelled.trim_matches('"')),
