@@ -1,7 +1,8 @@
 //! TREE01: frames that no chain connects to the rest.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
+use crate::rules::spelling::loose;
 use crate::rules::{Judge, Need, NoLimits, Rule, places, tf};
 use crate::source::SourceId;
 use crate::verdict::{Finding, Measured, NotEvaluated};
@@ -47,11 +48,16 @@ impl Rule for OrphanSubtree {
         }
         let main = main_component(world, &components);
         let looping: BTreeSet<FrameId> = loops(world).into_iter().flat_map(|(frames, _)| frames).collect();
+        let connected = components
+            .get(main)
+            .into_iter()
+            .flat_map(|component| &component.members);
+        let names: BTreeMap<String, &FrameId> = connected.map(|frame| (loose(frame.as_str()), frame)).collect();
         for (index, orphan) in components.iter().enumerate() {
             if index != main
                 && let Some(connected) = components.get(main)
             {
-                judge_orphan(world, orphan, connected, (components.len(), &looping), out);
+                judge_orphan(world, orphan, connected, (components.len(), &looping, &names), out);
             }
         }
     }
@@ -73,7 +79,7 @@ fn judge_orphan(
     world: &World,
     orphan: &Component,
     main: &Component,
-    (trees, looping): (usize, &BTreeSet<FrameId>),
+    (trees, looping, names): (usize, &BTreeSet<FrameId>, &BTreeMap<String, &FrameId>),
     out: &mut Judge,
 ) {
     let Some(root) = orphan.roots.first().or_else(|| orphan.members.first()) else {
@@ -101,11 +107,21 @@ fn judge_orphan(
         },
         main_root.map_or("?", FrameId::as_str),
     );
+    let twin = orphan
+        .members
+        .iter()
+        .find_map(|frame| Some((frame, names.get(&loose(frame.as_str()))?)));
+    let help = match twin {
+        Some((frame, twin)) => format!(
+            "`{frame}` and `{twin}` of the main tree differ only in case, blanks or slashes: make them one (NAME01, NAME02)"
+        ),
+        None => {
+            format!("publish or describe the transform that mounts `{root}`, or remove the frames if nothing uses them")
+        }
+    };
     let finding = Finding::error(subject, message, place)
         .label("root of the separate tree")
-        .help(format!(
-            "publish or describe the transform that mounts `{root}`, or remove the frames if nothing uses them"
-        ))
+        .help(help)
         .measured(Measured::count("separate trees", trees).limit(1.0))
         .measured(Measured::count("frames in this tree", orphan.members.len()));
     let finding = match main_root.and_then(|frame| places::first(world, frame)) {
