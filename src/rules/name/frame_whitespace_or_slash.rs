@@ -2,26 +2,40 @@
 
 use std::collections::BTreeMap;
 
+use serde::Deserialize;
+
 use crate::rules::spelling::{self, Fault};
-use crate::rules::{Judge, Need, NoLimits, Rule, places};
+use crate::rules::{Judge, Need, Rule, places};
 use crate::source::{Confidence, SourceKind};
 use crate::verdict::{Finding, Measured, Safety, Severity};
 use crate::world::{FrameId, FrameRole, FrameUse, World};
 
+use super::many_names::{self, Kind};
+
 /// NAME02.
 pub struct FrameWhitespaceOrSlash;
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// How many names of one source with one fault are told apart.
+    pub most_apart: usize,
+    /// How many places are shown beside the first one.
+    pub shown: usize,
+}
 
 impl Rule for FrameWhitespaceOrSlash {
     const PAGE: &'static str = include_str!("../../../rules/name/frame-whitespace-or-slash.md");
     const NEEDS: &'static [Need] = &[Need::Frames];
-    type Limits = NoLimits;
+    type Limits = Limits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         let mut spelled: BTreeMap<&FrameId, Vec<&FrameUse>> = BTreeMap::new();
         for used in world.frames.iter().filter(|used| is_name(used)) {
             spelled.entry(&used.frame).or_default().push(used);
         }
-        let mut failed = false;
+        let mut failed: Vec<(Kind, Finding)> = Vec::new();
         for (frame, uses) in &spelled {
             let worst = uses
                 .iter()
@@ -30,13 +44,17 @@ impl Rule for FrameWhitespaceOrSlash {
                     (std::cmp::Reverse((*severity, *confidence)), used.role, &used.place)
                 });
             if let Some(((severity, confidence, fault), used)) = worst {
-                failed = true;
-                out.fail(report(world, frame, uses, used, (severity, confidence, fault)));
+                let finding = report(world, frame, uses, used, (severity, confidence, fault));
+                let kind = (used.place.source, severity, confidence, fault.words());
+                failed.push((kind, finding));
             }
         }
-        if !failed && !spelled.is_empty() {
+        if failed.is_empty() && !spelled.is_empty() {
             let names = Measured::count("names with stray characters", 0).limit(0.0);
             out.pass("frame names", [names.samples(spelled.len() as u64)]);
+        }
+        for finding in many_names::fold(failed, limits.most_apart, limits.shown) {
+            out.fail(finding);
         }
     }
 }

@@ -3,6 +3,7 @@
 pub mod frame_case_mismatch;
 pub mod frame_near_duplicate;
 pub mod frame_whitespace_or_slash;
+mod many_names;
 pub mod ned_suffix;
 pub mod optical_suffix;
 pub mod transform_name_cancellation;

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::rules::{Judge, Need, NoLimits, Rule, places};
-use crate::source::SourceId;
+use crate::source::{Place, SourceId};
 use crate::verdict::{Finding, Measured};
 use crate::world::graph::{Edge, EdgeOrigin, FrameGraph};
 use crate::world::{FrameId, World};
@@ -101,9 +101,15 @@ fn judge_cycle(world: &World, cycle: &[FrameId], steps: &[&Edge], out: &mut Judg
         names.join(" -> "),
         cycle.len()
     );
-    let mut at = steps
+    let mut at: Vec<(&Edge, Place)> = steps
         .iter()
-        .filter_map(|edge| Some((edge, places::of_edge(world, edge)?)));
+        .filter_map(|edge| Some((*edge, places::of_edge(world, edge)?)))
+        .collect();
+    // Of the joints of one file, the last is the likeliest to have closed the loop.
+    if sources.len() == 1 && steps.iter().all(|edge| matches!(edge.origin, EdgeOrigin::Joint(_))) {
+        at.sort_by(|(_, a), (_, b)| b.cmp(a));
+    }
+    let mut at = at.into_iter();
     let Some((first, place)) = at.next() else { return };
     let mut finding = Finding::error(subject, message, place)
         .label(format!("`{}` is put under `{}`", first.child, first.parent))
