@@ -3,6 +3,8 @@
 //! Files: `FRAMES_LINT_CORPUS` or `../shared/corpus`, where there is one; else the robots under `fixtures/`.
 //! Measured is user plus system time of the child processes, not wall time.
 
+#![allow(clippy::print_stdout, clippy::expect_used, clippy::indexing_slicing)]
+
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;

@@ -84,6 +84,16 @@ impl Front {
         serde_yaml::from_str(front).map_err(|error| PageError(format!("front matter: {error}")))
     }
 
+    /// Reads the front matter without limits and references, which stand last: a run needs those of few rules.
+    pub fn parse_head(page: &str) -> Result<Self, PageError> {
+        let (front, _) = split(page)?;
+        let rest = |name: &str| front.find(name).unwrap_or(front.len());
+        let head = front
+            .get(..rest("\nlimits:").min(rest("\nreferences:")))
+            .unwrap_or(front);
+        serde_yaml::from_str(head).map_err(|error| PageError(format!("front matter: {error}")))
+    }
+
     /// The family: the letters of the code.
     pub fn family(&self) -> &str {
         self.code.trim_end_matches(|c: char| c.is_ascii_digit())

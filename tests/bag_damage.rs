@@ -295,11 +295,11 @@ fn zeros_and_rubbish_behind_the_magic_end_the_reading_at_once() {
 }
 
 #[test]
-fn an_empty_recording_is_read_and_says_so() {
+fn an_empty_recording_says_so_and_is_no_input_that_was_read() {
     let (source, collected) = support::collected(&in_memory(Layout::default(), |_| {}));
     assert_eq!(
         (source.status, source.detail.as_deref()),
-        (ReadStatus::Read, Some("no messages"))
+        (ReadStatus::Partial, Some("no messages"))
     );
     assert_eq!((bag(&collected).truncated, bag(&collected).start_ns), (false, None));
 }

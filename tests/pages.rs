@@ -52,6 +52,21 @@ fn limits_in_pages_and_code_are_the_same() {
 }
 
 #[test]
+fn the_head_of_a_page_is_its_front_matter_without_limits_and_references() {
+    for entry in RULES {
+        let whole = Front::parse(entry.page).unwrap();
+        let head = Front::parse_head(entry.page).unwrap();
+        let without = Front {
+            limits: head.limits.clone(),
+            references: head.references.clone(),
+            ..whole
+        };
+        assert!(head.limits.is_empty() && head.references.is_empty());
+        assert_eq!(head, without);
+    }
+}
+
+#[test]
 fn pages_have_every_section_in_order() {
     for entry in RULES {
         let front = Front::parse(entry.page).unwrap();

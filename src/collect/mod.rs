@@ -129,6 +129,7 @@ impl Collector {
 
     fn finish(self, source: &mut Source, truncated: bool) -> Collected {
         self.problems(source);
+        self.nothing_to_judge(source, truncated);
         let (edges, parent_switches, mut frames) = self.tf.finish(source.id);
         for topic in &self.topics {
             frames.extend(topic.frame_uses(source.id));
@@ -156,6 +157,32 @@ impl Collector {
             },
             descriptions: self.descriptions.kept,
         }
+    }
+
+    /// Says when the recording was read, and there is nothing in it to judge by.
+    fn nothing_to_judge(&self, source: &mut Source, truncated: bool) {
+        let spoken = || self.topics.iter().filter(|topic| topic.count > 0);
+        let (message, help) = if self.messages == 0 && !truncated {
+            (
+                "no messages".to_owned(),
+                "was the recorder stopped too early, or did it subscribe with another QoS than was offered?",
+            )
+        } else if let Some(why) = spoken().next().and_then(Topic::unread)
+            && spoken().all(|topic| topic.unread().is_some())
+        {
+            (
+                format!("none of its messages could be looked into: {why}"),
+                "record or convert it with CDR messages, as ROS 2 writes them",
+            )
+        } else {
+            return;
+        };
+        source.problem_with_help(
+            ReadStatus::Partial,
+            Place::whole(source.id),
+            message,
+            Some(help.to_owned()),
+        );
     }
 
     /// Says what was left out of the evidence: nothing passes in silence.

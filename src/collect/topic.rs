@@ -153,6 +153,11 @@ impl Topic {
         self.frames.refused + self.children.refused
     }
 
+    /// Why nothing inside the messages can be read.
+    pub(super) fn unread(&self) -> Option<&str> {
+        self.unread.as_deref()
+    }
+
     /// The messages that did not decode, with the first one's error and place.
     pub(super) fn broken(&self) -> Option<(u64, Point, &str)> {
         let (point, error) = self.first_malformed.as_ref()?;

@@ -5,8 +5,6 @@
 use std::fs;
 use std::path::PathBuf;
 
-use rayon::prelude::*;
-
 use crate::collect::collect;
 use crate::progress::Progress;
 use crate::read::discover::{Input, Inputs};
@@ -15,7 +13,7 @@ use crate::read::{calibration, text, urdf, xacro, xacro_parts};
 use crate::source::{Derived, Examined, MessageRef, Place, ReadStatus, Source, SourceId, SourceKind};
 use crate::world::Facts;
 
-use super::references;
+use super::{parallel, references};
 
 /// Larger text files are refused: no URDF or calibration is that large.
 const MAX_TEXT_BYTES: u64 = 256 * 1024 * 1024;
@@ -42,21 +40,15 @@ struct Emerged {
 /// Reads all inputs. Readings are ordered by source id.
 pub(super) fn gather(inputs: &Inputs, xacro_args: &[String], progress: &Progress) -> Vec<Reading> {
     let included = included_xacros(inputs);
-    let first: Vec<(Reading, Vec<Emerged>)> = inputs
-        .files
-        .par_iter()
-        .enumerate()
-        .map(|(index, input)| {
-            let id = source_id(index);
-            let reader = Reader {
-                inputs,
-                xacro_args,
-                progress,
-                included: &included,
-            };
-            reader.read(input, id, index)
-        })
-        .collect();
+    let reader = Reader {
+        inputs,
+        xacro_args,
+        progress,
+        included: &included,
+    };
+    let first = parallel::map(inputs.files.iter().enumerate().collect(), |(index, input)| {
+        reader.read(input, source_id(index), index)
+    });
     let mut readings = Vec::with_capacity(first.len());
     let mut emerged = Vec::new();
     for (reading, texts) in first {
@@ -64,12 +56,10 @@ pub(super) fn gather(inputs: &Inputs, xacro_args: &[String], progress: &Progress
         emerged.extend(texts);
     }
     let base = readings.len();
-    let derived: Vec<Reading> = emerged
-        .into_par_iter()
-        .enumerate()
-        .map(|(offset, text)| read_emerged(text, source_id(base + offset), inputs))
-        .collect();
-    readings.extend(derived);
+    readings.extend(parallel::map(
+        emerged.into_iter().enumerate().collect(),
+        |(offset, text)| read_emerged(text, source_id(base + offset), inputs),
+    ));
     readings
 }
 

@@ -24,7 +24,8 @@ pub(super) fn judge(world: &World, rules: &[Enabled], label: Option<&str>) -> Ve
             .collect();
         let mut crash = None;
         if missing.is_empty() {
-            match catch_unwind(AssertUnwindSafe(|| (rule.entry.run)(world, &rule.front, &mut out))) {
+            let asked = AssertUnwindSafe(|| (rule.entry.run)(world, rule.whole()?, &mut out));
+            match catch_unwind(asked) {
                 Ok(Ok(())) => {}
                 Ok(Err(error)) => crash = Some(error.to_string()),
                 Err(panic) => crash = Some(panic_words(panic.as_ref())),
@@ -136,7 +137,6 @@ pub(super) fn panic_words(panic: &(dyn std::any::Any + Send)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::page::Front;
     use crate::rules::{Entry, Need};
     use crate::source::{Place, SourceId};
     use crate::verdict::{Measured, Severity};
@@ -145,10 +145,7 @@ mod tests {
                          confidence: likely\nsubject: one for each test\n---\n";
 
     fn run_with(entry: &'static Entry) -> Verdict {
-        let rule = Enabled {
-            front: Front::parse(FRONT).unwrap(),
-            entry,
-        };
+        let rule = Enabled::new(entry).unwrap();
         judge(&World::default(), &[rule], None)
     }
 

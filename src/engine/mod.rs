@@ -2,18 +2,19 @@
 
 mod gather;
 mod judge;
+mod parallel;
 mod plan;
 mod platform;
 mod references;
 
 use std::fmt;
 use std::path::PathBuf;
-
-use rayon::prelude::*;
+use std::sync::Arc;
 
 use crate::progress::Progress;
 use crate::read::discover::{Inputs, discover};
 use crate::run::{RuleInfo, Run};
+use crate::source::Source;
 use crate::verdict::Verdict;
 use crate::world::World;
 
@@ -52,12 +53,11 @@ pub fn rules() -> Result<Vec<RuleInfo>, UsageError> {
 /// Reads the inputs and judges them.
 pub fn check(options: &Options) -> Result<Run, UsageError> {
     let rules = plan::enabled(&options.select, &options.ignore)?;
-    let (inputs, worlds) = gather_worlds(options)?;
+    let (inputs, mut worlds) = gather_worlds(options)?;
     let several = worlds.len() > 1;
-    let verdicts: Vec<Verdict> = worlds
-        .par_iter()
-        .map(|world| judge::judge(world, &rules, several.then_some(world.label.as_str())))
-        .collect();
+    let verdicts = parallel::map(worlds.iter().collect(), |world| {
+        judge::judge(world, &rules, several.then_some(world.label.as_str()))
+    });
     let mut verdict = Verdict::default();
     for part in verdicts {
         verdict.rows.extend(part.rows);
@@ -65,13 +65,25 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
     }
     verdict.sort();
     let rules = rules.iter().map(|rule| RuleInfo::new(&rule.front)).collect();
-    Ok(run(inputs, worlds, verdict, rules))
+    Ok(Run {
+        sources: take_sources(&mut worlds),
+        verdict,
+        worlds,
+        rules,
+        skipped: inputs.skipped,
+    })
 }
 
 /// Reads the inputs and judges nothing.
 pub fn read(options: &Options) -> Result<Run, UsageError> {
     let (inputs, worlds) = gather_worlds(options)?;
-    Ok(run(inputs, worlds, Verdict::default(), Vec::new()))
+    Ok(Run {
+        sources: worlds.first().map(|world| world.sources.to_vec()).unwrap_or_default(),
+        verdict: Verdict::default(),
+        worlds,
+        rules: Vec::new(),
+        skipped: inputs.skipped,
+    })
 }
 
 fn gather_worlds(options: &Options) -> Result<(Inputs, Vec<World>), UsageError> {
@@ -85,13 +97,14 @@ fn gather_worlds(options: &Options) -> Result<(Inputs, Vec<World>), UsageError> 
     Ok((inputs, worlds))
 }
 
-fn run(inputs: Inputs, worlds: Vec<World>, verdict: Verdict, rules: Vec<RuleInfo>) -> Run {
-    let sources = worlds.first().map(|world| world.sources.to_vec()).unwrap_or_default();
-    Run {
-        sources,
-        verdict,
-        worlds,
-        rules,
-        skipped: inputs.skipped,
+/// The sources of all worlds, moved out: texts are large, and a judged world is looked at no more.
+fn take_sources(worlds: &mut [World]) -> Vec<Source> {
+    let shared = worlds
+        .first()
+        .map(|world| Arc::clone(&world.sources))
+        .unwrap_or_default();
+    for world in worlds {
+        world.sources = Arc::default();
     }
+    Arc::try_unwrap(shared).unwrap_or_else(|shared| shared.to_vec())
 }

@@ -1,16 +1,38 @@
 //! Which rules run: selection by code, name and family.
 
-use crate::page::Front;
+use std::sync::OnceLock;
+
+use crate::page::{Front, PageError};
 use crate::rules::{Entry, RULES};
 
 use super::UsageError;
 
 /// A rule that runs, with its page's front matter.
 pub(super) struct Enabled {
-    /// The front matter of its page.
+    /// The front matter of its page, without limits and references.
     pub(super) front: Front,
     /// The rule.
     pub(super) entry: &'static Entry,
+    whole: OnceLock<Result<Front, PageError>>,
+}
+
+impl Enabled {
+    /// A rule by its entry.
+    pub(super) fn new(entry: &'static Entry) -> Result<Self, PageError> {
+        Ok(Self {
+            front: Front::parse_head(entry.page)?,
+            entry,
+            whole: OnceLock::new(),
+        })
+    }
+
+    /// The front matter with its limits, read when the rule is first asked.
+    pub(super) fn whole(&self) -> Result<&Front, PageError> {
+        self.whole
+            .get_or_init(|| Front::parse(self.entry.page))
+            .as_ref()
+            .map_err(Clone::clone)
+    }
 }
 
 /// Every rule of the tool, in code order of the catalogue.
@@ -18,9 +40,8 @@ pub(super) fn all() -> Result<Vec<Enabled>, UsageError> {
     RULES
         .iter()
         .map(|entry| {
-            let front = Front::parse(entry.page)
-                .map_err(|error| UsageError(format!("a rule's page is broken: {error}: {:.60}", entry.page)))?;
-            Ok(Enabled { front, entry })
+            Enabled::new(entry)
+                .map_err(|error| UsageError(format!("a rule's page is broken: {error}: {:.60}", entry.page)))
         })
         .collect()
 }

@@ -10,13 +10,15 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::read::discover::Inputs;
-use crate::source::Source;
+use crate::source::{Derived, Source, SourceId};
 use crate::world::{Facts, FrameId, FrameRole, World};
 
 use super::gather::Reading;
 
 struct Member {
-    source: Source,
+    id: SourceId,
+    display: String,
+    in_recording: bool,
     facts: Facts,
     dir: PathBuf,
     root: PathBuf,
@@ -28,13 +30,18 @@ pub(super) fn platforms(readings: Vec<Reading>, inputs: &Inputs) -> Vec<World> {
     let mut groups: BTreeMap<usize, Vec<Member>> = BTreeMap::new();
     let mut sources = Vec::with_capacity(readings.len());
     for reading in readings {
-        sources.push(reading.source.clone());
-        let Some(input) = inputs.files.get(reading.input) else {
+        let Reading { source, facts, input } = reading;
+        let (id, display) = (source.id, source.path.clone());
+        let in_recording = matches!(source.derived, Some(Derived::Message(_)));
+        sources.push(source);
+        let Some(input) = inputs.files.get(input) else {
             continue;
         };
         groups.entry(input.group).or_default().push(Member {
-            source: reading.source,
-            facts: reading.facts,
+            id,
+            display,
+            in_recording,
+            facts,
             dir: input.path.parent().unwrap_or(Path::new("")).to_path_buf(),
             root: input.root.clone(),
             path: input.path.clone(),
@@ -56,7 +63,7 @@ fn world(members: Vec<Member>, sources: &Arc<Vec<Source>>) -> World {
     world.sources = Arc::clone(sources);
     world.label = label(&members);
     for member in members {
-        world.members.push(member.source.id);
+        world.members.push(member.id);
         world.absorb(member.facts);
     }
     world
@@ -66,8 +73,8 @@ fn world(members: Vec<Member>, sources: &Arc<Vec<Source>>) -> World {
 fn label(members: &[Member]) -> String {
     let robot = members.iter().find(|member| is_robot(member));
     match (robot, members) {
-        (Some(robot), _) => robot.source.path.clone(),
-        (None, [only]) => only.source.path.clone(),
+        (Some(robot), _) => robot.display.clone(),
+        (None, [only]) => only.display.clone(),
         (None, [first, ..]) => first.dir.to_string_lossy().into_owned(),
         (None, []) => String::new(),
     }
@@ -80,7 +87,7 @@ fn is_robot(member: &Member) -> bool {
         .robots
         .iter()
         .any(|robot| robot.fragment.is_none() && !robot.links.is_empty())
-        && !matches!(member.source.derived, Some(crate::source::Derived::Message(_)))
+        && !member.in_recording
 }
 
 fn is_fragment(member: &Member) -> bool {

@@ -153,17 +153,17 @@ fn met_file(path: &Path, root: &Path, group: usize, inputs: &mut Inputs) {
             input.kind = kind_of_name(path).unwrap_or(SourceKind::Unsupported);
             input.refusal = Some(format!("cannot be opened: {error}"));
         }
-        Ok(head) => match recognise(path, &head) {
-            Some(kind) => input.kind = kind,
-            None => {
-                let Some(reason) = unread_format(path) else {
-                    *inputs.skipped.entry(ending(path)).or_default() += 1;
-                    return;
-                };
+        Ok(head) => {
+            if let Some(kind) = recognise(path, &head) {
+                input.kind = kind;
+            } else if let Some(reason) = unread_format(path) {
                 input.refusal = Some(reason.to_owned());
                 input.required = false;
+            } else {
+                *inputs.skipped.entry(ending(path)).or_default() += 1;
+                return;
             }
-        },
+        }
     }
     inputs.files.push(input);
 }
@@ -233,7 +233,8 @@ fn recognise(path: &Path, head: &[u8]) -> Option<SourceKind> {
         return Some(SourceKind::Sqlite);
     }
     let text = String::from_utf8_lossy(head);
-    let xacro = || text.contains("xmlns:xacro") || text.contains("<xacro:");
+    // Expanded files keep the declaration of the namespace: only an element of xacro makes a file a xacro.
+    let xacro = || text.contains("<xacro:");
     match kind_of_name(path) {
         Some(SourceKind::Urdf) if xacro() => Some(SourceKind::Xacro),
         Some(kind) => Some(kind),
@@ -293,7 +294,11 @@ mod tests {
         let kind = |name: &str, head: &[u8]| recognise(Path::new(name), head);
         assert_eq!(kind("drive.bag", b"\x89MCAP0\r\n"), Some(SourceKind::Mcap));
         assert_eq!(kind("drive", b"#ROSBAG V2.0\n"), Some(SourceKind::Rosbag1));
-        assert_eq!(kind("robot.urdf", b"<robot xmlns:xacro='x'>"), Some(SourceKind::Xacro));
+        assert_eq!(kind("robot.urdf", b"<robot xmlns:xacro='x'>"), Some(SourceKind::Urdf));
+        assert_eq!(
+            kind("robot.urdf", b"<robot xmlns:xacro='x'><xacro:arm/>"),
+            Some(SourceKind::Xacro)
+        );
         assert_eq!(kind("model.xml", b"<robot name='x'>"), Some(SourceKind::Urdf));
         assert_eq!(kind("package.xml", b"<package>"), None);
         assert_eq!(kind("Robot.URDF", b"<robot name='x'>"), Some(SourceKind::Urdf));

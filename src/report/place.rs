@@ -10,6 +10,8 @@ use crate::source::{At, Derived, LineColumn, LineIndex, MessageRef, Place, Sourc
 pub(super) struct Locator<'a> {
     sources: &'a [Source],
     lines: Vec<OnceCell<LineIndex>>,
+    /// The part of every path that is left out.
+    folder: &'a str,
 }
 
 /// A place, found.
@@ -33,7 +35,39 @@ impl<'a> Locator<'a> {
         Self {
             sources,
             lines: sources.iter().map(|_| OnceCell::new()).collect(),
+            folder: "",
         }
+    }
+
+    /// As [`Locator::new`], with paths from the deepest folder that holds all of the sources.
+    pub(super) fn inside(sources: &'a [Source]) -> Self {
+        let folder = |source: &'a Source| {
+            source
+                .path
+                .rfind('/')
+                .and_then(|at| source.path.get(..=at))
+                .unwrap_or("")
+        };
+        let common = sources.iter().map(folder).reduce(|a, b| {
+            let ends = a
+                .match_indices('/')
+                .map(|(at, _)| at + 1)
+                .filter_map(|end| a.get(..end));
+            ends.rev().find(|start| b.starts_with(start)).unwrap_or("")
+        });
+        Self {
+            folder: common.unwrap_or(""),
+            ..Self::new(sources)
+        }
+    }
+
+    /// The part of every path that is left out: ends with a slash, or is empty.
+    pub(super) fn folder(&self) -> &'a str {
+        self.folder
+    }
+
+    fn path(&self, source: &'a Source) -> &'a str {
+        source.path.strip_prefix(self.folder).unwrap_or(&source.path)
     }
 
     /// Every source.
@@ -71,7 +105,7 @@ impl<'a> Locator<'a> {
             _ => None,
         };
         Spot {
-            path: source.path.clone(),
+            path: self.path(source).to_owned(),
             start: span.and_then(|span| locate(span.start)),
             end: span.and_then(|span| locate(span.end.max(span.start))),
             message,
@@ -84,10 +118,10 @@ impl<'a> Locator<'a> {
         match self.source(id) {
             None => "?".to_owned(),
             Some(source) => match &source.derived {
-                None => source.path.clone(),
-                Some(Derived::Expansion) => format!("{} (expanded)", source.path),
+                None => self.path(source).to_owned(),
+                Some(Derived::Expansion) => format!("{} (expanded)", self.path(source)),
                 Some(Derived::Message(message)) => {
-                    format!("{} {}[{}]", source.path, message.topic, message.index)
+                    format!("{} {}[{}]", self.path(source), message.topic, message.index)
                 }
             },
         }

@@ -141,7 +141,11 @@ pub(crate) fn without_ending(mut words: Vec<String>) -> Vec<String> {
 
 /// The name folded for comparison without case: canonical composition, lower case, without a leading slash.
 pub(crate) fn fold(frame: &FrameId) -> String {
-    frame.canonical().as_str().nfc().collect::<String>().to_lowercase()
+    let name = frame.canonical();
+    if name.as_str().is_ascii() {
+        return name.as_str().to_ascii_lowercase();
+    }
+    name.as_str().nfc().collect::<String>().to_lowercase()
 }
 
 #[cfg(test)]

@@ -13,7 +13,12 @@ pub(crate) fn is_invisible(c: char) -> bool {
 /// The name without what must not be in one: invisible characters, blanks at its ends, slashes at its ends and doubled,
 /// decomposed letters. Blanks inside are kept.
 pub(crate) fn clean(name: &str) -> String {
-    let visible: String = name.nfc().filter(|c| !is_invisible(*c)).collect();
+    // ASCII is its own composition: nearly every name is spared the tables.
+    let visible: String = if name.is_ascii() {
+        name.chars().filter(|c| !is_invisible(*c)).collect()
+    } else {
+        name.nfc().filter(|c| !is_invisible(*c)).collect()
+    };
     visible
         .trim()
         .split('/')

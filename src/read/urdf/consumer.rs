@@ -7,7 +7,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use crate::world::robot::{ConsumerJoint, ConsumerOpinion};
 
 use super::known;
-use super::repair::Repaired;
+use super::plain;
 use super::xml::Element;
 
 /// Nesting at which urdf-rs is no longer asked: it recurses, and its stack is not ours to size.
@@ -16,16 +16,16 @@ const DEEPEST: usize = 100;
 /// Size at which it is no longer asked, bytes: it holds the text as a tree three times over.
 const LARGEST: usize = 20_000_000;
 
-/// Asks urdf-rs. The text is the repaired one, without looks and without what urdfdom ignores: neither habits of XML
-/// nor foreign elements are held against the file. `root` is the root element of the same text, not wrapped.
-pub(super) fn ask(repaired: &Repaired, root: &Element<'_>) -> ConsumerOpinion {
-    if repaired.depth >= DEEPEST {
-        return ConsumerOpinion::NotAsked(format!("elements are nested {} deep", repaired.depth));
+/// Asks urdf-rs about the robot, without looks and without what urdfdom ignores: neither habits of XML nor foreign
+/// elements are held against the file.
+pub(super) fn ask(root: &Element<'_>) -> ConsumerOpinion {
+    let (text, depth) = without_foreign(root);
+    if depth >= DEEPEST {
+        return ConsumerOpinion::NotAsked(format!("elements are nested {depth} deep"));
     }
-    if repaired.text.len() > LARGEST {
-        return ConsumerOpinion::NotAsked(format!("the text has {} bytes", repaired.text.len()));
+    if text.len() > LARGEST {
+        return ConsumerOpinion::NotAsked(format!("the description has {} bytes", text.len()));
     }
-    let text = without_foreign(&repaired.text, root);
     match catch_unwind(AssertUnwindSafe(|| urdf_rs::read_from_string(&text))) {
         Ok(Ok(robot)) => ConsumerOpinion::Loads(joints(&robot)),
         Ok(Err(error)) => ConsumerOpinion::Refuses(one_line(&error.to_string())),
@@ -33,30 +33,64 @@ pub(super) fn ask(repaired: &Repaired, root: &Element<'_>) -> ConsumerOpinion {
     }
 }
 
-/// The text with blanks where elements stand that say nothing about frames or that consumers ignore: urdf-rs refuses
-/// files for a material written twice, or for an `<origin>` inside of a `<geometry>`; urdfdom does not.
-fn without_foreign(text: &str, root: &Element<'_>) -> String {
-    let mut bytes = text.as_bytes().to_vec();
-    for element in root.descendants() {
-        let Some(parent) = element.parent() else { continue };
-        let name = element.name();
-        let stays = match parent.name() {
-            // A shape that urdf-rs does not know is worth its words.
-            "geometry" => !matches!(name, "origin" | "material"),
-            parent => known::reads(parent, name) && name != "material",
-        };
-        if stays {
-            continue;
-        }
-        if let Some(span) = element.place().span() {
-            bytes
-                .get_mut(span.start..span.end)
-                .into_iter()
-                .flatten()
-                .for_each(|byte| *byte = b' ');
+/// The elements that a consumer reads and that leave a doubt, without the blanks between them: urdf-rs refuses files
+/// for a material written twice, or for an `<origin>` inside of a `<geometry>`, urdfdom does not; and it reads each
+/// character three times. With the deepest nesting of the text.
+fn without_foreign(root: &Element<'_>) -> (String, usize) {
+    enum Step<'a> {
+        Open(Element<'a>),
+        Close(&'a str),
+    }
+    let mut out = String::new();
+    let (mut depth, mut deepest) = (0_usize, 0);
+    let mut stack = vec![Step::Open(*root)];
+    while let Some(step) = stack.pop() {
+        match step {
+            Step::Close(name) => {
+                depth = depth.saturating_sub(1);
+                out.push_str("</");
+                out.push_str(name);
+                out.push('>');
+            }
+            Step::Open(element) => {
+                let first = stack.len();
+                stack.push(Step::Close(element.repaired_name()));
+                stack.extend(
+                    element
+                        .children()
+                        .filter(|child| stays(&element, child))
+                        .map(Step::Open),
+                );
+                deepest = deepest.max(depth + 1);
+                element.write_start(&mut out);
+                if stack.len() == first + 1 {
+                    stack.truncate(first);
+                    out.push_str("/>");
+                } else {
+                    depth += 1;
+                    out.push('>');
+                    // The first child is opened next, the end tag comes last.
+                    if let Some(inside) = stack.get_mut(first + 1..) {
+                        inside.reverse();
+                    }
+                }
+            }
         }
     }
-    String::from_utf8(bytes).unwrap_or_else(|_| text.to_owned())
+    (out, deepest)
+}
+
+fn stays(parent: &Element<'_>, child: &Element<'_>) -> bool {
+    let name = child.name();
+    match parent.name() {
+        // urdf-rs reads links, joints and materials, and does not ask whether the links of a joint are there.
+        "robot" => name == "joint" || (name == "link" && !plain::is_plain_link(child)),
+        "link" if plain::is_plain(child) => false,
+        "joint" if plain::is_plain_in_joint(child) => false,
+        // A shape that urdf-rs does not know is worth its words.
+        "geometry" => !matches!(name, "origin" | "material"),
+        parent => known::reads(parent, name) && name != "material",
+    }
 }
 
 fn joints(robot: &urdf_rs::Robot) -> Vec<ConsumerJoint> {

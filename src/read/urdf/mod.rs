@@ -9,6 +9,7 @@ mod known;
 mod link;
 mod mesh;
 mod numbers;
+mod plain;
 mod reader;
 mod repair;
 #[cfg(test)]
@@ -51,6 +52,17 @@ fn read_text(id: SourceId, text: &str, meshes: &MeshLookup, xacro: bool, problem
     let mut add = |status, place, message: String, help: Option<String>| {
         problems.push((status, Problem { place, message, help }));
     };
+    let strict = Text {
+        source: id,
+        original: text,
+        shift: 0,
+    };
+    if let Some(document) = xml::parse_strict(text)
+        && Element::root(&document, strict).name() == "robot"
+    {
+        let fragment = xacro.then(|| "xacro, not expanded".to_owned());
+        return read_root(&Element::root(&document, strict), meshes, fragment, &mut add);
+    }
     let repaired = repair::repair(text);
     if let Some(span) = repaired.entity {
         let message = "declares an XML entity: readers of URDF do not expand it".to_owned();
@@ -108,9 +120,18 @@ fn read_text(id: SourceId, text: &str, meshes: &MeshLookup, xacro: bool, problem
             return Facts::default();
         }
     };
-    let root = Element::root(&document, text);
+    read_root(&Element::root(&document, text), meshes, fragment, &mut add)
+}
+
+/// Reads a description from its root element on. `fragment` says why it is not a whole robot, where that is known.
+fn read_root(
+    root: &Element<'_>,
+    meshes: &MeshLookup,
+    mut fragment: Option<String>,
+    add: &mut impl FnMut(ReadStatus, Place, String, Option<String>),
+) -> Facts {
     if fragment.is_none()
-        && let Some((reason, place)) = reader::xacro_sign(&root)
+        && let Some((reason, place)) = reader::xacro_sign(root)
     {
         let help = "expand it with `xacro`, or name it `.xacro`; only what is written out was read".to_owned();
         add(ReadStatus::Partial, place, reason.clone(), Some(help));
@@ -118,9 +139,9 @@ fn read_text(id: SourceId, text: &str, meshes: &MeshLookup, xacro: bool, problem
     }
     let opinion = match &fragment {
         Some(reason) => ConsumerOpinion::NotAsked(reason.clone()),
-        None => consumer::ask(&repaired, &root),
+        None => consumer::ask(root),
     };
-    Reader::new(&root, id, meshes, fragment, opinion).read(&root)
+    Reader::new(root, root.place().source, meshes, fragment, opinion).read(root)
 }
 
 /// What is put around a part without a root element.

@@ -69,7 +69,8 @@ fn malformed(text: &str, literals: &[Literal], expected: usize) -> Option<String
     if literals.is_empty() {
         return Some(format!("the attribute is empty; {} needed", count(expected)));
     }
-    if let Some(bad) = literals.iter().find(|literal| number(&literal.text).is_none()) {
+    let is_bad = |literal: &&Literal| literal.value.is_nan() && number(&literal.text).is_none();
+    if let Some(bad) = literals.iter().find(is_bad) {
         return Some(not_a_number(&bad.text, literals, expected));
     }
     if literals.len() != expected {

@@ -149,19 +149,21 @@ impl<'a> Reader<'a> {
 
     /// Keeps the elements named `names` of which more than one stands in `element`.
     pub(super) fn note_repeated(&mut self, element: &Element<'_>, names: &[&str], owner: &str) {
+        let inside: Vec<&str> = element.children().map(|child| child.name()).collect();
         for name in names {
+            if inside.iter().filter(|other| *other == name).nth(1).is_none() {
+                continue;
+            }
             let places: Vec<Place> = element
                 .children()
                 .filter(|e| e.name() == *name)
                 .map(|e| e.place())
                 .collect();
-            if places.len() > 1 {
-                self.robot.repeated.push(Repeated {
-                    element: (*name).to_owned(),
-                    owner: owner.to_owned(),
-                    places,
-                });
-            }
+            self.robot.repeated.push(Repeated {
+                element: (*name).to_owned(),
+                owner: owner.to_owned(),
+                places,
+            });
         }
     }
 

@@ -12,8 +12,6 @@ use crate::source::Span;
 pub(super) struct Repaired {
     /// The text, of the same length as the original. Colons in names are underscores: read names from the original.
     pub(super) text: String,
-    /// The deepest nesting of elements.
-    pub(super) depth: usize,
     /// Names of the elements at the top, as written, with their places.
     pub(super) tops: Vec<(String, Span)>,
     /// The first entity declaration of a document type, if there is one.
@@ -91,7 +89,8 @@ impl Lexer<'_> {
 
     fn run(&mut self, end: usize) {
         let mut at = 0;
-        while let Some(open) = self.find(at, "<").filter(|open| *open < end) {
+        let next_tag = |at: usize| Some(at + self.text.get(at..)?.find('<')?);
+        while let Some(open) = next_tag(at).filter(|open| *open < end) {
             self.escape_ampersands(at, open);
             let next = if self.starts(open, "<!--") {
                 self.comment(open)
@@ -197,12 +196,10 @@ impl Lexer<'_> {
                 0 | b'<' => return None,
                 b'>' => {
                     self.open += 1;
-                    self.report.depth = self.report.depth.max(self.open);
                     break;
                 }
                 b'/' if self.byte(at + 1) == b'>' => {
                     at += 1;
-                    self.report.depth = self.report.depth.max(self.open + 1);
                     break;
                 }
                 _ => {

@@ -105,6 +105,17 @@ pub(super) struct Fault {
     pub(super) message: String,
 }
 
+/// Longest piece of a text without a `>`, bytes, that is parsed unseen: parsing a tag costs the square of its attributes.
+const LONGEST_TAG: usize = 8192;
+
+/// Parses a text that needs no repair; `None` where a strict parser objects, or could be kept busy.
+pub(super) fn parse_strict(text: &str) -> Option<Document<'_>> {
+    if text.split('>').any(|piece| piece.len() > LONGEST_TAG) {
+        return None;
+    }
+    Document::parse(text).ok()
+}
+
 /// Parses a repaired text (with `text.shift` bytes put in front).
 pub(super) fn parse<'t>(repaired: &'t str, text: Text<'_>) -> Result<Document<'t>, Fault> {
     let options = ParsingOptions {
@@ -193,8 +204,13 @@ impl<'a> Element<'a> {
 
     fn name_span(&self) -> Span {
         let start = self.node.range().start + 1;
-        // Names keep their length in repair; a default namespace does not change it.
-        self.text.span(start..start + self.node.tag_name().name().len())
+        let input = self.node.document().input_text().as_bytes();
+        let behind = input.get(start..).unwrap_or_default();
+        let length = behind
+            .iter()
+            .position(|byte| matches!(byte, b' ' | b'\t' | b'\n' | b'\r' | b'/' | b'>'))
+            .unwrap_or(behind.len());
+        self.text.span(start..start + length)
     }
 
     /// Where the name stands.
@@ -223,35 +239,79 @@ impl<'a> Element<'a> {
         Place::text(self.text.source, Span::new(whole.start, end))
     }
 
+    /// Writes `<name a="1"` as it stands in the repaired text, without the blanks between attributes and without
+    /// attributes of other namespaces.
+    pub(super) fn write_start(&self, out: &mut String) {
+        let input = self.node.document().input_text();
+        out.push('<');
+        out.push_str(self.repaired_name());
+        for attribute in self
+            .node
+            .attributes()
+            .filter(|attribute| attribute.namespace().is_none())
+        {
+            out.push(' ');
+            out.push_str(input.get(attribute.range()).unwrap_or_default());
+        }
+    }
+
+    /// Names and values of the attributes as the parser gives them, without places.
+    pub(super) fn plain_attributes(&self) -> impl Iterator<Item = (&'a str, &'a str)> + use<'a> {
+        self.node
+            .attributes()
+            .map(|attribute| (attribute.name(), attribute.value()))
+    }
+
+    /// The name as it stands in the repaired text.
+    pub(super) fn repaired_name(&self) -> &'a str {
+        self.node.tag_name().name()
+    }
+
     /// The attributes, in order.
     pub(super) fn attributes(&self) -> impl Iterator<Item = Attribute<'a>> + use<'a> {
+        let element = *self;
+        self.node
+            .attributes()
+            .map(move |attribute| element.as_written(&attribute))
+    }
+
+    /// Names of the attributes as written, in order.
+    pub(super) fn attribute_names(&self) -> impl Iterator<Item = &'a str> + use<'a> {
         let text = self.text;
-        let input = self.node.document().input_text();
-        self.node.attributes().map(move |attribute| {
-            let span = text.span(attribute.range_value());
-            let raw = text.slice(span);
-            let repaired = input.get(attribute.range_value()).unwrap_or_default();
-            // References are resolved; what was repaired stands for itself.
-            let referring = raw.contains('&') && repaired == raw;
-            let name = text.span(attribute.range_qname());
-            Attribute {
-                name: text.slice(name),
-                name_place: Place::text(text.source, name),
-                value: if referring {
-                    attribute.value().to_owned()
-                } else {
-                    raw.to_owned()
-                },
-                span,
-                verbatim: !referring,
-                source: text.source,
-            }
-        })
+        self.node
+            .attributes()
+            .map(move |attribute| text.slice(text.span(attribute.range_qname())))
     }
 
     /// The attribute of this name.
     pub(super) fn attribute(&self, name: &str) -> Option<Attribute<'a>> {
-        self.attributes().find(|attribute| attribute.name == name)
+        self.node
+            .attributes()
+            .find(|attribute| self.text.slice(self.text.span(attribute.range_qname())) == name)
+            .map(|attribute| self.as_written(&attribute))
+    }
+
+    fn as_written(&self, attribute: &roxmltree::Attribute<'a, 'a>) -> Attribute<'a> {
+        let text = self.text;
+        let input = self.node.document().input_text();
+        let span = text.span(attribute.range_value());
+        let raw = text.slice(span);
+        let repaired = input.get(attribute.range_value()).unwrap_or_default();
+        // References are resolved; what was repaired stands for itself.
+        let referring = raw.contains('&') && repaired == raw;
+        let name = text.span(attribute.range_qname());
+        Attribute {
+            name: text.slice(name),
+            name_place: Place::text(text.source, name),
+            value: if referring {
+                attribute.value().to_owned()
+            } else {
+                raw.to_owned()
+            },
+            span,
+            verbatim: !referring,
+            source: text.source,
+        }
     }
 
     /// The elements directly inside.

@@ -10,7 +10,7 @@ use super::{Link, Links, Names, outsiders, shown, title, worlds};
 
 /// A directed graph: solid edges are constant, dashed ones move, red ones are disputed; frames outside every tree are dotted.
 pub fn render(run: &Run) -> String {
-    let locator = Locator::new(&run.sources);
+    let locator = Locator::inside(&run.sources);
     let mut out = "digraph frames {\n  rankdir=TB;\n  node [shape=box, fontname=\"sans-serif\"];\n".to_owned();
     let several = worlds(run).count() > 1;
     for (index, world) in worlds(run).enumerate() {

@@ -10,7 +10,7 @@ use super::{Link, Links, Names, outsiders, shown, title, worlds};
 
 /// A flowchart: solid edges are constant, dotted ones move, `!` marks disputed ones; frames outside every tree stand alone.
 pub fn render(run: &Run) -> String {
-    let locator = Locator::new(&run.sources);
+    let locator = Locator::inside(&run.sources);
     let mut out = "flowchart TD\n".to_owned();
     let several = worlds(run).count() > 1;
     for (index, world) in worlds(run).enumerate() {

@@ -18,7 +18,7 @@ const MAX_INDENT: usize = 24;
 
 /// The trees of all worlds.
 pub fn render(run: &Run, style: Style) -> String {
-    let locator = Locator::new(&run.sources);
+    let locator = Locator::inside(&run.sources);
     let mut out = String::new();
     let several = worlds(run).count() > 1;
     for world in worlds(run) {
@@ -33,6 +33,12 @@ pub fn render(run: &Run, style: Style) -> String {
     }
     if out.is_empty() {
         out.push_str("No frames: nothing that was read names one.\n");
+    } else if !locator.folder().is_empty() {
+        let _ = writeln!(
+            out,
+            "\n{}",
+            style.paint(Ink::Faint, &format!("Paths in {}", locator.folder()))
+        );
     }
     out
 }

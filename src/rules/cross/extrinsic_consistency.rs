@@ -2,11 +2,11 @@
 
 use serde::Deserialize;
 
-use crate::math::relation::Relation;
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
 
+use super::blame::named;
 use super::statements::{Pair, pairs};
 
 /// CROSS01.
@@ -46,6 +46,14 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
         out.pass(subject, measured);
         return;
     }
+    if let Some(first) = &pair.repeats {
+        out.not_evaluated(
+            subject,
+            NotEvaluated::NotApplicable,
+            format!("the same difference as {first}"),
+        );
+        return;
+    }
     if pair.alternatives {
         let why =
             "the same key in sibling files: two devices, or two versions; only a named convention error is reported";
@@ -53,7 +61,7 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
         return;
     }
     let small = angle_deg <= limits.warn_deg && distance_m <= limits.warn_m;
-    if let (false, Some(relation)) = (small, found.error()) {
+    if let (false, Some(relation)) = (small, named(pair)) {
         let why = format!("CROSS02 names the convention error: {}", relation.word());
         out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         return;
@@ -76,22 +84,11 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
         pair.reference.target, pair.reference.source_frame,
     );
     let [rotation, translation] = measured;
-    let mut finding = Finding::new(severity, subject, message, pair.other.place.clone())
+    let finding = Finding::new(severity, subject, message, pair.other.place.clone())
         .confidence(pair.reading())
-        .label(format!(
-            "stated by {}{}",
-            pair.other.who,
-            if pair.turned { " (the other way round)" } else { "" }
-        ))
-        .related(
-            pair.reference.place.clone(),
-            format!("stated by {}", pair.reference.who),
-        )
+        .label(format!("stated by {}", pair.other.who))
         .help(help)
         .measured(rotation)
         .measured(translation);
-    if found.best == Some(Relation::Equal) {
-        finding = finding.relation(Relation::Equal.word());
-    }
-    out.fail(finding);
+    out.fail(pair.point_at_others(finding));
 }

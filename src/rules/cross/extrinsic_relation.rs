@@ -2,12 +2,13 @@
 
 use serde::Deserialize;
 
-use crate::math::relation::{Classification, Relation, Tolerance, classify_either_way};
+use crate::math::relation::{Classification, Relation, Tolerance};
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
-use super::statements::{Pair, Statement, pairs};
+use super::blame::{blame, holds_radians_twice, same_cause};
+use super::statements::{Pair, pairs};
 
 /// CROSS02.
 pub struct ExtrinsicRelation;
@@ -19,6 +20,7 @@ pub struct Limits {
     small_deg: f64,
     small_m: f64,
     alternatives_turn_deg: f64,
+    mount_m: f64,
 }
 
 impl Rule for ExtrinsicRelation {
@@ -35,21 +37,16 @@ impl Rule for ExtrinsicRelation {
 
 fn judge_pair(world: &World, mut pair: Pair, limits: &Limits, out: &mut Judge) {
     let subject = pair.subject(world);
-    let mut found = pair.classify();
+    if let Some(first) = &pair.repeats {
+        out.not_evaluated(
+            subject,
+            NotEvaluated::NotApplicable,
+            format!("the same difference as {first}"),
+        );
+        return;
+    }
+    let found = blame(&mut pair, limits.mount_m);
     let (angle_deg, distance_m) = (found.angle_rad.to_degrees(), found.distance_m);
-    let complete = |s: &Statement| s.has_rotation && s.has_translation;
-    if found.best.is_none() && complete(&pair.reference) && complete(&pair.other) {
-        let either = classify_either_way(&pair.reference.pose, &pair.other.pose, &Tolerance::default());
-        if either.reversed {
-            std::mem::swap(&mut pair.reference, &mut pair.other);
-            found = either.classification;
-        }
-    }
-    // Metres read as millimetres are far rarer than the other way round: the larger numbers are the culprit.
-    if matches!(found.best, Some(Relation::Metres | Relation::Radians)) {
-        std::mem::swap(&mut pair.reference, &mut pair.other);
-        found = pair.classify();
-    }
     let difference = [
         Measured::new("rotation difference", angle_deg, "deg").limit(Tolerance::default().angle_rad.to_degrees()),
         Measured::new("translation difference", distance_m, "m").limit(Tolerance::default().distance_m),
@@ -67,7 +64,10 @@ fn judge_pair(world: &World, mut pair: Pair, limits: &Limits, out: &mut Judge) {
             let why = "the same key in sibling files, and mounts along the axes: two devices look like this as well";
             out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
         }
-        (Some(relation), _) => out.fail(finding(&pair, subject, relation, &found, difference)),
+        (Some(relation), _) => {
+            let finding = finding(&pair, subject, relation, &found, difference);
+            out.fail(pair.point_at_others(finding));
+        }
     }
 }
 
@@ -80,34 +80,34 @@ fn finding(
 ) -> Finding {
     let also: Vec<&str> = found.class.iter().skip(1).map(|other| other.word()).collect();
     let message = format!(
-        "`{}` from `{}` is stated twice, and the second is the first with a convention error: {}{}",
+        "{} states `{}` from `{}` as {} does, but with a convention error: {}{}{}",
+        pair.other.who,
         pair.reference.target,
         pair.reference.source_frame,
+        pair.reference.who,
         relation.word(),
         if also.is_empty() {
             String::new()
         } else {
             format!(" (indistinguishable here: {})", also.join(", "))
-        }
+        },
+        if relation == Relation::Degrees && holds_radians_twice(pair) {
+            "; or else the other one holds radians that were converted once more"
+        } else {
+            ""
+        },
     );
     let help = format!(
-        "{} Find out which of the two is right and state it in both; explained to {:.2} deg and {:.3} m.",
+        "{} Find out which of the two is right and state it in both; explained to {:.2} deg and {:.3} m.{}",
         relation.describe(),
         found.residual_angle_rad.to_degrees(),
         found.residual_m,
+        same_cause(relation),
     );
     let [rotation, translation] = difference;
     Finding::error(subject, message, pair.other.place.clone())
         .confidence(pair.reading())
-        .label(format!(
-            "stated by {}{}",
-            pair.other.who,
-            if pair.turned { " (the other way round)" } else { "" }
-        ))
-        .related(
-            pair.reference.place.clone(),
-            format!("stated by {}", pair.reference.who),
-        )
+        .label(format!("stated by {}", pair.other.who))
         .help(help)
         .relation(relation.word())
         .measured(rotation)

@@ -10,8 +10,11 @@ use nalgebra::Isometry3;
 
 use crate::math::relation::{Classification, Tolerance, classify, classify_rotation};
 use crate::source::{Confidence, Place, SourceId, SourceKind};
+use crate::verdict::Finding;
 use crate::world::graph::{Edge, EdgeOrigin};
 use crate::world::{Claim, ClaimKind, FrameId, Spelling, World};
+
+use super::fold::fold;
 
 /// How far a source is trusted to be the one that is right, when two disagree: descriptions before files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -54,10 +57,12 @@ pub(super) struct Pair {
     pub(super) reference: Statement,
     /// The statement held against it, turned to the reference's direction where it was stated the other way round.
     pub(super) other: Statement,
-    /// Whether the other was stated the other way round.
-    pub(super) turned: bool,
     /// Whether the two stand under the same key of sibling files: perhaps alternatives, not a disagreement.
     pub(super) alternatives: bool,
+    /// The subject of an earlier pair of the same two transforms: other sources repeat what these say.
+    pub(super) repeats: Option<String>,
+    /// Statements that agree with the first of the two (`false`) or with the second (`true`).
+    pub(super) seconded_by: Vec<(bool, Place, String)>,
 }
 
 impl Pair {
@@ -75,6 +80,25 @@ impl Pair {
     /// How sure the reading of both is.
     pub(super) fn reading(&self) -> Confidence {
         self.reference.reading.min(self.other.reading)
+    }
+
+    /// Takes the other statement for the reference.
+    pub(super) fn swap(&mut self) {
+        std::mem::swap(&mut self.reference, &mut self.other);
+        for (with_other, ..) in &mut self.seconded_by {
+            *with_other = !*with_other;
+        }
+    }
+
+    /// Points at the reference, and at the other sources that take one side or the other.
+    pub(super) fn point_at_others(&self, mut finding: Finding) -> Finding {
+        let stated = format!("stated by {}", self.reference.who);
+        finding = finding.related(self.reference.place.clone(), stated);
+        for (with_other, place, who) in &self.seconded_by {
+            let side = if *with_other { &self.other } else { &self.reference };
+            finding = finding.related(place.clone(), format!("{who} agrees with {}", side.who));
+        }
+        finding
     }
 
     /// The relation between the two and their plain difference; parts that one does not state are not compared.
@@ -108,9 +132,13 @@ pub(super) fn pairs(world: &World) -> Vec<Pair> {
     for (frames, mut statements) in by_frames {
         add_chains(world, &frames, &mut statements);
         statements.sort_by(|a, b| (a.rank, a.bare_quaternion, &a.place).cmp(&(b.rank, b.bare_quaternion, &b.place)));
+        let from = pairs.len();
         for (index, reference) in statements.iter().enumerate() {
             for other in statements.iter().skip(index + 1) {
-                pairs.extend(pair(world, reference, other));
+                if let Some(mut pair) = pair(world, reference, other) {
+                    fold(world, &mut pair, pairs.get_mut(from..).unwrap_or_default());
+                    pairs.push(pair);
+                }
             }
         }
     }
@@ -132,12 +160,14 @@ fn pair(world: &World, reference: &Statement, other: &Statement) -> Option<Pair>
     let mut other = other.clone();
     if turned {
         other.pose = other.pose.inverse();
+        other.who.push_str(" (the other way round)");
     }
     Some(Pair {
         reference: reference.clone(),
         other,
-        turned,
         alternatives: comparable == Comparable::Alternatives,
+        repeats: None,
+        seconded_by: Vec::new(),
     })
 }
 

@@ -54,7 +54,7 @@ impl Rule for NonFiniteOrZero {
 fn judge_robot(world: &World, robot: &Robot, right: &mut Tally, out: &mut Judge) {
     for numbers in number_lists(robot) {
         let broken: Vec<&Literal> = numbers.literals.iter().filter(|l| is_spelled_non_finite(l)).collect();
-        let subject = format!("{} of {}", numbers.owner, world.path(robot.source));
+        let subject = || format!("{} of {}", numbers.owner, world.path(robot.source));
         report(subject, &broken, numbers.literals.len(), &numbers.place, right, out);
     }
 }
@@ -81,7 +81,7 @@ fn judge_file(world: &World, claim: &Claim, right: &mut Tally, out: &mut Judge) 
         // The text of the numbers is not known: the statement as a whole is the place.
         out.fail(not_finite(subject, "NaN or infinite", 1, claim.place.clone()));
     } else {
-        report(subject, &broken, numbers.len(), &claim.place, right, out);
+        report(|| subject, &broken, numbers.len(), &claim.place, right, out);
     }
 }
 
@@ -95,11 +95,18 @@ fn spelled(spelling: &Spelling) -> Vec<f64> {
 }
 
 /// One finding for all broken numbers of a statement, or one more statement that is right.
-fn report(subject: String, broken: &[&Literal], total: usize, whole: &Place, right: &mut Tally, out: &mut Judge) {
+fn report(
+    subject: impl FnOnce() -> String,
+    broken: &[&Literal],
+    total: usize,
+    whole: &Place,
+    right: &mut Tally,
+    out: &mut Judge,
+) {
     match broken.first() {
         Some(first) => {
             let place = Place::text(whole.source, first.span);
-            out.fail(not_finite(subject, &format!("`{}`", first.text), broken.len(), place));
+            out.fail(not_finite(subject(), &format!("`{}`", first.text), broken.len(), place));
         }
         None if total > 0 => right.pass(
             whole.source,

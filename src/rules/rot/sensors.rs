@@ -77,6 +77,12 @@ const PARTS: &[&str] = &[
     "mag",
 ];
 
+/// Words that say where something is mounted, or on what, and so name no device.
+const PLACES: &[&str] = &[
+    "front", "rear", "back", "left", "right", "top", "upper", "lower", "roof", "center", "middle", "side", "base",
+    "robot", "car", "vehicle", "ego", "body", "chassis", "arm", "head", "torso", "tool", "wrist",
+];
+
 /// A sensor on something that is no sensor.
 #[derive(Debug)]
 pub(super) struct Mounting {
@@ -161,7 +167,14 @@ fn is_mounting(parent: &FrameId, sensor: &FrameId, in_tree: bool) -> bool {
         None => true,
         Some(parent_kind) => !in_tree && parent_kind != sensor_kind,
     };
-    parent_is_other && !has_word(parent, HOUSINGS) && !has_word(sensor, VIRTUAL)
+    parent_is_other && !has_word(parent, HOUSINGS) && !has_word(sensor, VIRTUAL) && !is_of_one_device(parent, sensor)
+}
+
+/// Whether both names begin with the name of one device: `oakd_link` and `oakd_rgb_camera_frame`.
+fn is_of_one_device(parent: &FrameId, sensor: &FrameId) -> bool {
+    let (parent, sensor) = (parent.tokens(), sensor.tokens());
+    let device = parent.first().filter(|token| !PLACES.contains(&token.as_str()));
+    device.is_some() && device == sensor.first()
 }
 
 /// The kind of sensor that a frame is named after.

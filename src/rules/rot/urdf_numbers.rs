@@ -1,16 +1,35 @@
 //! Every list of numbers that a robot description states, with the name of what it belongs to.
 
 use std::collections::BTreeSet;
+use std::fmt;
 
 use crate::source::Place;
 use crate::world::robot::NumberList;
 use crate::world::{Literal, Robot};
 
+/// What a list of numbers belongs to; spelled out only where something is wrong with it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Owner<'a> {
+    /// The attribute.
+    attribute: &'a str,
+    /// "joint", "the axis of joint", ...
+    of: &'static str,
+    /// The joint's or link's name, where there is one.
+    name: Option<&'a str>,
+}
+
+impl fmt::Display for Owner<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "`{}` of {}", self.attribute, self.of)?;
+        self.name.map_or(Ok(()), |name| write!(f, " `{name}`"))
+    }
+}
+
 /// The numbers of one attribute.
 #[derive(Debug)]
 pub(super) struct Numbers<'a> {
     /// "`xyz` of joint `lidar_joint`".
-    pub owner: String,
+    pub owner: Owner<'a>,
     /// The literals, in order.
     pub literals: &'a [Literal],
     /// Where they stand.
@@ -21,22 +40,20 @@ pub(super) struct Numbers<'a> {
 pub(super) fn number_lists(robot: &Robot) -> Vec<Numbers<'_>> {
     let mut all = Vec::new();
     for joint in &robot.joints {
-        let owner = format!("joint `{}`", joint.name.value);
+        let name = Some(joint.name.value.as_str());
         for origin in &joint.origins {
-            for list in [&origin.xyz, &origin.rpy, &origin.quat_xyzw].into_iter().flatten() {
-                all.push(numbers(list, &owner));
-            }
+            let lists = [&origin.xyz, &origin.rpy, &origin.quat_xyzw].into_iter().flatten();
+            all.extend(lists.map(|list| numbers(list, "joint", name)));
         }
-        all.extend(
-            joint
-                .axis
-                .iter()
-                .map(|list| numbers(list, &format!("the axis of {owner}"))),
-        );
+        all.extend(joint.axis.iter().map(|list| numbers(list, "the axis of joint", name)));
         if let Some(limit) = &joint.limit {
-            for (name, literal) in [("lower", &limit.lower), ("upper", &limit.upper)] {
+            for (attribute, literal) in [("lower", &limit.lower), ("upper", &limit.upper)] {
                 all.extend(literal.iter().map(|literal| Numbers {
-                    owner: format!("`{name}` of {owner}"),
+                    owner: Owner {
+                        attribute,
+                        of: "joint",
+                        name,
+                    },
                     literals: std::slice::from_ref(literal),
                     place: Place::text(robot.source, literal.span),
                 }));
@@ -45,17 +62,24 @@ pub(super) fn number_lists(robot: &Robot) -> Vec<Numbers<'_>> {
     }
     for link in &robot.links {
         let scales = link.meshes.iter().filter_map(|mesh| mesh.scale.as_ref());
-        all.extend(scales.map(|list| numbers(list, &format!("a mesh of link `{}`", link.name.value))));
+        all.extend(scales.map(|list| numbers(list, "a mesh of link", Some(&link.name.value))));
+    }
+    if robot.malformed.is_empty() {
+        return all;
     }
     let known: BTreeSet<Place> = all.iter().map(|numbers| numbers.place.clone()).collect();
     let others = robot.malformed.iter().filter(|list| !known.contains(&list.text.place));
-    all.extend(others.map(|list| numbers(list, "an element")));
+    all.extend(others.map(|list| numbers(list, "an element", None)));
     all
 }
 
-fn numbers<'a>(list: &'a NumberList, owner: &str) -> Numbers<'a> {
+fn numbers<'a>(list: &'a NumberList, of: &'static str, name: Option<&'a str>) -> Numbers<'a> {
     Numbers {
-        owner: format!("`{}` of {owner}", list.attribute),
+        owner: Owner {
+            attribute: &list.attribute,
+            of,
+            name,
+        },
         literals: &list.literals,
         place: list.text.place.clone(),
     }

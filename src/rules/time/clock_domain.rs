@@ -3,12 +3,13 @@
 use serde::Deserialize;
 
 use crate::rules::{Judge, Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::source::{Confidence, Place};
+use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::{BagEvidence, World};
 
 use super::known_offsets::unit_error;
 use super::streams::{Stream, UPTIME_BELOW_S, is_simulated, streams};
+use super::together::tell_once;
 
 /// TIME04.
 pub struct ClockDomain;
@@ -20,6 +21,8 @@ pub struct Limits {
     min_messages: u64,
     zero_share: f64,
     same_clock_s: f64,
+    same_start_s: f64,
+    min_simulated: usize,
 }
 
 impl Rule for ClockDomain {
@@ -30,29 +33,56 @@ impl Rule for ClockDomain {
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             let simulated = is_simulated(bag);
-            for stream in streams(bag) {
-                judge_stream(bag, &stream, simulated, limits, out);
+            let streams = streams(bag);
+            let mut since_start: Vec<(f64, Finding)> = streams
+                .iter()
+                .filter_map(|stream| judge_stream(bag, stream, simulated, limits, out))
+                .collect();
+            let all = since_start.len() == streams.len();
+            since_start.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+            while let Some((earliest, _)) = since_start.first() {
+                let same = earliest + limits.same_start_s;
+                let rest = since_start.split_off(since_start.partition_point(|(offset, _)| *offset <= same));
+                let group = std::mem::replace(&mut since_start, rest);
+                let mut findings: Vec<Finding> = group.into_iter().map(|(_, finding)| finding).collect();
+                findings.sort_by(|a, b| a.subject.cmp(&b.subject));
+                let is_simulation = all && findings.len() == streams.len() && findings.len() >= limits.min_simulated;
+                if is_simulation && let Some(first) = findings.first_mut() {
+                    simulation(first, streams.len());
+                }
+                tell_once(
+                    findings,
+                    if is_simulation { "" } else { "count from the same start" },
+                    out,
+                );
             }
         }
     }
 }
 
-fn judge_stream(bag: &BagEvidence, stream: &Stream<'_>, simulated: bool, limits: &Limits, out: &mut Judge) {
+/// Judges one stream; a clock that counts from some start is given back with its offset, for others may share it.
+fn judge_stream(
+    bag: &BagEvidence,
+    stream: &Stream<'_>,
+    simulated: bool,
+    limits: &Limits,
+    out: &mut Judge,
+) -> Option<(f64, Finding)> {
     let subject = stream.subject.clone();
     let n = stream.stamps.count;
     if n < limits.min_messages {
         let why = format!("{n} stamped messages, {} are needed", limits.min_messages);
         out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
-        return;
+        return None;
     }
     let share = stream.zero_share();
     if share > limits.zero_share {
         out.fail(zero(stream, share, limits));
-        return;
+        return None;
     }
     let (Some((offset, spread)), Some(stamp_s)) = (stream.offset_s(), stream.median_stamp_s()) else {
         out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, "no stamps were sampled");
-        return;
+        return None;
     };
     let log_s = bag.start_ns.unwrap_or(0) as f64 / 1e9;
     let measured = Measured::new("stamp minus log time", offset, "s")
@@ -62,7 +92,7 @@ fn judge_stream(bag: &BagEvidence, stream: &Stream<'_>, simulated: bool, limits:
     if simulated {
         judge_simulated(bag, stream, stamp_s, measured, out);
     } else if stamp_s < UPTIME_BELOW_S && unit_error(stamp_s, log_s).is_none() {
-        out.fail(uptime(stream, stamp_s, measured));
+        return Some((offset, uptime(stream, stamp_s, measured)));
     } else if offset.abs() > limits.same_clock_s {
         // A calendar clock that is off is TIME01's: it names the offset where it has a name.
         let why = format!("stamps run {offset:.1} s off the log clock, but count calendar time; see TIME01");
@@ -70,6 +100,7 @@ fn judge_stream(bag: &BagEvidence, stream: &Stream<'_>, simulated: bool, limits:
     } else {
         out.pass(subject, [measured]);
     }
+    None
 }
 
 fn zero(stream: &Stream<'_>, share: f64, limits: &Limits) -> Finding {
@@ -100,6 +131,19 @@ fn uptime(stream: &Stream<'_>, stamp_s: f64, measured: Measured) -> Finding {
         .help("synchronise the sensor (PTP, GPS, NTP), or let the driver stamp with the host clock")
         .measured(Measured::new("median stamp", stamp_s, "s").limit(UPTIME_BELOW_S))
         .measured(measured)
+}
+
+/// Every stream counts from one start: no sensor's clock is odd, the recorder's is.
+fn simulation(finding: &mut Finding, streams: usize) {
+    let stamp_s = finding.measured.first().map_or(0.0, |median| median.value);
+    finding.severity = Severity::Warning;
+    finding.confidence = Confidence::Likely;
+    finding.message = format!(
+        "all {streams} streams are stamped near {stamp_s:.1} s, beside a log in calendar time: a simulation recorded in \
+         wall time, or a host whose clock was not set"
+    );
+    "record a simulation with `--use-sim-time`; on a robot, set the host's clock before the drivers start"
+        .clone_into(&mut finding.help);
 }
 
 /// In simulated time stamps count from the start of the simulation; calendar stamps beside it are of another clock.

@@ -1,5 +1,7 @@
 //! TIME01: stamps run off the log clock by an offset that has a name.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 
 use crate::math::stats::median;
@@ -9,6 +11,7 @@ use crate::world::{BagEvidence, World};
 
 use super::known_offsets::{Named, Specific, explain, unit_error};
 use super::streams::{Stream, UPTIME_BELOW_S, streams};
+use super::together::tell_once;
 
 /// TIME01.
 pub struct EpochOffset;
@@ -47,22 +50,34 @@ fn judge_bag(bag: &BagEvidence, limits: &Limits, out: &mut Judge) {
     // Some stream that agrees with the log clock shows that the log clock is the sensors' own.
     let trusted = offsets.iter().any(|offset| offset.abs() <= limits.quiet_s);
     let common = if trusted { 0.0 } else { median(&offsets).unwrap_or(0.0) };
+    // One wrong clock stamps many streams: by the name of its offset.
+    let mut by_name: BTreeMap<String, Vec<Finding>> = BTreeMap::new();
     for stream in &streams {
-        judge_stream(stream, (log_s, common, offsets.len()), limits, out);
+        if let Some((name, finding)) = judge_stream(stream, (log_s, common, offsets.len()), limits, out) {
+            by_name.entry(name).or_default().push(finding);
+        }
+    }
+    for findings in by_name.into_values() {
+        tell_once(findings, "run by the same offset", out);
     }
 }
 
-fn judge_stream(stream: &Stream<'_>, (log_s, common, streams): (f64, f64, usize), limits: &Limits, out: &mut Judge) {
+fn judge_stream(
+    stream: &Stream<'_>,
+    (log_s, common, streams): (f64, f64, usize),
+    limits: &Limits,
+    out: &mut Judge,
+) -> Option<(String, Finding)> {
     let subject = stream.subject.clone();
     let n = stream.stamps.count;
     if n < limits.min_messages {
         let why = format!("{n} stamped messages, {} are needed", limits.min_messages);
         out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
-        return;
+        return None;
     }
     let Some((offset, spread)) = stream.offset_s() else {
         out.not_evaluated(subject, NotEvaluated::NotApplicable, "every stamp is zero; see TIME04");
-        return;
+        return None;
     };
     let stamp_s = stream.median_stamp_s().unwrap_or(0.0);
     let measured = Measured::new("stamp minus log time", offset, "s")
@@ -71,14 +86,12 @@ fn judge_stream(stream: &Stream<'_>, (log_s, common, streams): (f64, f64, usize)
         .samples(n);
     if let Some((factor, words)) = unit_error(stamp_s, log_s) {
         let message = format!("stamps on {subject} are {factor:e} times the log time: {words}");
-        out.fail(
-            Finding::error(subject, message, stream.place())
-                .likely()
-                .help("divide once, where the sensor's number is turned into the stamp")
-                .measured(measured)
-                .measured(Measured::new("stamp / log time", stamp_s / log_s, "1")),
-        );
-        return;
+        let finding = Finding::error(subject, message, stream.place())
+            .likely()
+            .help("divide once, where the sensor's number is turned into the stamp")
+            .measured(measured)
+            .measured(Measured::new("stamp / log time", stamp_s / log_s, "1"));
+        return Some((words.to_owned(), finding));
     }
     if stamp_s < UPTIME_BELOW_S || log_s < UPTIME_BELOW_S {
         out.not_evaluated(
@@ -86,7 +99,7 @@ fn judge_stream(stream: &Stream<'_>, (log_s, common, streams): (f64, f64, usize)
             NotEvaluated::NotApplicable,
             "stamps or log time are no calendar time; see TIME04",
         );
-        return;
+        return None;
     }
     let tolerance = (limits.base_tolerance_s + limits.spread_factor * spread).min(limits.max_tolerance_s);
     let relative = offset - common;
@@ -101,7 +114,10 @@ fn judge_stream(stream: &Stream<'_>, (log_s, common, streams): (f64, f64, usize)
     };
     match hits.first() {
         _ if offset.abs() <= limits.quiet_s => out.pass(subject, [measured]),
-        Some(named) => out.fail(finding(stream, named, &hits, reference, measured)),
+        Some(named) => {
+            let name = format!("{} {reference}", named.what);
+            return Some((name, finding(stream, named, &hits, reference, measured)));
+        }
         None => {
             let why = format!(
                 "stamps run {offset:.3} s off the log clock, and no known epoch or leap second is that far off"
@@ -109,6 +125,7 @@ fn judge_stream(stream: &Stream<'_>, (log_s, common, streams): (f64, f64, usize)
             out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         }
     }
+    None
 }
 
 fn finding(stream: &Stream<'_>, named: &Named, hits: &[Named], reference: &str, measured: Measured) -> Finding {

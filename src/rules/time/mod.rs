@@ -2,6 +2,8 @@
 
 pub mod clock_domain;
 pub mod epoch_offset;
+mod gaps;
 mod known_offsets;
 pub mod stamp_monotonic;
 mod streams;
+mod together;

@@ -7,6 +7,7 @@ use crate::source::{MessageRef, Place};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
 
+use super::gaps::judge_gaps;
 use super::streams::{Stream, streams};
 
 /// TIME03.
@@ -19,9 +20,9 @@ pub struct Limits {
     min_messages: u64,
     jump_back_s: f64,
     repeated_share: f64,
-    gap_s: f64,
-    gap_medians: f64,
-    regular_share: f64,
+    pub(super) gap_s: f64,
+    pub(super) gap_medians: f64,
+    pub(super) regular_share: f64,
 }
 
 impl Rule for StampMonotonic {
@@ -31,27 +32,35 @@ impl Rule for StampMonotonic {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
-            for stream in streams(bag) {
-                judge_stream(&stream, limits, out);
+            let streams = streams(bag);
+            let judged: Vec<&Stream<'_>> = streams.iter().filter(|stream| is_judged(stream, limits, out)).collect();
+            let with_gap = judge_gaps(&judged, limits, out);
+            for stream in judged {
+                judge_order(stream, with_gap.contains(&stream.subject), limits, out);
             }
         }
     }
 }
 
-fn judge_stream(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) {
+fn is_judged(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) -> bool {
     let subject = stream.subject.clone();
     let stamps = stream.stamps;
     if stamps.count < limits.min_messages {
         let why = format!("{} stamped messages, {} are needed", stamps.count, limits.min_messages);
         out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
-        return;
+        return false;
     }
     if stamps.zero == stamps.count {
         out.not_evaluated(subject, NotEvaluated::NotApplicable, "every stamp is zero; see TIME04");
-        return;
+        return false;
     }
-    let findings = [backward(stream, limits), repeated(stream, limits), gap(stream, limits)];
-    let mut sound = true;
+    true
+}
+
+fn judge_order(stream: &Stream<'_>, has_gap: bool, limits: &Limits, out: &mut Judge) {
+    let stamps = stream.stamps;
+    let findings = [backward(stream, limits), repeated(stream, limits)];
+    let mut sound = !has_gap;
     for finding in findings.into_iter().flatten() {
         sound = false;
         out.fail(finding);
@@ -59,7 +68,7 @@ fn judge_stream(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) {
     if sound {
         let back_s = stamps.largest_backward.as_ref().map_or(0.0, |(ns, _)| *ns as f64 / 1e9);
         out.pass(
-            subject,
+            stream.subject.clone(),
             [Measured::new("largest step back", back_s, "s")
                 .limit(limits.jump_back_s)
                 .samples(stamps.count)],
@@ -123,29 +132,5 @@ fn repeated(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
                     .limit(limits.repeated_share)
                     .samples(stamps.count),
             ),
-    )
-}
-
-/// Only a stream that is otherwise regular can have a gap.
-fn gap(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
-    let stamps = stream.stamps;
-    let (gap_ns, message) = stamps.largest_gap.as_ref()?;
-    let (gap_s, step_s) = (*gap_ns as f64 / 1e9, stamps.median_step_ns? as f64 / 1e9);
-    let regular = stamps.long_gaps as f64 <= (limits.regular_share * stamps.count as f64).max(1.0) && step_s > 0.0;
-    if !regular || gap_s <= limits.gap_s || gap_s <= limits.gap_medians * step_s {
-        return None;
-    }
-    let what = format!(
-        "{} has a gap of {gap_s:.2} s, at {:.1} messages a second otherwise",
-        stream.subject,
-        1.0 / step_s
-    );
-    Some(
-        Finding::warning(stream.subject.clone(), what, at(stream, message))
-            .likely()
-            .label("first message after the gap")
-            .help("look for dropped messages, a stalled driver or a recorder that fell behind; look-ups in the gap fail or interpolate over it")
-            .measured(Measured::new("largest gap", gap_s, "s").limit(limits.gap_s).samples(stamps.count))
-            .measured(Measured::new("median step", step_s, "s")),
     )
 }

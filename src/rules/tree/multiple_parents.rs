@@ -6,10 +6,12 @@ use serde::Deserialize;
 
 use crate::rules::{Judge, Need, Rule, tf};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured};
+use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::bag::TfEdge;
 use crate::world::robot::Joint;
 use crate::world::{BagEvidence, FrameId, Robot, World};
+
+use super::tf_cycle::loops;
 
 /// TREE02.
 pub struct MultipleParents;
@@ -31,8 +33,14 @@ impl Rule for MultipleParents {
         for robot in &world.robots {
             judge_robot(world, robot, out);
         }
+        // What closes a loop is a second parent by necessity.
+        let closing: BTreeSet<(FrameId, FrameId)> = loops(world)
+            .iter()
+            .flat_map(|(_, steps)| steps)
+            .map(|edge| (edge.child.clone(), edge.parent.clone()))
+            .collect();
         for bag in world.bags.iter().filter(|bag| !bag.tf.is_empty()) {
-            judge_bag(world, bag, limits, out);
+            judge_bag(world, bag, &closing, limits, out);
         }
     }
 }
@@ -89,16 +97,30 @@ fn judge_robot(world: &World, robot: &Robot, out: &mut Judge) {
     }
 }
 
-fn judge_bag(world: &World, bag: &BagEvidence, limits: &Limits, out: &mut Judge) {
+fn judge_bag(
+    world: &World,
+    bag: &BagEvidence,
+    closing: &BTreeSet<(FrameId, FrameId)>,
+    limits: &Limits,
+    out: &mut Judge,
+) {
     let mut failed = false;
     let mut judged = 0;
     for (child, edges) in tf::by_child(bag) {
         judged += 1;
-        let parents: BTreeSet<FrameId> = edges.iter().map(|edge| edge.parent.canonical()).collect();
+        // A frame that is its own parent is TREE04's.
+        let parents = edges.iter().map(|edge| edge.parent.canonical());
+        let parents: BTreeSet<FrameId> = parents.filter(|parent| *parent != child).collect();
         if child.as_str().is_empty() || parents.len() < 2 {
             continue;
         }
         failed = true;
+        let outside = |parent: &&FrameId| !closing.contains(&(child.clone(), (*parent).clone()));
+        if parents.iter().filter(outside).count() < 2 && parents.len() == 2 {
+            let why = "one of its two parents is below it, and closes a loop; see TREE03";
+            out.not_evaluated(format!("frame `{child}`"), NotEvaluated::NotApplicable, why);
+            continue;
+        }
         out.fail(judge_child(bag, &child, &edges, &parents, limits));
     }
     if !failed {

@@ -8,6 +8,8 @@ use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::graph::Component;
 use crate::world::{FrameId, FrameRole, World};
 
+use super::tf_cycle::loops;
+
 /// TREE01.
 pub struct OrphanSubtree;
 
@@ -44,11 +46,12 @@ impl Rule for OrphanSubtree {
             return;
         }
         let main = main_component(world, &components);
+        let looping: BTreeSet<FrameId> = loops(world).into_iter().flat_map(|(frames, _)| frames).collect();
         for (index, orphan) in components.iter().enumerate() {
             if index != main
                 && let Some(connected) = components.get(main)
             {
-                judge_orphan(world, orphan, connected, components.len(), out);
+                judge_orphan(world, orphan, connected, (components.len(), &looping), out);
             }
         }
     }
@@ -66,7 +69,13 @@ fn is_part(world: &World, component: &Component) -> bool {
             .all(|used| sources.contains(&used.place.source))
 }
 
-fn judge_orphan(world: &World, orphan: &Component, main: &Component, trees: usize, out: &mut Judge) {
+fn judge_orphan(
+    world: &World,
+    orphan: &Component,
+    main: &Component,
+    (trees, looping): (usize, &BTreeSet<FrameId>),
+    out: &mut Judge,
+) {
     let Some(root) = orphan.roots.first().or_else(|| orphan.members.first()) else {
         return;
     };
@@ -75,6 +84,11 @@ fn judge_orphan(world: &World, orphan: &Component, main: &Component, trees: usiz
     else {
         return;
     };
+    if orphan.roots.is_empty() && looping.iter().any(|frame| orphan.members.contains(frame)) {
+        let why = "it has no root that could be connected, because it goes round in a loop; see TREE03";
+        out.not_evaluated(format!("subtree `{root}`"), NotEvaluated::NotApplicable, why);
+        return;
+    }
     let others = orphan.members.len() - 1;
     let main_root = main.roots.first().or_else(|| main.members.first());
     let subject = format!("subtree `{root}`");

@@ -18,22 +18,30 @@ impl Rule for TfCycle {
 
     fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
         let graph = world.graph();
-        let mut found = 0;
-        for cycle in graph.cycles() {
-            // A frame that is its own parent is TREE04's.
-            if cycle.len() > 1
-                && let Some(steps) = steps(graph, &cycle)
-                && all_at_once(world, &steps)
-            {
-                found += 1;
-                judge_cycle(world, &cycle, &steps, out);
-            }
+        let loops = loops(world);
+        for (cycle, steps) in &loops {
+            judge_cycle(world, cycle, steps, out);
         }
-        if found == 0 && !graph.edges.is_empty() {
-            let loops = Measured::count("loops", 0).limit(0.0).samples(graph.edges.len() as u64);
-            out.pass("frame tree", [loops]);
+        if loops.is_empty() && !graph.edges.is_empty() {
+            let none = Measured::count("loops", 0).limit(0.0).samples(graph.edges.len() as u64);
+            out.pass("frame tree", [none]);
         }
     }
+}
+
+/// The loops that this rule reports: their frames, each before its parent, and the edges from each frame up to the next.
+pub(super) fn loops(world: &World) -> Vec<(Vec<FrameId>, Vec<&Edge>)> {
+    let graph = world.graph();
+    graph
+        .cycles()
+        .into_iter()
+        // A frame that is its own parent is TREE04's.
+        .filter(|cycle| cycle.len() > 1)
+        .filter_map(|cycle| {
+            let steps = steps(graph, &cycle)?;
+            all_at_once(world, &steps).then_some((cycle, steps))
+        })
+        .collect()
 }
 
 /// The edges from each frame of the cycle up to the next one. Where several sources state a step, one that is shared by
