@@ -2,7 +2,11 @@
 //!
 //! Owns source identities, byte spans, places, the line index and the words for how sure a fact is. Must not know formats, frames or rules.
 
+mod lines;
+
 use serde::{Deserialize, Serialize};
+
+pub use lines::{LineColumn, LineIndex};
 
 /// How sure a statement is. `Certain` is algebra or a standard's text, `Likely` is measured with margin,
 /// `Hint` is a heuristic or a name. A hint never fails a gate. Ordered from weak to strong.
@@ -300,77 +304,9 @@ impl Source {
     }
 }
 
-/// One-based line and column of a byte offset. Columns count characters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct LineColumn {
-    /// One-based line.
-    pub line: usize,
-    /// One-based column, in characters.
-    pub column: usize,
-}
-
-/// Byte offsets of line starts, for turning spans into lines.
-#[derive(Clone, Debug)]
-pub struct LineIndex {
-    starts: Vec<usize>,
-}
-
-impl LineIndex {
-    /// Indexes `text`.
-    pub fn new(text: &str) -> Self {
-        let mut starts = vec![0];
-        starts.extend(
-            text.bytes()
-                .enumerate()
-                .filter(|(_, b)| *b == b'\n')
-                .map(|(i, _)| i + 1),
-        );
-        Self { starts }
-    }
-
-    /// Line and column of a byte offset into the same text; offsets past the end give the last position.
-    pub fn locate(&self, text: &str, offset: usize) -> LineColumn {
-        let offset = offset.min(text.len());
-        let line = self.starts.partition_point(|start| *start <= offset).max(1);
-        let start = self.starts.get(line - 1).copied().unwrap_or(0);
-        let column = text
-            .as_bytes()
-            .get(start..offset)
-            .map_or(0, |bytes| bytes.iter().filter(|b| (**b & 0xC0) != 0x80).count())
-            + 1;
-        LineColumn { line, column }
-    }
-
-    /// Byte offset at which a zero-based line starts, if the text has that line.
-    pub fn line_start(&self, line: usize) -> Option<usize> {
-        self.starts.get(line).copied()
-    }
-
-    /// Number of lines.
-    pub fn len(&self) -> usize {
-        self.starts.len()
-    }
-
-    /// Whether the text was empty.
-    pub fn is_empty(&self) -> bool {
-        self.starts.len() <= 1
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn lines_and_columns_are_one_based_and_count_characters() {
-        let text = "a\nbé c\n";
-        let index = LineIndex::new(text);
-        assert_eq!(index.locate(text, 0), LineColumn { line: 1, column: 1 });
-        assert_eq!(index.locate(text, 2), LineColumn { line: 2, column: 1 });
-        // "é" takes two bytes: the "c" stands at byte 6, column 4.
-        assert_eq!(index.locate(text, 6), LineColumn { line: 2, column: 4 });
-        assert_eq!(index.locate(text, 999), LineColumn { line: 3, column: 1 });
-    }
 
     #[test]
     fn a_problem_can_only_lower_the_status() {

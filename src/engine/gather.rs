@@ -3,7 +3,8 @@
 //! Owns the order of sources. Must not judge, and must not decide which sources belong to one platform.
 
 use std::fs;
-use std::path::PathBuf;
+use std::io::Read;
+use std::path::{Path, PathBuf};
 
 use crate::collect::collect;
 use crate::progress::Progress;
@@ -16,7 +17,7 @@ use crate::world::Facts;
 use super::{parallel, references};
 
 /// Larger text files are refused: no URDF or calibration is that large.
-const MAX_TEXT_BYTES: u64 = 256 * 1024 * 1024;
+const MAX_TEXT_BYTES: u64 = 64 * 1024 * 1024;
 
 /// What was read from one source.
 pub(super) struct Reading {
@@ -101,8 +102,8 @@ fn included_xacros(inputs: &Inputs) -> Vec<String> {
         .files
         .iter()
         .filter(|input| input.kind == SourceKind::Xacro)
-        .filter_map(|input| fs::read_to_string(&input.path).ok())
-        .flat_map(|text| xacro_parts::includes(&text))
+        .filter_map(|input| read_bounded(&input.path).ok())
+        .flat_map(|bytes| xacro_parts::includes(&String::from_utf8_lossy(&bytes)))
         .collect();
     included.sort();
     included.dedup();
@@ -242,18 +243,10 @@ fn unread_recording(source: &mut Source) {
 fn load_text(input: &Input, source: &mut Source) -> bool {
     let id = source.id;
     let whole = Place::whole(id);
-    match fs::metadata(&input.path) {
-        Ok(meta) if meta.len() > MAX_TEXT_BYTES => {
-            let message = format!("{} MB is too large for a text of this kind", meta.len() / 1_000_000);
-            source.problem(ReadStatus::Unreadable, whole, message);
-            return false;
-        }
-        _ => {}
-    }
-    let bytes = match fs::read(&input.path) {
+    let bytes = match read_bounded(&input.path) {
         Ok(bytes) => bytes,
-        Err(error) => {
-            source.problem(ReadStatus::Unreadable, whole, format!("cannot be read: {error}"));
+        Err(reason) => {
+            source.problem(ReadStatus::Unreadable, whole, reason);
             return false;
         }
     };
@@ -282,4 +275,31 @@ fn load_text(input: &Input, source: &mut Source) -> bool {
             false
         }
     }
+}
+
+/// The bytes of a regular file of bounded size. Discovery has refused everything else; this holds even where a file
+/// grows or is exchanged meanwhile.
+fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
+    let cannot = |error: std::io::Error| format!("cannot be read: {error}");
+    let meta = fs::metadata(path).map_err(cannot)?;
+    if !meta.is_file() {
+        return Err("cannot be read: it is not a regular file".to_owned());
+    }
+    let too_large = |bytes: u64| {
+        let limit = MAX_TEXT_BYTES >> 20;
+        Err(format!(
+            "{} MB are too large for a text of this kind; at most {limit} MB are read",
+            bytes >> 20
+        ))
+    };
+    if meta.len() > MAX_TEXT_BYTES {
+        return too_large(meta.len());
+    }
+    let mut bytes = Vec::new();
+    let file = fs::File::open(path).map_err(cannot)?;
+    file.take(MAX_TEXT_BYTES + 1).read_to_end(&mut bytes).map_err(cannot)?;
+    if bytes.len() as u64 > MAX_TEXT_BYTES {
+        return too_large(bytes.len() as u64);
+    }
+    Ok(bytes)
 }

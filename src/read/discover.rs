@@ -73,10 +73,32 @@ pub fn discover(paths: &[PathBuf]) -> Inputs {
             inputs.files.push(named_file(path));
         }
     }
-    let mut seen = std::collections::BTreeSet::new();
-    inputs.files.retain(|input| seen.insert(input.path.clone()));
+    once(&mut inputs.files);
     inputs
 }
+
+/// Keeps each file once, however its path is spelled: read twice, a robot would contradict or confirm itself. A file
+/// that is also part of a folder stays with the folder.
+fn once(files: &mut Vec<Input>) {
+    let mut kept: BTreeMap<PathBuf, usize> = BTreeMap::new();
+    let mut unique: Vec<Input> = Vec::with_capacity(files.len());
+    for input in files.drain(..) {
+        let identity = std::fs::canonicalize(&input.path).unwrap_or_else(|_| input.path.clone());
+        let known = kept.get(&identity).copied().and_then(|index| unique.get_mut(index));
+        match known {
+            None => {
+                kept.insert(identity, unique.len());
+                unique.push(input);
+            }
+            Some(known) if known.group == LOOSE && input.group != LOOSE => *known = input,
+            Some(_) => {}
+        }
+    }
+    *files = unique;
+}
+
+/// The group of files that were named one by one.
+const LOOSE: usize = 0;
 
 /// A file the user named: whatever it is, the report says what became of it.
 fn named_file(path: &Path) -> Input {
@@ -86,7 +108,7 @@ fn named_file(path: &Path) -> Input {
         display: display(path),
         kind: SourceKind::Unsupported,
         refusal: None,
-        group: 0,
+        group: LOOSE,
         root,
         required: true,
     };
@@ -109,6 +131,7 @@ fn named_file(path: &Path) -> Input {
 }
 
 fn walk(root: &Path, group: usize, inputs: &mut Inputs) {
+    let before = inputs.files.len();
     let walker = WalkBuilder::new(root)
         .require_git(false)
         .sort_by_file_name(Ord::cmp)
@@ -117,14 +140,22 @@ fn walk(root: &Path, group: usize, inputs: &mut Inputs) {
         let entry = match entry {
             Ok(entry) => entry,
             Err(error) => {
-                inputs.files.push(unwalkable(root, group, &error));
+                let refusal = format!("the folder cannot be walked: {error}");
+                inputs.files.push(unusable(root, group, refusal));
                 continue;
             }
         };
-        if !entry.file_type().is_some_and(|kind| kind.is_file()) {
+        let path = entry.path();
+        let Some(kind) = entry.file_type() else { continue };
+        if kind.is_symlink() {
+            // Installed workspaces link every file. Linked folders are not entered: they may lead anywhere, or in a ring.
+            if path.is_dir() {
+                *inputs.skipped.entry("linked folder".to_owned()).or_default() += 1;
+                continue;
+            }
+        } else if kind.is_dir() {
             continue;
         }
-        let path = entry.path();
         if path.file_name().is_some_and(|name| name == "package.xml")
             && let Some(folder) = path.parent()
             && let Some(name) = folder.file_name()
@@ -135,6 +166,13 @@ fn walk(root: &Path, group: usize, inputs: &mut Inputs) {
             continue;
         }
         met_file(path, root, group, inputs);
+    }
+    if inputs.files.len() == before {
+        inputs.files.push(unusable(
+            root,
+            group,
+            "the folder holds no file that frames-lint reads".to_owned(),
+        ));
     }
 }
 
@@ -149,6 +187,10 @@ fn met_file(path: &Path, root: &Path, group: usize, inputs: &mut Inputs) {
         required: true,
     };
     match first_bytes(path) {
+        Err(_) if kind_of_name(path).is_none() => {
+            *inputs.skipped.entry(ending(path)).or_default() += 1;
+            return;
+        }
         Err(error) => {
             input.kind = kind_of_name(path).unwrap_or(SourceKind::Unsupported);
             input.refusal = Some(format!("cannot be opened: {error}"));
@@ -168,12 +210,13 @@ fn met_file(path: &Path, root: &Path, group: usize, inputs: &mut Inputs) {
     inputs.files.push(input);
 }
 
-fn unwalkable(root: &Path, group: usize, error: &ignore::Error) -> Input {
+/// A folder as an input that says what is wrong with it.
+fn unusable(root: &Path, group: usize, refusal: String) -> Input {
     Input {
         path: root.to_path_buf(),
         display: display(root),
         kind: SourceKind::Unsupported,
-        refusal: Some(format!("the folder cannot be walked: {error}")),
+        refusal: Some(refusal),
         group,
         root: root.to_path_buf(),
         required: true,
@@ -245,7 +288,11 @@ fn recognise(path: &Path, head: &[u8]) -> Option<SourceKind> {
     }
 }
 
+/// The first bytes of a regular file. Pipes and devices are refused before opening: they may block, or never end.
 fn first_bytes(path: &Path) -> std::io::Result<Vec<u8>> {
+    if !std::fs::metadata(path)?.is_file() {
+        return Err(std::io::Error::other("it is not a regular file"));
+    }
     let mut head = Vec::new();
     File::open(path)?.take(8192).read_to_end(&mut head)?;
     Ok(head)

@@ -8,7 +8,7 @@ const NULS_IN_TEXT: usize = 8;
 
 /// Decodes the bytes of a text file, with a note where the encoding is worth a word.
 ///
-/// UTF-8 with or without a byte order mark and UTF-16 with one (or opening with `<`) are taken; bytes that are not
+/// UTF-8 with or without a byte order mark and UTF-16 with one (or opening with `<` or two ASCII characters) are taken; bytes that are not
 /// UTF-8 but look like text are read as Latin-1. The byte order mark is not part of the text: spans count in the
 /// returned string.
 ///
@@ -18,10 +18,13 @@ const NULS_IN_TEXT: usize = 8;
 pub fn decode(bytes: &[u8]) -> Result<(String, Option<String>), String> {
     match bytes {
         [0xEF, 0xBB, 0xBF, rest @ ..] => return decode_bytes(rest, 3),
+        [0xFF, 0xFE, 0, 0, ..] | [0, 0, 0xFE, 0xFF, ..] => {
+            return Err("this is UTF-32 (byte 0), which is not read: save it as UTF-8".to_owned());
+        }
         [0xFF, 0xFE, rest @ ..] => return utf16(rest, u16::from_le_bytes),
         [0xFE, 0xFF, rest @ ..] => return utf16(rest, u16::from_be_bytes),
-        [b'<', 0, ..] => return utf16(bytes, u16::from_le_bytes),
-        [0, b'<', ..] => return utf16(bytes, u16::from_be_bytes),
+        [b'<', 0, ..] | [1..=0x7F, 0, 1..=0x7F, 0, ..] => return utf16(bytes, u16::from_le_bytes),
+        [0, b'<', ..] | [0, 1..=0x7F, 0, 1..=0x7F, ..] => return utf16(bytes, u16::from_be_bytes),
         _ => {}
     }
     decode_bytes(bytes, 0)
@@ -109,6 +112,8 @@ mod tests {
         assert_eq!(decode(&utf16).unwrap().0, "<é/>");
         let big: Vec<u8> = "\u{FEFF}<é/>".encode_utf16().flat_map(u16::to_be_bytes).collect();
         assert_eq!(decode(&big).unwrap().0, "<é/>");
+        assert_eq!(decode(b"a\0:\0 \0\xE9\0").unwrap().0, "a: é");
+        assert!(decode(b"\xFF\xFE\0\0a\0\0\0").unwrap_err().contains("UTF-32"));
         assert!(decode(b"\xFF\xFE<\0a").unwrap_err().contains("half a character"));
         assert!(decode(b"\xFF\xFE\x00\xD8a\0").unwrap_err().contains("character 1"));
     }

@@ -22,10 +22,23 @@ pub const SCHEMA: &str = "frames-lint/1";
 struct Document<'a> {
     schema: &'static str,
     tool: Tool,
-    inputs: Vec<Input<'a>>,
-    outcomes: Vec<OutcomeRow<'a>>,
-    findings: Vec<FindingRow<'a>>,
+    inputs: Rows<'a, Source, Input<'a>>,
+    outcomes: Rows<'a, Row, OutcomeRow<'a>>,
+    findings: Rows<'a, Finding, FindingRow<'a>>,
     summary: Counts,
+}
+
+/// Items that become rows one by one while they are written: a hostile file may have a hundred thousand findings.
+struct Rows<'a, T, R> {
+    items: &'a [T],
+    locator: &'a Locator<'a>,
+    row: fn(&'a T, &Locator) -> R,
+}
+
+impl<T, R: Serialize> Serialize for Rows<'_, T, R> {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.items.iter().map(|item| (self.row)(item, self.locator)))
+    }
 }
 
 #[derive(Serialize)]
@@ -154,14 +167,21 @@ pub fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
             name: env!("CARGO_PKG_NAME"),
             version: env!("CARGO_PKG_VERSION"),
         },
-        inputs: run.sources.iter().map(|source| input(source, &locator)).collect(),
-        outcomes: run.verdict.rows.iter().map(outcome).collect(),
-        findings: run
-            .verdict
-            .findings
-            .iter()
-            .map(|finding| finding_row(finding, &locator))
-            .collect(),
+        inputs: Rows {
+            items: &run.sources,
+            locator: &locator,
+            row: input,
+        },
+        outcomes: Rows {
+            items: &run.verdict.rows,
+            locator: &locator,
+            row: |row, _| outcome(row),
+        },
+        findings: Rows {
+            items: &run.verdict.findings,
+            locator: &locator,
+            row: finding_row,
+        },
         summary: Counts {
             errors: summary.errors,
             warnings: summary.warnings,

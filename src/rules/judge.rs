@@ -1,5 +1,7 @@
 //! What a rule writes its judgements into, and what it may ask for beforehand.
 
+use std::collections::BTreeMap;
+
 use crate::verdict::{Finding, Measured, NotEvaluated, Outcome};
 use crate::world::{ClaimKind, World};
 
@@ -78,6 +80,8 @@ pub struct Judge {
     pub judged: Vec<Judged>,
     /// Findings in the order they were made.
     pub findings: Vec<Finding>,
+    /// Where in `judged` a subject that failed stands.
+    failed: BTreeMap<String, usize>,
 }
 
 impl Judge {
@@ -93,19 +97,17 @@ impl Judge {
 
     /// The subject was judged and is wrong. Several findings may be given for one subject.
     pub fn fail(&mut self, finding: Finding) {
-        let known = self
-            .judged
-            .iter_mut()
-            .rev()
-            .find(|judged| judged.subject == finding.subject && judged.outcome == Outcome::Fail);
-        match known {
-            Some(judged) => judged.measured.extend(finding.measured.iter().cloned()),
-            None => self.judged.push(Judged {
+        let known = self.failed.get(&finding.subject).copied();
+        if let Some(judged) = known.and_then(|index| self.judged.get_mut(index)) {
+            judged.measured.extend(finding.measured.iter().cloned());
+        } else {
+            self.failed.insert(finding.subject.clone(), self.judged.len());
+            self.judged.push(Judged {
                 subject: finding.subject.clone(),
                 outcome: Outcome::Fail,
                 reason: None,
                 measured: finding.measured.clone(),
-            }),
+            });
         }
         self.findings.push(finding);
     }

@@ -27,7 +27,8 @@ pub(super) struct Statement {
 /// All constant statements by their pair of frames.
 #[derive(Debug, Default)]
 pub(super) struct Pairs {
-    by_pair: BTreeMap<(FrameId, FrameId), Vec<Statement>>,
+    /// By source within a pair: one file may state a pair thousands of times, and never asks itself.
+    by_pair: BTreeMap<(FrameId, FrameId), BTreeMap<SourceId, Vec<Statement>>>,
 }
 
 impl Pairs {
@@ -65,30 +66,28 @@ impl Pairs {
 
     fn add(&mut self, target: &FrameId, source: &FrameId, statement: Statement) {
         let key = (target.canonical(), source.canonical());
-        self.by_pair.entry(key).or_default().push(statement);
+        let by_source = self.by_pair.entry(key).or_default();
+        by_source.entry(statement.source).or_default().push(statement);
     }
 
     /// What other sources than `asking` state of `target_from_source`, in either direction. A half of a transform
     /// cannot be turned round, so half statements are given in their own direction only.
     pub(super) fn others(&self, target: &FrameId, source: &FrameId, asking: SourceId) -> Vec<Statement> {
         let (target, source) = (target.canonical(), source.canonical());
-        let direct = self.by_pair.get(&(target.clone(), source.clone()));
-        let reverse = self.by_pair.get(&(source, target));
-        let turned = reverse
-            .into_iter()
-            .flatten()
+        let stated = |pair: (FrameId, FrameId)| {
+            let by_source = self.by_pair.get(&pair).into_iter().flatten();
+            by_source
+                .filter(|(stating, _)| **stating != asking)
+                .flat_map(|(_, statements)| statements)
+        };
+        let direct = stated((target.clone(), source.clone()));
+        let turned = stated((source, target))
             .filter(|statement| statement.has_rotation && statement.has_translation)
             .map(|statement| Statement {
                 pose: statement.pose.inverse(),
                 ..statement.clone()
             });
-        direct
-            .into_iter()
-            .flatten()
-            .cloned()
-            .chain(turned)
-            .filter(|statement| statement.source != asking)
-            .collect()
+        direct.cloned().chain(turned).collect()
     }
 }
 

@@ -2,13 +2,13 @@
 //!
 //! Owns the choice of the first place. Must not judge.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::source::{Place, SourceId};
 use crate::verdict::Edit;
 use crate::world::graph::{Edge, EdgeOrigin};
 use crate::world::robot::Joint;
-use crate::world::{Claim, ClaimKind, FrameId, World};
+use crate::world::{Claim, ClaimKind, FrameId, FrameRole, World};
 
 /// The first use of a frame: roles in the order of [`crate::world::FrameRole`], then places. `frame` is canonical.
 pub(crate) fn first(world: &World, frame: &FrameId) -> Option<Place> {
@@ -18,6 +18,27 @@ pub(crate) fn first(world: &World, frame: &FrameId) -> Option<Place> {
         .filter(|used| used.frame.canonical() == *frame)
         .min_by_key(|used| (used.role, &used.place))
         .map(|used| used.place.clone())
+}
+
+/// The first use of every frame, as [`first`] finds it for one: for rules that ask for many.
+pub(crate) struct Firsts<'a>(BTreeMap<FrameId, (FrameRole, &'a Place)>);
+
+impl<'a> Firsts<'a> {
+    /// Looks through the frames of a world once.
+    pub(crate) fn new(world: &'a World) -> Self {
+        let mut firsts: BTreeMap<FrameId, (FrameRole, &'a Place)> = BTreeMap::new();
+        for used in &world.frames {
+            let use_here = (used.role, &used.place);
+            let first = firsts.entry(used.frame.canonical()).or_insert(use_here);
+            *first = (*first).min(use_here);
+        }
+        Self(firsts)
+    }
+
+    /// The first use of a canonical frame.
+    pub(crate) fn get(&self, frame: &FrameId) -> Option<Place> {
+        self.0.get(frame).map(|(_, place)| (*place).clone())
+    }
 }
 
 /// Where an edge is stated: the joint's start tag, or the first message that carries it.

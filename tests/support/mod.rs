@@ -4,6 +4,7 @@
 
 #![allow(
     dead_code,
+    clippy::print_stderr,
     unreachable_pub,
     clippy::unwrap_used,
     clippy::expect_used,
@@ -14,6 +15,7 @@
 )]
 
 pub mod encode;
+pub mod program;
 pub mod raw;
 pub mod recipe;
 pub mod schemas;

@@ -71,7 +71,8 @@ struct Open {
 /// A value under an anchor, with its number of nodes and its depth.
 #[derive(Clone)]
 struct Anchored {
-    node: Node,
+    /// `None` where the values under anchors are too many to be kept twice.
+    node: Option<Node>,
     size: usize,
     depth: usize,
 }
@@ -83,6 +84,8 @@ struct Builder<'a> {
     anchors: BTreeMap<usize, Anchored>,
     nodes: usize,
     aliased: usize,
+    /// Nodes kept under anchors. Anchors inside of anchors hold the same values again.
+    anchored: usize,
     out: Documents,
 }
 
@@ -95,6 +98,7 @@ impl<'a> Builder<'a> {
             anchors: BTreeMap::new(),
             nodes: 0,
             aliased: 0,
+            anchored: 0,
             out: Documents::default(),
         }
     }
@@ -143,15 +147,14 @@ impl<'a> Builder<'a> {
                     .get(&id)
                     .ok_or_else(|| fault("this alias refers to a value that it stands in".to_owned()))?;
                 self.aliased += anchored.size;
-                if self.aliased > MAX_ALIASED {
+                let Some(node) = anchored.node.clone().filter(|_| self.aliased <= MAX_ALIASED) else {
                     return Err(fault(format!("aliases expand to more than {MAX_ALIASED} values")));
-                }
+                };
                 // Nesting stays bounded through aliases as well: what walks a document may recurse.
                 if self.open.len() + anchored.depth > MAX_DEPTH {
                     return Err(fault(format!("values are nested more than {MAX_DEPTH} levels deep")));
                 }
-                let (node, size) = (anchored.node.clone(), anchored.size);
-                self.count(size, span)?;
+                self.count(anchored.size, span)?;
                 self.push(node);
             }
             _ => {}
@@ -217,7 +220,9 @@ impl<'a> Builder<'a> {
     fn remember(&mut self, anchor: usize, node: &Node) {
         if anchor != 0 {
             let (size, depth) = measure(node);
-            let node = node.clone();
+            let fits = self.anchored + size <= MAX_NODES;
+            let node = fits.then(|| node.clone());
+            self.anchored += if fits { size } else { 0 };
             self.anchors.insert(anchor, Anchored { node, size, depth });
         }
     }
@@ -293,11 +298,12 @@ fn merge(pairs: &mut Vec<(Node, Node)>) {
     };
     let (_, base) = pairs.remove(at);
     if let Kind::Mapping(inherited) = base.kind {
+        let mut own: BTreeSet<String> = pairs
+            .iter()
+            .filter_map(|(key, _)| key.text().map(str::to_owned))
+            .collect();
         for (key, value) in inherited {
-            if !pairs
-                .iter()
-                .any(|(own, _)| own.text().is_some() && own.text() == key.text())
-            {
+            if key.text().is_none_or(|text| own.insert(text.to_owned())) {
                 pairs.push((key, value));
             }
         }

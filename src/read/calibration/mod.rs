@@ -115,8 +115,10 @@ fn refused(text: &str) -> Option<String> {
         let megabytes = text.len() / (1024 * 1024);
         return Some(format!("the file has {megabytes} MB; at most 64 MB are read"));
     }
-    text.contains('\0')
-        .then(|| "the file holds binary data, not text".to_owned())
+    let nul = text.find('\0')?;
+    Some(format!(
+        "the file holds binary data, not text: a NUL character at byte {nul}"
+    ))
 }
 
 /// Records the fault that ended reading, or the templates that stand in for values.

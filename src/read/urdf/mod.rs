@@ -70,11 +70,7 @@ fn read_text(id: SourceId, text: &str, meshes: &MeshLookup, xacro: bool, problem
         add(ReadStatus::Unreadable, Place::text(id, span), message, help);
         return Facts::default();
     }
-    if let Some(span) = repaired.crowded {
-        let message = format!(
-            "an element has more than {} attributes: this is no URDF",
-            repair::MOST_ATTRIBUTES
-        );
+    if let Some((span, message)) = repaired.excess {
         add(ReadStatus::Unreadable, Place::text(id, span), message, None);
         return Facts::default();
     }

@@ -28,12 +28,18 @@ pub(super) fn number_list(attribute: &Attribute<'_>, expected: usize) -> NumberL
     }
 }
 
+/// Most pieces that are looked at; no attribute has more than six numbers.
+const MOST: usize = 64;
+
 /// The pieces between blanks, tabs and line ends.
 fn pieces(attribute: &Attribute<'_>) -> Vec<Literal> {
     let text = attribute.value.as_str();
     let mut literals = Vec::new();
     let mut start = None;
     for (at, c) in text.char_indices().chain([(text.len(), ' ')]) {
+        if literals.len() >= MOST {
+            break;
+        }
         let is_blank = matches!(c, ' ' | '\t' | '\n' | '\r');
         match (start, is_blank) {
             (None, false) => start = Some(at),
@@ -72,6 +78,9 @@ fn malformed(text: &str, literals: &[Literal], expected: usize) -> Option<String
     let is_bad = |literal: &&Literal| literal.value.is_nan() && number(&literal.text).is_none();
     if let Some(bad) = literals.iter().find(is_bad) {
         return Some(not_a_number(&bad.text, literals, expected));
+    }
+    if literals.len() >= MOST {
+        return Some(format!("{MOST} numbers or more are given, {expected} needed"));
     }
     if literals.len() != expected {
         return Some(format!("{} given, {expected} needed", count(literals.len())));

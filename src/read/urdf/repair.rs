@@ -16,8 +16,8 @@ pub(super) struct Repaired {
     pub(super) tops: Vec<(String, Span)>,
     /// The first entity declaration of a document type, if there is one.
     pub(super) entity: Option<Span>,
-    /// A start tag with more than [`MOST_ATTRIBUTES`] attributes: parsing it costs the square of their number.
-    pub(super) crowded: Option<Span>,
+    /// The first thing that no robot description has so much of: its place, and what is too much. Reading stops there.
+    pub(super) excess: Option<(Span, String)>,
 }
 
 /// Repairs `text`; see the module's head.
@@ -26,6 +26,7 @@ pub(super) fn repair(text: &str) -> Repaired {
         text,
         out: text.as_bytes().to_vec(),
         open: 0,
+        elements: 0,
         report: Repaired::default(),
     };
     let end = text.find('\0').unwrap_or(text.len());
@@ -41,17 +42,27 @@ pub(super) fn repair(text: &str) -> Repaired {
     report
 }
 
-/// Most attributes of one element; real ones have ten.
-pub(super) const MOST_ATTRIBUTES: usize = 1000;
+/// Most attributes of one element; real ones have ten, and parsing costs the square of their number.
+const MOST_ATTRIBUTES: usize = 1000;
+
+/// Most elements of a text, each some kilobytes once it is read; the largest known robots have four thousand.
+pub(super) const MOST_ELEMENTS: usize = 60_000;
+
+/// Longest name of an element or attribute, and longest value that names something, bytes: findings repeat names.
+pub(super) const LONGEST_NAME: usize = 1000;
 
 /// Longest reference to a character or a predefined entity that is looked for (`#x10FFFF`), with some leading zeros.
 const LONGEST_REFERENCE: usize = 16;
+
+/// Longest value of any attribute, bytes; in a thousand real files the longest has some hundreds.
+const LONGEST_VALUE: usize = 16 * 1024;
 
 struct Lexer<'a> {
     text: &'a str,
     out: Vec<u8>,
     /// Elements that are open.
     open: usize,
+    elements: usize,
     report: Repaired,
 }
 
@@ -184,6 +195,13 @@ impl Lexer<'_> {
 
     fn start_tag(&mut self, open: usize) -> Option<usize> {
         let mut at = self.name(open + 1, self.text.len());
+        if at - open > LONGEST_NAME {
+            return self.too_much(open, &format!("the name of an element has {} bytes", at - open - 1));
+        }
+        self.elements += 1;
+        if self.elements > MOST_ELEMENTS {
+            return self.too_much(open, &format!("there are more than {MOST_ELEMENTS} elements"));
+        }
         let name = self.text.get(open + 1..at).unwrap_or_default().to_owned();
         if self.open == 0 && !self.top(open, &name) {
             return None;
@@ -209,7 +227,8 @@ impl Lexer<'_> {
             }
         }
         if attributes > MOST_ATTRIBUTES {
-            self.report.crowded = Some(Span::new(open, open + 1 + name.len()));
+            let what = format!("an element has more than {MOST_ATTRIBUTES} attributes");
+            return self.too_much(open, &what);
         }
         Some(at + 1)
     }
@@ -217,6 +236,9 @@ impl Lexer<'_> {
     /// One attribute from `at`; the offset behind it.
     fn attribute(&mut self, at: usize) -> Option<usize> {
         let end = self.name(at, self.text.len());
+        if end - at > LONGEST_NAME {
+            return self.too_much(at, &format!("the name of an attribute has {} bytes", end - at));
+        }
         let equals = self.skip_blanks(end);
         if self.byte(equals) != b'=' {
             return Some(equals.max(at + 1));
@@ -228,6 +250,19 @@ impl Lexer<'_> {
             _ => return Some(quote.max(at + 1)),
         };
         let close = self.find(quote + 1, needle)?;
+        let names = matches!(
+            self.text.get(at..end),
+            Some("name" | "link" | "joint" | "type" | "version")
+        );
+        if names && close - quote > LONGEST_NAME {
+            return self.too_much(at, &format!("a name has {} bytes", close - quote - 1));
+        }
+        if close - quote > LONGEST_VALUE {
+            return self.too_much(
+                at,
+                &format!("the value of an attribute has {} bytes", close - quote - 1),
+            );
+        }
         self.escape_ampersands(quote + 1, close);
         for offset in quote + 1..close {
             if self.byte(offset) == b'<' {
@@ -235,6 +270,12 @@ impl Lexer<'_> {
             }
         }
         Some(close + 1)
+    }
+
+    /// Ends the reading at something that no robot description has.
+    fn too_much(&mut self, at: usize, what: &str) -> Option<usize> {
+        self.report.excess = Some((Span::new(at, at + 1), format!("{what}: this is no URDF")));
+        None
     }
 
     /// A name from `at`: its colons become underscores. The offset behind it, at least the next character boundary

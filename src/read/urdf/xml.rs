@@ -6,7 +6,7 @@ use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::source::{LineIndex, Place, SourceId, Span};
 
-use super::repair::Repaired;
+use super::repair::{self, Repaired};
 
 /// What stands at the top of a text.
 #[derive(Debug, PartialEq, Eq)]
@@ -110,10 +110,23 @@ const LONGEST_TAG: usize = 8192;
 
 /// Parses a text that needs no repair; `None` where a strict parser objects, or could be kept busy.
 pub(super) fn parse_strict(text: &str) -> Option<Document<'_>> {
-    if text.split('>').any(|piece| piece.len() > LONGEST_TAG) {
-        return None;
+    let mut pieces = 0;
+    for piece in text.split('>') {
+        pieces += 1;
+        if piece.len() > LONGEST_TAG || pieces > repair::MOST_ELEMENTS {
+            return None;
+        }
     }
-    Document::parse(text).ok()
+    let document = Document::parse(text).ok()?;
+    // What is too long is said by the repair, with its place.
+    let is_short = |node: Node<'_, '_>| {
+        node.tag_name().name().len() <= repair::LONGEST_NAME
+            && node
+                .attributes()
+                .all(|attribute| attribute.range().len() <= repair::LONGEST_NAME)
+    };
+    let is_usual = document.descendants().all(is_short);
+    is_usual.then_some(document)
 }
 
 /// Parses a repaired text (with `text.shift` bytes put in front).

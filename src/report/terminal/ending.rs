@@ -183,5 +183,13 @@ fn why_nothing(run: &Run) -> String {
     if run.verdict.rows.is_empty() {
         return "no rule was asked".to_owned();
     }
-    "no rule found anything it could judge, for the reasons above".to_owned()
+    let (_, count) = inputs(run);
+    let what = match (run.sources.as_slice(), count) {
+        ([only], _) => match &only.detail {
+            Some(detail) => one_line(&format!("{} ({detail})", only.path)),
+            None => one_line(&only.path),
+        },
+        (_, count) => plural(count, "input"),
+    };
+    format!("no rule found anything it could judge in {what}, for the reasons above")
 }

@@ -177,7 +177,7 @@ Not evaluated (4 checks)
   --verbose lists every check
 
 0 errors, 0 warnings, 0 notes · 0 checks passed · 4 not evaluated · 1 of 1 input read
-Nothing was checked: no rule found anything it could judge, for the reasons above. This is not a pass.
+Nothing was checked: no rule found anything it could judge in calib.yaml, for the reasons above. This is not a pass.
 "
     );
     assert!(with(&run, true, false, Style::PLAIN).contains("  TF01 a-rule, clock: missing input: no recording\n"));
