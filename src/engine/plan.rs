@@ -28,6 +28,9 @@ impl Enabled {
 
     /// The front matter with its limits, read when the rule is first asked.
     pub(super) fn whole(&self) -> Result<&Front, PageError> {
+        if !self.entry.page.contains("\nlimits:") {
+            return Ok(&self.front);
+        }
         self.whole
             .get_or_init(|| Front::parse(self.entry.page))
             .as_ref()

@@ -178,3 +178,61 @@ fn text_places(world: &World, spelled: &FrameId) -> BTreeSet<Place> {
         .cloned()
         .collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::source::{Source, SourceKind, Span};
+    use crate::world::{FrameRole, FrameUse};
+
+    fn world_of(source: Source, text: &str, spelled: &str) -> World {
+        let id = source.id;
+        let mut world = World::default();
+        world.sources = vec![source].into();
+        for (start, found) in text.match_indices(spelled) {
+            world.frames.push(FrameUse {
+                frame: FrameId::new(spelled.trim_matches('"')),
+                role: FrameRole::Calibration,
+                place: Place::text(id, Span::new(start, start + found.len())),
+                count: 1,
+            });
+        }
+        world
+    }
+
+    fn source(text: &str) -> Source {
+        let mut source = Source::new(SourceId(0), "calibration.yaml", SourceKind::Yaml);
+        source.text = text.to_owned();
+        source
+    }
+
+    fn world(text: &str, spelled: &str) -> World {
+        world_of(source(text), text, spelled)
+    }
+
+    fn replaced(text: &str, spelled: &str, to: &str) -> Option<Vec<String>> {
+        let edits = rename_edits(&world(text, spelled), &spelled.trim_matches('"').into(), to)?;
+        Some(edits.into_iter().map(|edit| edit.replacement).collect())
+    }
+
+    #[test]
+    fn every_place_is_renamed_and_quotes_are_kept() {
+        assert_eq!(
+            replaced("a: Lidar\nb: Lidar", "Lidar", "lidar").unwrap(),
+            ["lidar", "lidar"]
+        );
+        assert_eq!(replaced("a: \"Lidar\"", "\"Lidar\"", "lidar").unwrap(), ["\"lidar\""]);
+    }
+
+    #[test]
+    fn nothing_is_renamed_where_the_text_is_not_the_name_or_is_not_a_file() {
+        assert_eq!(replaced("a: Lidar", "Camera", "camera"), None);
+        assert_eq!(replaced("a: Lidar", "Lidar", "a<b"), None);
+        let mut derived = source("a: Lidar");
+        derived.derived = Some(crate::source::Derived::Expansion);
+        let derived = world_of(derived, "a: Lidar", "Lidar");
+        assert_eq!(rename_edits(&derived, &"Lidar".into(), "lidar"), None);
+        let moved = world_of(source("a:  Lidar"), "a: Lidar", "Lidar");
+        assert_eq!(rename_edits(&moved, &"Lidar".into(), "lidar"), None);
+    }
+}

@@ -34,7 +34,7 @@ pub(crate) fn loose(name: &str) -> String {
 }
 
 /// What is wrong with a name. The worst comes first.
-#[derive(Clone, Copy, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) enum Fault {
     /// A character without width, or a control character.
     Invisible,

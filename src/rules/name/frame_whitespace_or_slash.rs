@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 
 use crate::rules::spelling::{self, Fault};
-use crate::rules::{Judge, Need, NoLimits, Rule, places};
-use crate::source::{Confidence, SourceKind};
+use crate::rules::{Judge, Need, NoLimits, Rule, places, tf};
+use crate::source::{Confidence, Place, SourceId, SourceKind};
 use crate::verdict::{Finding, Measured, Safety, Severity};
 use crate::world::{FrameId, FrameRole, FrameUse, World};
 
@@ -21,7 +21,7 @@ impl Rule for FrameWhitespaceOrSlash {
         for used in world.frames.iter().filter(|used| is_name(used)) {
             spelled.entry(&used.frame).or_default().push(used);
         }
-        let mut failed = false;
+        let mut groups: BTreeMap<(SourceId, Grade), Vec<Wrong>> = BTreeMap::new();
         for (frame, uses) in &spelled {
             let worst = uses
                 .iter()
@@ -29,16 +29,38 @@ impl Rule for FrameWhitespaceOrSlash {
                 .min_by_key(|((severity, confidence, _), used)| {
                     (std::cmp::Reverse((*severity, *confidence)), used.role, &used.place)
                 });
-            if let Some(((severity, confidence, fault), used)) = worst {
-                failed = true;
-                out.fail(report(world, frame, uses, used, (severity, confidence, fault)));
+            if let Some((grade, used)) = worst {
+                let count = uses.iter().map(|used| used.count.max(1)).sum();
+                let wrong = Wrong { frame, used, count };
+                groups.entry((used.place.source, grade)).or_default().push(wrong);
             }
         }
-        if !failed && !spelled.is_empty() {
+        for ((_, grade), names) in &groups {
+            if names.len() > MANY {
+                out.fail(report(world, *grade, names));
+            } else {
+                for name in names {
+                    out.fail(report(world, *grade, std::slice::from_ref(name)));
+                }
+            }
+        }
+        if groups.is_empty() && !spelled.is_empty() {
             let names = Measured::count("names with stray characters", 0).limit(0.0);
             out.pass("frame names", [names.samples(spelled.len() as u64)]);
         }
     }
+}
+
+/// Up to how many names of one source with one fault are reported one by one.
+const MANY: usize = 3;
+
+type Grade = (Severity, Confidence, Fault);
+
+/// A name that is wrong, its gravest use and how often it is used.
+struct Wrong<'a> {
+    frame: &'a FrameId,
+    used: &'a FrameUse,
+    count: u64,
 }
 
 /// Empty names are TREE04's, TREE07's and TREE12's.
@@ -46,7 +68,7 @@ fn is_name(used: &FrameUse) -> bool {
     !used.frame.as_str().is_empty() && !matches!(used.role, FrameRole::CalibrationLabel | FrameRole::Simulator)
 }
 
-fn judge_use(world: &World, used: &FrameUse) -> Option<(Severity, Confidence, Fault)> {
+fn judge_use(world: &World, used: &FrameUse) -> Option<Grade> {
     let fault = Fault::of(used.frame.as_str())?;
     let is_config = used.role == FrameRole::Calibration;
     let is_ros1 = world
@@ -62,33 +84,41 @@ fn judge_use(world: &World, used: &FrameUse) -> Option<(Severity, Confidence, Fa
     Some((severity, confidence, fault))
 }
 
-fn report(
-    world: &World,
-    frame: &FrameId,
-    uses: &[&FrameUse],
-    used: &FrameUse,
-    (severity, confidence, fault): (Severity, Confidence, Fault),
-) -> Finding {
-    let count: u64 = uses.iter().map(|used| used.count.max(1)).sum();
-    let cleaned = spelling::clean(frame.as_str());
-    let shown = frame.as_str().escape_debug();
-    let message = format!(
-        "the frame name `{shown}` ({}) {}: {}",
-        used.role.words(),
-        fault.words(),
-        fault.why()
-    );
-    let can_clean = cleaned != frame.as_str() && !cleaned.is_empty() && !cleaned.contains(char::is_whitespace);
-    let help = if can_clean {
-        format!("write `{cleaned}`")
+/// One finding for a name, or for the many names of one source that share a fault.
+fn report(world: &World, (severity, confidence, fault): Grade, names: &[Wrong]) -> Finding {
+    let shown = |wrong: &Wrong| FrameId::new(wrong.frame.as_str().escape_debug().to_string());
+    let first = names.iter().min_by_key(|wrong| (wrong.used.role, &wrong.used.place));
+    let place = first.map_or_else(|| Place::whole(SourceId(0)), |wrong| wrong.used.place.clone());
+    let listed = tf::listed(&names.iter().map(shown).collect::<Vec<_>>());
+    let role = first.map_or("", |wrong| wrong.used.role.words());
+    let (subject, message) = if names.len() == 1 {
+        let message = format!("the frame name {listed} ({role}) {}: {}", fault.words(), fault.why());
+        (format!("frame {listed}"), message)
     } else {
-        "write it with letters, digits and `_`".to_owned()
+        let path = world.path(place.source);
+        let message = format!(
+            "each of {} frame names {}: {listed}; {}",
+            names.len(),
+            fault.words(),
+            fault.why()
+        );
+        (format!("frames of {path}"), message)
     };
-    let finding = Finding::new(severity, format!("frame `{shown}`"), message, used.place.clone())
+    let cleaned: Vec<String> = names
+        .iter()
+        .map(|wrong| spelling::clean(wrong.frame.as_str()))
+        .collect();
+    let can_clean = |name: &String| !name.is_empty() && !name.contains(char::is_whitespace);
+    let help = match cleaned.first() {
+        Some(name) if can_clean(name) => format!("write `{name}`{}", if names.len() > 1 { ", and so on" } else { "" }),
+        _ => "write it with letters, digits and `_`".to_owned(),
+    };
+    let count: u64 = names.iter().map(|wrong| wrong.count).sum();
+    let finding = Finding::new(severity, subject, message, place)
         .confidence(confidence)
         .label(fault.words())
-        .help(help)
-        .measured(Measured::new("uses of the name", count as f64, "count").limit(0.0));
+        .help(help.clone())
+        .measured(Measured::new("uses", count as f64, "count").limit(0.0));
     // Where both spellings are links, renaming one would make two links of one name.
     let is_link = |name: &str| {
         world
@@ -96,14 +126,17 @@ fn report(
             .iter()
             .any(|robot| robot.links_named(name).next().is_some())
     };
-    let merges = is_link(frame.as_str()) && is_link(&cleaned);
-    let edits = if can_clean && !merges {
-        places::rename_edits(world, frame, &cleaned)
-    } else {
-        None
-    };
+    let edits: Option<Vec<_>> = names
+        .iter()
+        .zip(&cleaned)
+        .map(|(wrong, name)| {
+            let merges = is_link(wrong.frame.as_str()) && is_link(name);
+            let edits = (can_clean(name) && !merges).then(|| places::rename_edits(world, wrong.frame, name));
+            edits.flatten()
+        })
+        .collect();
     match edits {
-        Some(edits) => finding.fix(format!("write `{cleaned}`"), Safety::Safe, edits),
+        Some(edits) => finding.fix(help, Safety::Safe, edits.concat()),
         None => finding,
     }
 }

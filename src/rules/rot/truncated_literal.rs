@@ -72,13 +72,6 @@ impl Rule for TruncatedLiteral {
                     .total_cmp(&a.error_rad())
                     .then(a.literal.span.cmp(&b.literal.span))
             });
-            // Beside errors that are felt, the others are not worth a word.
-            let felt = |short: &Truncated| lateral_mm(short.error_rad(), limits) > limits.lateral_mm;
-            if short.first().is_some_and(felt) {
-                let all = short.len();
-                short.retain(felt);
-                (short.len()..all).for_each(|_| right.count(source));
-            }
             if let Some(finding) = finding(world, source, &short, limits) {
                 out.fail(finding);
             }

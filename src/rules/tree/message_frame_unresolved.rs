@@ -66,11 +66,8 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
     if frame.as_str().is_empty() {
         let message = format!("{count} messages on {} have an empty frame_id", main.topic.topic);
         let help = "set the driver's frame_id to the frame that the sensor is mounted at";
-        out.fail(
-            Finding::warning(subject, message, place)
-                .help(help)
-                .measured(messages.limit(0.0)),
-        );
+        let finding = Finding::warning(subject, message, place).help(help);
+        out.fail(finding.measured(messages.limit(0.0)));
         return;
     }
     if context.tree.contains(frame) {
@@ -125,11 +122,8 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
 
 /// A tree with `odom` or `map` in it is a vehicle's, and a vehicle has a frame of its own.
 fn judge_base(world: &World, bag: &BagEvidence, tree: &BTreeSet<FrameId>, out: &mut Judge) {
-    let Some(root) = bag
-        .tf
-        .iter()
-        .find(|edge| names::standard(&edge.parent.canonical()).is_some_and(|(_, kind)| kind != Standard::Base))
-    else {
+    let is_above_base = |frame: FrameId| names::standard(&frame).is_some_and(|(_, kind)| kind != Standard::Base);
+    let Some(root) = bag.tf.iter().find(|edge| is_above_base(edge.parent.canonical())) else {
         return;
     };
     // A camera or a lidar carried by hand has none.
@@ -143,13 +137,10 @@ fn judge_base(world: &World, bag: &BagEvidence, tree: &BTreeSet<FrameId>, out: &
         "TF holds `{}`, and nothing that is called like a platform's own frame",
         root.parent
     );
-    let finding = Finding::warning(
-        subject_of(world, bag),
-        message,
-        Place::message(bag.source, root.first_at.clone()),
-    )
-    .hint()
-    .help("call the platform's frame `base_link` (REP-105), so that tools find it")
-    .measured(Measured::count("base frames", 0).limit(1.0));
+    let place = Place::message(bag.source, root.first_at.clone());
+    let finding = Finding::warning(subject_of(world, bag), message, place)
+        .hint()
+        .help("call the platform's frame `base_link` (REP-105), so that tools find it")
+        .measured(Measured::count("base frames", 0).limit(1.0));
     out.fail(finding);
 }

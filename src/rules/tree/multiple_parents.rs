@@ -20,8 +20,10 @@ pub struct MultipleParents;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
-    /// Changes of parent from which two broadcasters are said to fight.
+    /// Changes of parent from which two broadcasters may be said to fight ...
     pub min_switches: u64,
+    /// ... if there are as many for each transform under the rarer parent.
+    pub min_share: f64,
 }
 
 impl Rule for MultipleParents {
@@ -66,12 +68,7 @@ fn judge_robot(world: &World, robot: &Robot, out: &mut Judge) {
             continue;
         };
         failed = true;
-        let end = |joint: &Joint| {
-            joint
-                .child
-                .as_ref()
-                .map_or_else(|| joint.place.clone(), |child| child.place.clone())
-        };
+        let end = |joint: &Joint| joint.child.as_ref().map_or(&joint.place, |child| &child.place).clone();
         let message = format!(
             "link `{child}` is the child of {} joints (`{}` and `{}`{}): a link has one parent",
             joints.len(),
@@ -90,9 +87,10 @@ fn judge_robot(world: &World, robot: &Robot, out: &mut Judge) {
         out.fail(finding);
     }
     if !failed && !children.is_empty() {
+        let most = Measured::count("joints with the same child, at most", worst).limit(1.0);
         out.pass(
             format!("robot `{}` in {}", robot.name.value, world.path(robot.source)),
-            [Measured::count("joints with the same child, at most", worst).limit(1.0)],
+            [most],
         );
     }
 }
@@ -124,10 +122,8 @@ fn judge_bag(
         out.fail(judge_child(bag, &child, &edges, &parents, limits));
     }
     if !failed {
-        let one = Measured::count("frames with more than one parent", 0)
-            .limit(0.0)
-            .samples(judged);
-        out.pass(format!("TF of {}", world.path(bag.source)), [one]);
+        let several = Measured::count("frames with more than one parent", 0).limit(0.0);
+        out.pass(format!("TF of {}", world.path(bag.source)), [several.samples(judged)]);
     }
 }
 
@@ -142,7 +138,9 @@ fn judge_child(
     // Without a count of changes: edges whose times overlap alternate, others follow one another.
     let overlap =
         edges.iter().map(|edge| edge.first_at.log_ns).max() < edges.iter().map(|edge| edge.last_at.log_ns).min();
-    let switches = known.map_or(if overlap { limits.min_switches } else { 1 }, |switch| switch.switches);
+    let rarest = edges.iter().map(|edge| edge.count).min().unwrap_or(0);
+    let switches = known.map_or(if overlap { 2 * rarest } else { 1 }, |switch| switch.switches);
+    let is_fight = switches >= limits.min_switches && switches as f64 >= limits.min_share * rarest as f64;
     let is_latched = edges.iter().any(|edge| edge.is_static);
     let last = edges.iter().map(|edge| &edge.first_at).max_by_key(|at| at.log_ns);
     let place = known.map(|switch| &switch.at).or(last).cloned();
@@ -150,18 +148,17 @@ fn judge_child(
     let subject = format!("frame `{child}`");
     let who = format!("TF gives `{child}` {} parents ({})", parents.len(), tf::listed(parents));
     let finding = if is_latched {
-        let message =
-            format!("{who}, at least one of them latched: which one a listener keeps depends on who spoke last");
+        let message = format!("{who}, and at least one is latched: a listener keeps the one that came last");
         Finding::error(subject, message, place)
             .help("publish one parent only; a latched transform cannot be taken back, so it must not be the odd one")
-    } else if switches >= limits.min_switches {
+    } else if is_fight {
         let message = format!("{who} and changes between them {switches} times: two broadcasters fight over the frame");
         Finding::error(subject, message, place).help(
             "find the second broadcaster and stop it (often a driver and a filter both publish odometry); \
              tf2 keys by child and does not interpolate across a change of parent",
         )
     } else {
-        let message = format!("{who}, with {switches} change: it was moved to another parent");
+        let message = format!("{who}, with {switches} change(s): it was moved to another parent");
         Finding::note(subject, message, place)
             .help("nothing, if the frame is handed over on purpose; look-ups across the change give the older parent")
     };

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::rules::places::Firsts;
-use crate::rules::{Judge, Need, NoLimits, Rule, tf};
+use crate::rules::spelling::loose;
+use crate::rules::{Judge, Need, NoLimits, Rule, places, tf};
 use crate::source::SourceId;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::graph::Component;
@@ -20,18 +20,13 @@ impl Rule for OrphanSubtree {
     type Limits = NoLimits;
 
     fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
-        let named_by_wholes = named_by_wholes(world);
         let (parts, components): (Vec<Component>, Vec<Component>) = world
             .graph()
             .components()
             .into_iter()
             // A frame without a name is TREE04's, TREE07's or TREE12's.
             .filter(|component| component.members.iter().any(|frame| !frame.as_str().is_empty()))
-            .partition(|component| {
-                named_by_wholes
-                    .as_ref()
-                    .is_some_and(|named| component.members.is_disjoint(named))
-            });
+            .partition(|component| is_part(world, component));
         if let Some(part) = parts.first() {
             let names: Vec<FrameId> = part.members.iter().take(1).cloned().collect();
             let reason = format!(
@@ -52,43 +47,50 @@ impl Rule for OrphanSubtree {
             return;
         }
         let main = main_component(world, &components);
-        let firsts = Firsts::new(world);
         let looping: BTreeSet<FrameId> = loops(world).into_iter().flat_map(|(frames, _)| frames).collect();
+        let connected = components
+            .get(main)
+            .into_iter()
+            .flat_map(|component| &component.members);
+        let names: BTreeMap<String, &FrameId> = connected.map(|frame| (loose(frame.as_str()), frame)).collect();
         for (index, orphan) in components.iter().enumerate() {
             if index != main
                 && let Some(connected) = components.get(main)
             {
-                judge_orphan(&firsts, orphan, connected, (components.len(), &looping), out);
+                judge_orphan(world, orphan, connected, (components.len(), &looping, &names), out);
             }
         }
     }
 }
 
-/// The frames that more than parts of descriptions (xacro files that were not expanded) name; `None` without parts.
-fn named_by_wholes(world: &World) -> Option<BTreeSet<FrameId>> {
-    let parts = world.robots.iter().filter(|robot| robot.fragment.is_some());
-    let parts: BTreeSet<SourceId> = parts.map(|robot| robot.source).collect();
-    let wholes = world.frames.iter().filter(|used| !parts.contains(&used.place.source));
-    (!parts.is_empty()).then(|| wholes.map(|used| used.frame.canonical()).collect())
+/// Whether all that names these frames is a part of a description (a xacro that was not expanded).
+fn is_part(world: &World, component: &Component) -> bool {
+    let fragments = world.robots.iter().filter(|robot| robot.fragment.is_some());
+    let sources: BTreeSet<SourceId> = fragments.map(|robot| robot.source).collect();
+    !sources.is_empty()
+        && world
+            .frames
+            .iter()
+            .filter(|used| component.members.contains(&used.frame.canonical()))
+            .all(|used| sources.contains(&used.place.source))
 }
 
 fn judge_orphan(
-    firsts: &Firsts<'_>,
+    world: &World,
     orphan: &Component,
     main: &Component,
-    (trees, looping): (usize, &BTreeSet<FrameId>),
+    (trees, looping, names): (usize, &BTreeSet<FrameId>, &BTreeMap<String, &FrameId>),
     out: &mut Judge,
 ) {
     let Some(root) = orphan.roots.first().or_else(|| orphan.members.first()) else {
         return;
     };
-    let Some(place) = firsts
-        .get(root)
-        .or_else(|| orphan.members.iter().find_map(|frame| firsts.get(frame)))
+    let Some(place) =
+        places::first(world, root).or_else(|| orphan.members.iter().find_map(|frame| places::first(world, frame)))
     else {
         return;
     };
-    if orphan.roots.is_empty() && orphan.members.iter().any(|frame| looping.contains(frame)) {
+    if orphan.roots.is_empty() && looping.iter().any(|frame| orphan.members.contains(frame)) {
         let why = "it has no root that could be connected, because it goes round in a loop; see TREE03";
         out.not_evaluated(format!("subtree `{root}`"), NotEvaluated::NotApplicable, why);
         return;
@@ -105,14 +107,24 @@ fn judge_orphan(
         },
         main_root.map_or("?", FrameId::as_str),
     );
+    let twin = orphan
+        .members
+        .iter()
+        .find_map(|frame| Some((frame, names.get(&loose(frame.as_str()))?)));
+    let help = match twin {
+        Some((frame, twin)) => format!(
+            "`{frame}` and `{twin}` of the main tree differ only in case, blanks or slashes: make them one (NAME01, NAME02)"
+        ),
+        None => {
+            format!("publish or describe the transform that mounts `{root}`, or remove the frames if nothing uses them")
+        }
+    };
     let finding = Finding::error(subject, message, place)
         .label("root of the separate tree")
-        .help(format!(
-            "publish or describe the transform that mounts `{root}`, or remove the frames if nothing uses them"
-        ))
+        .help(help)
         .measured(Measured::count("separate trees", trees).limit(1.0))
         .measured(Measured::count("frames in this tree", orphan.members.len()));
-    let finding = match main_root.and_then(|frame| firsts.get(frame)) {
+    let finding = match main_root.and_then(|frame| places::first(world, frame)) {
         Some(place) => finding.related(place, "root of the main tree"),
         None => finding,
     };
@@ -121,21 +133,16 @@ fn judge_orphan(
 
 /// The component with most sensor frames in message headers, then most frames.
 fn main_component(world: &World, components: &[Component]) -> usize {
-    let home: BTreeMap<&FrameId, usize> = components
-        .iter()
-        .enumerate()
-        .flat_map(|(index, component)| component.members.iter().map(move |frame| (frame, index)))
-        .collect();
-    let mut sensors: BTreeMap<usize, usize> = BTreeMap::new();
-    for used in world.frames.iter().filter(|used| used.role == FrameRole::Header) {
-        if let Some(index) = home.get(&used.frame.canonical()) {
-            *sensors.entry(*index).or_default() += 1;
-        }
-    }
-    let sensors = |index: &usize| sensors.get(index).copied().unwrap_or(0);
+    let sensors = |component: &Component| {
+        world
+            .frames
+            .iter()
+            .filter(|used| used.role == FrameRole::Header && component.members.contains(&used.frame.canonical()))
+            .count()
+    };
     components
         .iter()
         .enumerate()
-        .max_by_key(|(index, component)| (sensors(index), component.members.len(), std::cmp::Reverse(*index)))
+        .max_by_key(|(index, component)| (sensors(component), component.members.len(), std::cmp::Reverse(*index)))
         .map_or(0, |(index, _)| index)
 }

@@ -29,13 +29,7 @@ impl Rule for TfStaticMissingOrLate {
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         for bag in world.bags.iter().filter(|bag| !bag.tf.is_empty()) {
             let subject = format!("latched transforms of {}", world.path(bag.source));
-            let absent = absent(bag, &subject);
-            let undescribed = if absent.is_some() {
-                None
-            } else {
-                unpublished(world, bag, &subject)
-            };
-            let missing = absent.or(undescribed);
+            let missing = absent(bag, &subject).or_else(|| unpublished(world, bag, &subject));
             let others = [late(bag, &subject, limits), volatile(bag, &subject)];
             let mut findings: Vec<Finding> = others.into_iter().flatten().collect();
             if missing.is_some() && bag.truncated {

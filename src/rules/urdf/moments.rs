@@ -25,12 +25,12 @@ pub(super) fn principal_moments([xx, xy, xz, yy, yz, zz]: [f64; 6]) -> Option<[f
 /// Numbers that nobody measured: six times the same one, or moments of which one or two are zero.
 pub(super) fn is_placeholder(inertia: [f64; 6]) -> bool {
     let [xx, xy, xz, yy, yz, zz] = inertia;
-    // Written by hand to the last digit: these are compared as they stand.
-    #[allow(clippy::float_cmp)]
-    let is_one_number = inertia.iter().all(|moment| *moment == xx);
+    let is_zero = |moment: f64| moment.abs() < f64::MIN_POSITIVE;
     let moments = [xx, yy, zz];
-    #[allow(clippy::float_cmp)]
-    let has_zero = [xy, xz, yz] == [0.0; 3] && moments.contains(&0.0) && moments.iter().all(|moment| *moment >= 0.0);
+    let is_one_number = inertia.iter().all(|moment| is_zero(moment - xx));
+    let has_zero = [xy, xz, yz].into_iter().all(is_zero)
+        && moments.into_iter().any(is_zero)
+        && moments.iter().all(|moment| *moment >= 0.0);
     is_one_number || has_zero
 }
 
@@ -45,6 +45,15 @@ mod tests {
         for (moment, expected) in moments.iter().zip([1.0, 2.0, 3.0]) {
             assert!((moment - expected).abs() < 1e-12);
         }
+    }
+
+    #[test]
+    fn numbers_that_were_filled_in_are_told_from_wrong_ones() {
+        assert!(is_placeholder([1e-6; 6]));
+        assert!(is_placeholder([0.0, 0.0, 0.0, 0.0, 0.0, 0.987]));
+        assert!(!is_placeholder([0.01, 0.0, 0.0, 0.01, 0.0, 0.1]));
+        assert!(!is_placeholder([-0.01, 0.0, 0.0, 0.0, 0.0, 0.1]));
+        assert!(!is_placeholder([0.0, 0.05, 0.0, 0.01, 0.0, 0.01]));
     }
 
     #[test]
