@@ -72,7 +72,7 @@ fn report(what: &str, runs: usize, files: usize, commands: impl Fn() -> Vec<Comm
                 .stderr(Stdio::null())
                 .status();
         }
-        best = best.min(children_cpu() - before);
+        best = best.min(children_cpu().saturating_sub(before));
     }
     let millis = best.as_secs_f64() * 1e3;
     println!(

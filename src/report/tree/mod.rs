@@ -131,7 +131,8 @@ fn title(world: &World, names: &Names) -> String {
     if more > 0 {
         let _ = write!(title, " and {more} more");
     }
-    if !names.folder.is_empty() {
+    // The folder of all platforms is said at the end.
+    if !names.folder.is_empty() && names.folder != names.locator.folder() {
         let _ = write!(title, " in {}", names.folder);
     }
     one_line(&title)

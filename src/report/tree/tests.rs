@@ -190,9 +190,9 @@ fn a_common_folder_is_said_once() {
     let mut run = s.run();
     assert_eq!(
         draw(&run),
-        "cart/calib/a.yaml, cart/robot.urdf, carts.yaml in ws/\n\nbase\n└─ lidar  identity\n       cart/robot.urdf:3 joint lidar_joint (fixed)\n"
+        "cart/calib/a.yaml, cart/robot.urdf, carts.yaml\n\nbase\n└─ lidar  identity\n       cart/robot.urdf:3 joint lidar_joint (fixed)\n\nPaths in ws/\n"
     );
     run.worlds.push(run.worlds[0].clone());
-    assert!(draw(&run).starts_with("Platform cart/calib/a.yaml, cart/robot.urdf, carts.yaml in ws/\n\nbase\n"));
+    assert!(draw(&run).starts_with("Platform cart/calib/a.yaml, cart/robot.urdf, carts.yaml\n\nbase\n"));
     assert_eq!(draw(&run).matches("\n\nPlatform").count(), 1);
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use crate::rules::{Judge, Need, NoLimits, Rule, places};
-use crate::source::{Place, SourceId};
+use crate::source::{At, Place, SourceId};
 use crate::verdict::{Finding, Measured};
 use crate::world::graph::{Edge, EdgeOrigin, FrameGraph};
 use crate::world::{FrameId, World};
@@ -109,16 +109,16 @@ fn judge_cycle(world: &World, cycle: &[FrameId], steps: &[&Edge], out: &mut Judg
         names.join(" -> "),
         cycle.len()
     );
-    let mut at: Vec<(&Edge, Place)> = steps
+    let mut at: Vec<(&&Edge, Place)> = steps
         .iter()
-        .filter_map(|edge| Some((*edge, places::of_edge(world, edge)?)))
+        .filter_map(|edge| Some((edge, places::of_edge(world, edge)?)))
         .collect();
-    // Of the joints of one file, the last is the likeliest to have closed the loop.
-    if sources.len() == 1 && steps.iter().all(|edge| matches!(edge.origin, EdgeOrigin::Joint(_))) {
-        at.sort_by(|(_, a), (_, b)| b.cmp(a));
-    }
-    let mut at = at.into_iter();
-    let Some((first, place)) = at.next() else { return };
+    // What was published, or else written last, closed the loop.
+    let rank = |place: &Place| (matches!(place.at, At::Message(_)), place.clone());
+    let last = (0..at.len()).max_by_key(|index| at.get(*index).map(|(_, place)| rank(place)));
+    let Some((first, place)) = last.map(|index| at.remove(index)) else {
+        return;
+    };
     let mut finding = Finding::error(subject, message, place)
         .label(format!("`{}` is put under `{}`", first.child, first.parent))
         .help("turn round or remove the transform that closes the loop; tf2 answers look-ups with \"contains a loop\"")
