@@ -2,8 +2,9 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::rules::places::Firsts;
 use crate::rules::spelling::loose;
-use crate::rules::{Judge, Need, NoLimits, Rule, places, tf};
+use crate::rules::{Judge, Need, NoLimits, Rule, tf};
 use crate::source::SourceId;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::graph::Component;
@@ -53,14 +54,32 @@ impl Rule for OrphanSubtree {
             .into_iter()
             .flat_map(|component| &component.members);
         let names: BTreeMap<String, &FrameId> = connected.map(|frame| (loose(frame.as_str()), frame)).collect();
+        let surroundings = Surroundings {
+            trees: components.len(),
+            looping,
+            names,
+            firsts: Firsts::new(world),
+        };
         for (index, orphan) in components.iter().enumerate() {
             if index != main
                 && let Some(connected) = components.get(main)
             {
-                judge_orphan(world, orphan, connected, (components.len(), &looping, &names), out);
+                judge_orphan(orphan, connected, &surroundings, out);
             }
         }
     }
+}
+
+/// What an orphan is held against.
+struct Surroundings<'w> {
+    /// How many trees there are.
+    trees: usize,
+    /// Frames of loops.
+    looping: BTreeSet<FrameId>,
+    /// Frames of the main tree by their names without case and stray characters.
+    names: BTreeMap<String, &'w FrameId>,
+    /// First places of frames.
+    firsts: Firsts<'w>,
 }
 
 /// Whether all that names these frames is a part of a description (a xacro that was not expanded).
@@ -75,18 +94,19 @@ fn is_part(world: &World, component: &Component) -> bool {
             .all(|used| sources.contains(&used.place.source))
 }
 
-fn judge_orphan(
-    world: &World,
-    orphan: &Component,
-    main: &Component,
-    (trees, looping, names): (usize, &BTreeSet<FrameId>, &BTreeMap<String, &FrameId>),
-    out: &mut Judge,
-) {
+fn judge_orphan(orphan: &Component, main: &Component, around: &Surroundings<'_>, out: &mut Judge) {
+    let Surroundings {
+        trees,
+        looping,
+        names,
+        firsts,
+    } = around;
     let Some(root) = orphan.roots.first().or_else(|| orphan.members.first()) else {
         return;
     };
-    let Some(place) =
-        places::first(world, root).or_else(|| orphan.members.iter().find_map(|frame| places::first(world, frame)))
+    let Some(place) = firsts
+        .get(root)
+        .or_else(|| orphan.members.iter().find_map(|frame| firsts.get(frame)))
     else {
         return;
     };
@@ -122,9 +142,9 @@ fn judge_orphan(
     let finding = Finding::error(subject, message, place)
         .label("root of the separate tree")
         .help(help)
-        .measured(Measured::count("separate trees", trees).limit(1.0))
+        .measured(Measured::count("separate trees", *trees).limit(1.0))
         .measured(Measured::count("frames in this tree", orphan.members.len()));
-    let finding = match main_root.and_then(|frame| places::first(world, frame)) {
+    let finding = match main_root.and_then(|frame| firsts.get(frame)) {
         Some(place) => finding.related(place, "root of the main tree"),
         None => finding,
     };
