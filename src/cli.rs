@@ -10,6 +10,7 @@ mod tests;
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::io::{IsTerminal, Read};
+use std::mem::ManuallyDrop;
 use std::path::PathBuf;
 
 use clap::{CommandFactory, Parser};
@@ -145,13 +146,14 @@ fn refuse(error: &clap::Error, arguments: &[OsString], surroundings: Surrounding
 }
 
 fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
-    let run = engine::check(&engine::Options {
+    // The program ends with the report: freeing every name one by one first would be time for nothing.
+    let run = ManuallyDrop::new(engine::check(&engine::Options {
         paths: paths(check.input.paths, stdin)?,
         select: check.select,
         ignore: check.ignore,
         xacro_args: check.input.xacro_args,
         progress: surroundings.progress,
-    })?;
+    })?);
     let fail_on = check.fail_on.into();
     let mut style = if check.output.is_some() {
         Style::PLAIN
