@@ -59,11 +59,14 @@ fn not_asked(world: &World, missing: &[&str], out: &mut Judge) {
     if broken.is_empty() {
         out.not_evaluated("platform", NotEvaluated::MissingInput, missing.join(", "));
     } else {
-        let reason = format!(
-            "{}, and not everything could be read: {}",
-            missing.join(", "),
-            broken.join(", ")
-        );
+        let (first, more) = (broken.first().copied().unwrap_or_default(), broken.len() - 1);
+        let others = if more > 0 {
+            format!(" and {more} more")
+        } else {
+            String::new()
+        };
+        let missing = missing.join(", ");
+        let reason = format!("{missing}, and not everything could be read: {first}{others}");
         out.not_evaluated("platform", NotEvaluated::InputBroken, reason);
     }
 }
