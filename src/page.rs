@@ -117,6 +117,14 @@ impl Front {
         })
     }
 
+    /// Reads the front matter with its limits, but without the references that stand last.
+    pub fn parse_limits(page: &str) -> Result<Self, PageError> {
+        let (front, _) = split(page)?;
+        let end = front.find("\nreferences:").unwrap_or(front.len());
+        serde_yaml::from_str(front.get(..end).unwrap_or(front))
+            .map_err(|error| PageError(format!("front matter: {error}")))
+    }
+
     /// The family: the letters of the code.
     pub fn family(&self) -> &str {
         self.code.trim_end_matches(|c: char| c.is_ascii_digit())

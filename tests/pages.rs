@@ -62,6 +62,10 @@ fn the_head_of_a_page_is_its_front_matter_without_limits_and_references() {
             ..whole
         };
         assert!(head.limits.is_empty() && head.references.is_empty());
+        assert_eq!(
+            Front::parse_limits(entry.page).unwrap().limits,
+            Front::parse(entry.page).unwrap().limits
+        );
         assert_eq!(head, without);
     }
 }

@@ -32,7 +32,7 @@ impl Enabled {
             return Ok(&self.front);
         }
         self.whole
-            .get_or_init(|| Front::parse(self.entry.page))
+            .get_or_init(|| Front::parse_limits(self.entry.page))
             .as_ref()
             .map_err(Clone::clone)
     }

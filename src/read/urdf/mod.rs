@@ -1,6 +1,6 @@
 //! URDF: robots with every number, name and place as it was written.
 //!
-//! Owns the way from a text to a [`Robot`], its claims and its frame names. Reads what urdfdom would read, keeps what
+//! Owns the way from a text to a `Robot`, its claims and its frame names. Reads what urdfdom would read, keeps what
 //! it would ignore, and judges nothing: rules do.
 
 mod consumer;
