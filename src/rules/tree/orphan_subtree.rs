@@ -21,13 +21,18 @@ impl Rule for OrphanSubtree {
     type Limits = NoLimits;
 
     fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+        let wholes = named_by_wholes(world);
         let (parts, components): (Vec<Component>, Vec<Component>) = world
             .graph()
             .components()
             .into_iter()
             // A frame without a name is TREE04's, TREE07's or TREE12's.
             .filter(|component| component.members.iter().any(|frame| !frame.as_str().is_empty()))
-            .partition(|component| is_part(world, component));
+            .partition(|component| {
+                wholes
+                    .as_ref()
+                    .is_some_and(|named| component.members.is_disjoint(named))
+            });
         if let Some(part) = parts.first() {
             let names: Vec<FrameId> = part.members.iter().take(1).cloned().collect();
             let reason = format!(
@@ -82,16 +87,12 @@ struct Surroundings<'w> {
     firsts: Firsts<'w>,
 }
 
-/// Whether all that names these frames is a part of a description (a xacro that was not expanded).
-fn is_part(world: &World, component: &Component) -> bool {
-    let fragments = world.robots.iter().filter(|robot| robot.fragment.is_some());
-    let sources: BTreeSet<SourceId> = fragments.map(|robot| robot.source).collect();
-    !sources.is_empty()
-        && world
-            .frames
-            .iter()
-            .filter(|used| component.members.contains(&used.frame.canonical()))
-            .all(|used| sources.contains(&used.place.source))
+/// The frames that more than parts of descriptions (xacro files that were not expanded) name; `None` without parts.
+fn named_by_wholes(world: &World) -> Option<BTreeSet<FrameId>> {
+    let parts = world.robots.iter().filter(|robot| robot.fragment.is_some());
+    let parts: BTreeSet<SourceId> = parts.map(|robot| robot.source).collect();
+    let wholes = world.frames.iter().filter(|used| !parts.contains(&used.place.source));
+    (!parts.is_empty()).then(|| wholes.map(|used| used.frame.canonical()).collect())
 }
 
 fn judge_orphan(orphan: &Component, main: &Component, around: &Surroundings<'_>, out: &mut Judge) {
@@ -110,7 +111,7 @@ fn judge_orphan(orphan: &Component, main: &Component, around: &Surroundings<'_>,
     else {
         return;
     };
-    if orphan.roots.is_empty() && looping.iter().any(|frame| orphan.members.contains(frame)) {
+    if orphan.roots.is_empty() && orphan.members.iter().any(|frame| looping.contains(frame)) {
         let why = "it has no root that could be connected, because it goes round in a loop; see TREE03";
         out.not_evaluated(format!("subtree `{root}`"), NotEvaluated::NotApplicable, why);
         return;
@@ -153,16 +154,21 @@ fn judge_orphan(orphan: &Component, main: &Component, around: &Surroundings<'_>,
 
 /// The component with most sensor frames in message headers, then most frames.
 fn main_component(world: &World, components: &[Component]) -> usize {
-    let sensors = |component: &Component| {
-        world
-            .frames
-            .iter()
-            .filter(|used| used.role == FrameRole::Header && component.members.contains(&used.frame.canonical()))
-            .count()
-    };
+    let home: BTreeMap<&FrameId, usize> = components
+        .iter()
+        .enumerate()
+        .flat_map(|(index, component)| component.members.iter().map(move |frame| (frame, index)))
+        .collect();
+    let mut sensors: BTreeMap<usize, usize> = BTreeMap::new();
+    for used in world.frames.iter().filter(|used| used.role == FrameRole::Header) {
+        if let Some(index) = home.get(&used.frame.canonical()) {
+            *sensors.entry(*index).or_default() += 1;
+        }
+    }
+    let sensors = |index: &usize| sensors.get(index).copied().unwrap_or(0);
     components
         .iter()
         .enumerate()
-        .max_by_key(|(index, component)| (sensors(component), component.members.len(), std::cmp::Reverse(*index)))
+        .max_by_key(|(index, component)| (sensors(index), component.members.len(), std::cmp::Reverse(*index)))
         .map_or(0, |(index, _)| index)
 }
