@@ -6,7 +6,7 @@ use std::fmt::Write;
 use crate::run::Run;
 
 use super::super::place::Locator;
-use super::{Link, Links, Names, outsiders, shown, title, worlds};
+use super::{Link, Links, Names, label, outsiders, shown, title, worlds};
 
 /// A directed graph: solid edges are constant, dashed ones move, red ones are disputed; frames outside every tree are dotted.
 pub fn render(run: &Run) -> String {
@@ -31,7 +31,12 @@ pub fn render(run: &Run) -> String {
         }
         for ((parent, child), link) in &links.of {
             if let (Some(from), Some(to)) = (ids.get(parent.as_str()), ids.get(child.as_str())) {
-                let _ = writeln!(out, "  {from} -> {to} [label={}{}];", quoted(&label(link)), look(link));
+                let _ = writeln!(
+                    out,
+                    "  {from} -> {to} [label={}{}];",
+                    quoted(&label(link, "")),
+                    look(link)
+                );
             }
         }
         let outside = outsiders(world, &names);
@@ -48,18 +53,6 @@ pub fn render(run: &Run) -> String {
     }
     out.push_str("}\n");
     out
-}
-
-fn label(link: &Link) -> String {
-    let lines: Vec<String> = link
-        .statements
-        .iter()
-        .map(|statement| match &statement.differs {
-            Some(differs) => format!("{} ({differs})", statement.who),
-            None => statement.who.clone(),
-        })
-        .collect();
-    lines.join("\n")
 }
 
 fn look(link: &Link) -> &'static str {

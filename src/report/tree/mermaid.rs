@@ -6,7 +6,7 @@ use std::fmt::Write;
 use crate::run::Run;
 
 use super::super::place::Locator;
-use super::{Link, Links, Names, outsiders, shown, title, worlds};
+use super::{Links, Names, label, outsiders, shown, title, worlds};
 
 /// A flowchart: solid edges are constant, dotted ones move, `!` marks disputed ones; frames outside every tree stand alone.
 pub fn render(run: &Run) -> String {
@@ -28,7 +28,7 @@ pub fn render(run: &Run) -> String {
         for ((parent, child), link) in &links.of {
             if let (Some(from), Some(to)) = (ids.get(parent.as_str()), ids.get(child.as_str())) {
                 let arrow = if link.moves() { "-.->" } else { "-->" };
-                let _ = writeln!(out, "  {from} {arrow}|{}| {to}", quoted(&label(link)));
+                let _ = writeln!(out, "  {from} {arrow}|{}| {to}", quoted(&label(link, "! ")));
             }
         }
         let outside = outsiders(world, &names);
@@ -44,18 +44,6 @@ pub fn render(run: &Run) -> String {
         }
     }
     out
-}
-
-fn label(link: &Link) -> String {
-    let lines: Vec<String> = link
-        .statements
-        .iter()
-        .map(|statement| match &statement.differs {
-            Some(differs) => format!("! {} ({differs})", statement.who),
-            None => statement.who.clone(),
-        })
-        .collect();
-    lines.join("\n")
 }
 
 /// A quoted Mermaid string: characters with a meaning in Mermaid or HTML as entity codes.

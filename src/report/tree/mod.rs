@@ -138,6 +138,19 @@ fn title(world: &World, names: &Names) -> String {
     one_line(&title)
 }
 
+/// Who states an edge, a line for each; `mark` stands before those that differ.
+fn label(link: &Link, mark: &str) -> String {
+    let lines: Vec<String> = link
+        .statements
+        .iter()
+        .map(|statement| match &statement.differs {
+            Some(differs) => format!("{mark}{} ({differs})", statement.who),
+            None => statement.who.clone(),
+        })
+        .collect();
+    lines.join("\n")
+}
+
 /// Worlds that hold any frame.
 fn worlds(run: &Run) -> impl Iterator<Item = &World> {
     run.worlds
