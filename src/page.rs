@@ -30,6 +30,20 @@ pub struct Limit {
     pub reason: String,
 }
 
+impl Limit {
+    /// The number that a text opens with, alone.
+    fn bare(text: &str) -> Result<Self, PageError> {
+        let word = text.split([',', '}']).next().unwrap_or_default().trim();
+        let whole = word.parse::<i64>().map(serde_yaml::Value::from);
+        let value = whole.or_else(|_| word.parse::<f64>().map(serde_yaml::Value::from));
+        Ok(Self {
+            value: value.map_err(|_| PageError(format!("limits: `{word}` is no number")))?,
+            unit: String::new(),
+            reason: String::new(),
+        })
+    }
+}
+
 /// The front matter of a page.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -117,12 +131,30 @@ impl Front {
         })
     }
 
-    /// Reads the front matter with its limits, but without the references that stand last.
+    /// Reads the front matter with the values of its limits, without their units, reasons and the references.
+    ///
+    /// Values are single numbers and taken as they stand, for the reason of [`Front::parse_head`]; the same test holds
+    /// them.
     pub fn parse_limits(page: &str) -> Result<Self, PageError> {
+        let mut whole = Self::parse_head(page)?;
         let (front, _) = split(page)?;
-        let end = front.find("\nreferences:").unwrap_or(front.len());
-        serde_yaml::from_str(front.get(..end).unwrap_or(front))
-            .map_err(|error| PageError(format!("front matter: {error}")))
+        let mut name = None;
+        let lines = front.lines().skip_while(|line| !line.starts_with("limits:")).skip(1);
+        for line in lines.take_while(|line| line.starts_with("  ")) {
+            let (key, rest) = line.trim().split_once(':').unwrap_or((line, ""));
+            if !line.starts_with("   ") {
+                name = Some(key);
+            }
+            let value = if key == "value" {
+                Some(rest)
+            } else {
+                rest.trim_start().strip_prefix("{value:")
+            };
+            if let (Some(name), Some(value)) = (name, value) {
+                whole.limits.insert(name.to_owned(), Limit::bare(value)?);
+            }
+        }
+        Ok(whole)
     }
 
     /// The family: the letters of the code.

@@ -149,7 +149,7 @@ pub enum At {
     /// A byte span of the source's text.
     Text(Span),
     /// A message of the recording.
-    Message(MessageRef),
+    Message(Box<MessageRef>),
 }
 
 /// Where a fact was read.
@@ -179,7 +179,7 @@ impl Place {
     pub fn message(source: SourceId, message: MessageRef) -> Self {
         Self {
             source,
-            at: At::Message(message),
+            at: At::Message(Box::new(message)),
         }
     }
 

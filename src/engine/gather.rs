@@ -264,7 +264,7 @@ fn load_text(input: &Input, source: &mut Source) -> bool {
         source.problem(ReadStatus::Unreadable, whole, message);
         return false;
     }
-    match text::decode(&bytes) {
+    match text::decode(bytes) {
         Ok((text, note)) => {
             source.text = text;
             source.detail = note;

@@ -15,35 +15,35 @@ const NULS_IN_TEXT: usize = 8;
 /// # Errors
 ///
 /// A line that says what the bytes look like and at which byte, where they are no text.
-pub fn decode(bytes: &[u8]) -> Result<(String, Option<String>), String> {
-    match bytes {
-        [0xEF, 0xBB, 0xBF, rest @ ..] => return decode_bytes(rest, 3),
+pub fn decode(bytes: Vec<u8>) -> Result<(String, Option<String>), String> {
+    match bytes.as_slice() {
+        [0xEF, 0xBB, 0xBF, rest @ ..] => return decode_bytes(rest.to_vec(), 3),
         [0xFF, 0xFE, 0, 0, ..] | [0, 0, 0xFE, 0xFF, ..] => {
             return Err("this is UTF-32 (byte 0), which is not read: save it as UTF-8".to_owned());
         }
         [0xFF, 0xFE, rest @ ..] => return utf16(rest, u16::from_le_bytes),
         [0xFE, 0xFF, rest @ ..] => return utf16(rest, u16::from_be_bytes),
-        [b'<', 0, ..] | [1..=0x7F, 0, 1..=0x7F, 0, ..] => return utf16(bytes, u16::from_le_bytes),
-        [0, b'<', ..] | [0, 1..=0x7F, 0, 1..=0x7F, ..] => return utf16(bytes, u16::from_be_bytes),
+        [b'<', 0, ..] | [1..=0x7F, 0, 1..=0x7F, 0, ..] => return utf16(&bytes, u16::from_le_bytes),
+        [0, b'<', ..] | [0, 1..=0x7F, 0, 1..=0x7F, ..] => return utf16(&bytes, u16::from_be_bytes),
         _ => {}
     }
     decode_bytes(bytes, 0)
 }
 
-fn decode_bytes(bytes: &[u8], skipped: usize) -> Result<(String, Option<String>), String> {
-    if let Some(offset) = binary_at(bytes) {
+fn decode_bytes(bytes: Vec<u8>, skipped: usize) -> Result<(String, Option<String>), String> {
+    if let Some(offset) = binary_at(&bytes) {
         let offset = offset + skipped;
         return Err(format!(
             "not a text file: control characters that no text holds, the first at byte {offset}"
         ));
     }
-    let nul = bytes.iter().position(|byte| *byte == 0);
+    let nul = memchr::memchr(0, &bytes);
     let nul_note = nul.map(|offset| format!("a NUL character at byte {}", offset + skipped));
-    match std::str::from_utf8(bytes) {
-        Ok(text) => Ok((text.to_owned(), nul_note)),
+    match String::from_utf8(bytes) {
+        Ok(text) => Ok((text, nul_note)),
         Err(error) => {
-            let offset = error.valid_up_to() + skipped;
-            let text = bytes.iter().map(|byte| char::from(*byte)).collect();
+            let offset = error.utf8_error().valid_up_to() + skipped;
+            let text = error.as_bytes().iter().map(|byte| char::from(*byte)).collect();
             Ok((text, Some(format!("not UTF-8 (byte {offset}); read as Latin-1"))))
         }
     }
@@ -53,7 +53,11 @@ fn decode_bytes(bytes: &[u8], skipped: usize) -> Result<(String, Option<String>)
 /// [`NULS_IN_TEXT`] NULs are text.
 fn binary_at(bytes: &[u8]) -> Option<usize> {
     // Whole blocks at once: nearly every text has no odd byte at all.
-    let is_common = |byte: &u8| *byte >= 0x20 || matches!(*byte, b'\t' | b'\n' | b'\r');
+    #[expect(
+        clippy::needless_bitwise_bool,
+        reason = "without a jump the compiler takes many bytes at once"
+    )]
+    let is_common = |byte: &u8| (*byte >= 0x20) | (*byte == b'\t') | (*byte == b'\n') | (*byte == b'\r');
     if bytes
         .chunks(64)
         .all(|block| block.iter().fold(true, |all, byte| all & is_common(byte)))
@@ -95,7 +99,9 @@ fn utf16(bytes: &[u8], unit: fn([u8; 2]) -> u16) -> Result<(String, Option<Strin
 
 #[cfg(test)]
 mod tests {
-    use super::decode;
+    fn decode(bytes: &[u8]) -> Result<(String, Option<String>), String> {
+        super::decode(bytes.to_vec())
+    }
 
     #[test]
     fn utf8_is_taken_as_it_stands_and_a_byte_order_mark_is_dropped() {

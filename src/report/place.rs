@@ -101,7 +101,8 @@ impl<'a> Locator<'a> {
         let locate = |offset| Some(self.lines(place.source)?.locate(&source.text, offset));
         let span = place.span();
         let message = match (&place.at, &source.derived) {
-            (At::Message(message), _) | (_, Some(Derived::Message(message))) => Some(message.clone()),
+            (At::Message(message), _) => Some(message.as_ref().clone()),
+            (_, Some(Derived::Message(message))) => Some(message.clone()),
             _ => None,
         };
         Spot {

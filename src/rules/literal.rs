@@ -40,6 +40,9 @@ pub(super) fn with_fix(finding: Finding, title: &str, safety: Safety, edits: Opt
 
 /// Whether the text is spelled as NaN or infinity (`nan`, `.inf`, `1e999`), as against no number at all.
 pub(super) fn is_spelled_non_finite(literal: &Literal) -> bool {
+    if literal.value.is_finite() {
+        return false;
+    }
     let text = literal.text.trim();
     let (sign, digits) = text
         .split_at_checked(1)
@@ -70,7 +73,7 @@ mod tests {
 
     fn literal(text: &str) -> Literal {
         Literal {
-            text: text.to_owned(),
+            text: text.into(),
             value: text.parse().unwrap_or(f64::NAN),
             span: Span::new(0, text.len()),
         }

@@ -13,6 +13,12 @@ pub(crate) fn is_invisible(c: char) -> bool {
 /// The name without what must not be in one: invisible characters, blanks at its ends, slashes at its ends and doubled,
 /// decomposed letters. Blanks inside are kept.
 pub(crate) fn clean(name: &str) -> String {
+    if name
+        .bytes()
+        .all(|byte| byte.is_ascii_alphanumeric() || matches!(byte, b'_' | b'-' | b'.'))
+    {
+        return name.to_owned();
+    }
     // ASCII is its own composition: nearly every name is spared the tables.
     let visible: String = if name.is_ascii() {
         name.chars().filter(|c| !is_invisible(*c)).collect()

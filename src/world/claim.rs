@@ -1,5 +1,6 @@
 //! Claims: one source's statement of a transform, as it was spelled.
 
+use compact_str::CompactString;
 use nalgebra::{Isometry3, Quaternion, Translation3, UnitQuaternion};
 use serde::{Deserialize, Serialize};
 
@@ -58,7 +59,7 @@ impl Pose {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Literal {
     /// The text, for example `1.57` or `-0.0`.
-    pub text: String,
+    pub text: CompactString,
     /// Its value; NaN where the text is no number.
     pub value: f64,
     /// Where it stands in the source's text.

@@ -1,5 +1,6 @@
 //! A robot as its URDF describes it: links, joints and everything else that was written, with places.
 
+use compact_str::CompactString;
 use serde::{Deserialize, Serialize};
 
 use crate::source::{Place, Placed, SourceId};
@@ -10,9 +11,9 @@ use super::claim::Literal;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct NumberList {
     /// The attribute's name: `xyz`, `rpy`, `quat_xyzw`, `scale`, ...
-    pub attribute: String,
+    pub attribute: CompactString,
     /// The attribute's text.
-    pub text: Placed<String>,
+    pub text: Placed<CompactString>,
     /// The pieces between blanks; a piece that is no number has the value NaN and `malformed` says so.
     pub literals: Vec<Literal>,
     /// How many numbers the attribute should have.

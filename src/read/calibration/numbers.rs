@@ -142,7 +142,7 @@ pub(super) fn literal(node: &Node) -> Option<Literal> {
     };
     let inset = usize::from(*quoted && node.span.end >= node.span.start + 2);
     Some(Literal {
-        text: text.to_string(),
+        text: text.as_ref().into(),
         value: number(text).unwrap_or(f64::NAN),
         span: Span::new(node.span.start + inset, node.span.end.saturating_sub(inset)),
     })
@@ -167,7 +167,7 @@ fn words(node: &Node, source: &str) -> Option<Vec<Literal>> {
         let word = piece.trim_matches([' ', ',', '\t', '\n', '\r']);
         if !word.is_empty() {
             literals.push(Literal {
-                text: word.to_owned(),
+                text: word.into(),
                 value: number(word)?,
                 span: Span::new(at, at + word.len()),
             });

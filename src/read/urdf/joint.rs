@@ -49,7 +49,7 @@ impl Reader<'_> {
             return;
         }
         self.note_ignored(element);
-        self.note_repeated(element, &SINGLE, &format!("joint `{}`", joint.name.value));
+        self.note_repeated(element, &SINGLE, format_args!("joint `{}`", joint.name.value));
         let joint = self.parts(element, joint);
         if let Some(parent) = &joint.parent {
             self.frame(FrameRole::JointParent, parent);

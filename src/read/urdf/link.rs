@@ -45,7 +45,11 @@ impl Reader<'_> {
 
     fn inertial(&mut self, element: &Element<'_>, owner: &str) -> Inertial {
         self.note_ignored(element);
-        self.note_repeated(element, &["origin", "mass", "inertia"], &format!("inertial of {owner}"));
+        self.note_repeated(
+            element,
+            &["origin", "mass", "inertia"],
+            format_args!("inertial of {owner}"),
+        );
         for origin in element.children().filter(|child| child.name() == "origin") {
             self.origin(&origin);
         }
@@ -76,14 +80,13 @@ impl Reader<'_> {
 
     fn shape(&mut self, element: &Element<'_>, usage: &str, owner: &str, meshes: &mut Vec<Mesh>) {
         self.note_ignored(element);
-        let owner = format!("{usage} of {owner}");
-        self.note_repeated(element, &["origin", "geometry"], &owner);
+        self.note_repeated(element, &["origin", "geometry"], format_args!("{usage} of {owner}"));
         for child in element.children() {
             match child.name() {
                 "origin" => {
                     self.origin(&child);
                 }
-                "geometry" => self.geometry(&child, usage, &owner, meshes),
+                "geometry" => self.geometry(&child, usage, owner, meshes),
                 _ => {}
             }
         }
@@ -91,7 +94,7 @@ impl Reader<'_> {
 
     fn geometry(&mut self, element: &Element<'_>, usage: &str, owner: &str, meshes: &mut Vec<Mesh>) {
         self.note_ignored(element);
-        self.note_repeated(element, &SHAPES, &format!("geometry of {owner}"));
+        self.note_repeated(element, &SHAPES, format_args!("geometry of {usage} of {owner}"));
         for shape in element.children() {
             let name = shape.name();
             if !SHAPES.contains(&name) {

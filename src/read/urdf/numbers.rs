@@ -12,16 +12,16 @@ use super::xml::Attribute;
 
 /// Whether a text holds an expression that only xacro (or roslaunch) expands.
 pub(super) fn is_unexpanded(text: &str) -> bool {
-    text.contains("${") || text.contains("$(")
+    memchr::memchr_iter(b'$', text.as_bytes()).any(|at| matches!(text.as_bytes().get(at + 1), Some(b'{' | b'(')))
 }
 
 /// Reads an attribute of `expected` numbers.
 pub(super) fn number_list(attribute: &Attribute<'_>, expected: usize) -> NumberList {
-    let text = attribute.value.as_str();
+    let text = attribute.value.as_ref();
     let literals = pieces(attribute);
     NumberList {
-        attribute: attribute.name.to_owned(),
-        text: Placed::new(text.to_owned(), attribute.place()),
+        attribute: attribute.name.into(),
+        text: Placed::new(text.into(), attribute.place()),
         malformed: malformed(text, &literals, expected),
         literals,
         expected,
@@ -33,7 +33,7 @@ const MOST: usize = 64;
 
 /// The pieces between blanks, tabs and line ends.
 fn pieces(attribute: &Attribute<'_>) -> Vec<Literal> {
-    let text = attribute.value.as_str();
+    let text = attribute.value.as_ref();
     let mut literals = Vec::new();
     let mut start = None;
     for (at, c) in text.char_indices().chain([(text.len(), ' ')]) {
@@ -46,7 +46,7 @@ fn pieces(attribute: &Attribute<'_>) -> Vec<Literal> {
             (Some(from), true) => {
                 let piece = text.get(from..at).unwrap_or_default();
                 literals.push(Literal {
-                    text: piece.to_owned(),
+                    text: piece.into(),
                     value: number(piece).unwrap_or(f64::NAN),
                     // With references inside, pieces have no bytes of their own.
                     span: if attribute.verbatim {
@@ -127,6 +127,10 @@ fn not_a_number(bad: &str, literals: &[Literal], expected: usize) -> String {
 
 /// A blank that urdfdom's splitting does not survive.
 fn unreadable_blank(text: &str, expected: usize) -> Option<&'static str> {
+    let is_plain = |byte: u8| expected > 1 && !matches!(byte, b'\t' | b'\n' | b'\r');
+    if text.bytes().all(is_plain) {
+        return None;
+    }
     let blank = |c: char| match c {
         '\t' => Some("a tab"),
         '\n' | '\r' => Some("a line end"),

@@ -3,6 +3,7 @@
 //! Owns the order of reading, frame names and the signs of xacro. Links and joints have files of their own.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Display;
 
 use crate::source::{Place, Placed, SourceId};
 use crate::world::robot::{ConsumerOpinion, Ignored, NumberList, Origin, Repeated, Robot};
@@ -35,7 +36,7 @@ impl<'a> Reader<'a> {
             robot: Robot {
                 source,
                 name: placed(root, "name"),
-                version: root.attribute("version").map(|attribute| attribute.value),
+                version: root.attribute("version").map(|attribute| attribute.value.into_owned()),
                 links: Vec::new(),
                 joints: Vec::new(),
                 malformed: Vec::new(),
@@ -148,20 +149,19 @@ impl<'a> Reader<'a> {
     }
 
     /// Keeps the elements named `names` of which more than one stands in `element`.
-    pub(super) fn note_repeated(&mut self, element: &Element<'_>, names: &[&str], owner: &str) {
-        let inside: Vec<&str> = element.children().map(|child| child.name()).collect();
+    pub(super) fn note_repeated(&mut self, element: &Element<'_>, names: &[&str], owner: impl Display) {
+        if element.children().nth(1).is_none() {
+            return;
+        }
         for name in names {
-            if inside.iter().filter(|other| *other == name).nth(1).is_none() {
+            let named = || element.children().filter(|child| child.name() == *name);
+            if named().nth(1).is_none() {
                 continue;
             }
-            let places: Vec<Place> = element
-                .children()
-                .filter(|e| e.name() == *name)
-                .map(|e| e.place())
-                .collect();
+            let places: Vec<Place> = named().map(|child| child.place()).collect();
             self.robot.repeated.push(Repeated {
                 element: (*name).to_owned(),
-                owner: owner.to_owned(),
+                owner: owner.to_string(),
                 places,
             });
         }
@@ -238,7 +238,7 @@ pub(super) fn placed(element: &Element<'_>, name: &str) -> Placed<String> {
 pub(super) fn attribute(element: &Element<'_>, name: &str) -> Option<Placed<String>> {
     element.attribute(name).map(|attribute| {
         let place = attribute.place();
-        Placed::new(attribute.value, place)
+        Placed::new(attribute.value.into_owned(), place)
     })
 }
 

@@ -2,6 +2,8 @@
 //!
 //! Owns the way from a text to elements, and spans. Must not know URDF beyond what may stand at the top of a file.
 
+use std::borrow::Cow;
+
 use roxmltree::{Document, Node, ParsingOptions};
 
 use crate::source::{LineIndex, Place, SourceId, Span};
@@ -110,12 +112,13 @@ const LONGEST_TAG: usize = 8192;
 
 /// Parses a text that needs no repair; `None` where a strict parser objects, or could be kept busy.
 pub(super) fn parse_strict(text: &str) -> Option<Document<'_>> {
-    let mut pieces = 0;
-    for piece in text.split('>') {
+    let (mut pieces, mut start) = (0, 0);
+    for end in memchr::memchr_iter(b'>', text.as_bytes()).chain([text.len()]) {
         pieces += 1;
-        if piece.len() > LONGEST_TAG || pieces > repair::MOST_ELEMENTS {
+        if end - start > LONGEST_TAG || pieces > repair::MOST_ELEMENTS {
             return None;
         }
+        start = end + 1;
     }
     let document = Document::parse(text).ok()?;
     // What is too long is said by the repair, with its place.
@@ -179,7 +182,7 @@ pub(super) struct Attribute<'a> {
     /// Where the name stands.
     pub(super) name_place: Place,
     /// The value, with references resolved.
-    pub(super) value: String,
+    pub(super) value: Cow<'a, str>,
     /// The value's bytes in the text, without quotes.
     pub(super) span: Span,
     /// Whether the value's bytes are the value: pieces of it have spans.
@@ -311,15 +314,15 @@ impl<'a> Element<'a> {
         let raw = text.slice(span);
         let repaired = input.get(attribute.range_value()).unwrap_or_default();
         // References are resolved; what was repaired stands for itself.
-        let referring = raw.contains('&') && repaired == raw;
+        let referring = memchr::memchr(b'&', raw.as_bytes()).is_some() && repaired == raw;
         let name = text.span(attribute.range_qname());
         Attribute {
             name: text.slice(name),
             name_place: Place::text(text.source, name),
             value: if referring {
-                attribute.value().to_owned()
+                attribute.value().into()
             } else {
-                raw.to_owned()
+                raw.into()
             },
             span,
             verbatim: !referring,

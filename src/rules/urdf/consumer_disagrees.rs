@@ -89,13 +89,13 @@ fn judge_loaded(world: &World, robot: &Robot, loaded: &[ConsumerJoint], limits: 
 
 fn compare(world: &World, robot: &Robot, joint: &Joint, read: &ConsumerJoint, limits: &Limits) -> Option<Finding> {
     let name = &joint.name.value;
-    let owner = subject::joint(world, robot, joint);
+    let owner = || subject::joint(world, robot, joint);
     if let Some((written, read)) = other_link(joint, read) {
         let message = format!(
             "{CONSUMER} reads `{read}` where joint `{name}` names the link `{}`",
             written.value
         );
-        let finding = Finding::error(owner, message, written.place.clone())
+        let finding = Finding::error(owner(), message, written.place.clone())
             .label("read otherwise")
             .help("write the name plainly, without blanks or entities");
         return Some(finding.measured(Measured::count("links read otherwise", 1).limit(0.0)));
@@ -108,7 +108,7 @@ fn compare(world: &World, robot: &Robot, joint: &Joint, read: &ConsumerJoint, li
     };
     if let Some(quaternion) = origin.and_then(|origin| origin.quat_xyzw.as_ref()) {
         let message = format!("{CONSUMER} does not know `quat_xyzw`: it reads joint `{name}` without its rotation");
-        let finding = Finding::note(owner, message, quaternion.text.place.clone())
+        let finding = Finding::note(owner(), message, quaternion.text.place.clone())
             .label("ignored by older consumers")
             .help("write `rpy` as long as consumers of URDF 1.0 and 1.1 read the file");
         return Some(finding.measured(Measured::count("attributes ignored", 1).limit(0.0)));
@@ -118,17 +118,14 @@ fn compare(world: &World, robot: &Robot, joint: &Joint, read: &ConsumerJoint, li
         ("rpy", origin.and_then(|origin| origin.rpy.as_ref()), read.rpy),
     ];
     lists.into_iter().find_map(|(attribute, written, read)| {
-        let difference = difference(written, read)?;
+        let difference = difference(written, read).filter(|difference| *difference > limits.number)?;
         let place = written.map_or_else(|| joint.place.clone(), |list| list.text.place.clone());
         let message = format!("{CONSUMER} reads {attribute} {read:?} at joint `{name}`, off by {difference:.3e}");
-        (difference > limits.number).then(|| {
-            Finding::error(owner.clone(), message, place)
-                .label("read otherwise")
-                .help("write plain numbers with a decimal point")
-                .measured(
-                    Measured::new(format!("difference of {attribute}"), difference, "m or rad").limit(limits.number),
-                )
-        })
+        let measured = Measured::new(format!("difference of {attribute}"), difference, "m or rad");
+        let finding = Finding::error(owner(), message, place)
+            .label("read otherwise")
+            .help("write plain numbers with a decimal point");
+        Some(finding.measured(measured.limit(limits.number)))
     })
 }
 

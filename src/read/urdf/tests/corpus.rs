@@ -35,7 +35,7 @@ fn files(format: &str) -> Vec<PathBuf> {
 fn each(format: &str, reader: fn(&str) -> Read, mut look: impl FnMut(&Path, &Read)) {
     for path in files(format) {
         let bytes = std::fs::read(&path).unwrap();
-        let (text, _) = decode(&bytes).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+        let (text, _) = decode(bytes).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
         look(&path, &reader(&text));
     }
 }

@@ -58,10 +58,10 @@ fn encodings() {
             .flat_map(u16::to_le_bytes)
             .collect(),
     ] {
-        takes(&decode(&bytes).unwrap().0);
+        takes(&decode(bytes).unwrap().0);
     }
     let latin1 = b"<robot name=\"k\xE4fer\"><link name=\"a\"/></robot>";
-    let (text, note) = decode(latin1).unwrap();
+    let (text, note) = decode(latin1.to_vec()).unwrap();
     takes(&text);
     assert!(note.is_some());
 }
