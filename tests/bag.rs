@@ -6,7 +6,7 @@ mod support;
 
 use std::cell::RefCell;
 
-use frames_lint::collect::collect;
+use frames_lint::collect::{How, collect};
 use frames_lint::source::{At, MessageRef, ReadStatus, Source, SourceId, SourceKind};
 use frames_lint::world::{FrameId, FrameRole};
 use support::{edge, evidence, names};
@@ -250,7 +250,7 @@ fn progress_reaches_the_end() {
     let size = std::fs::metadata(&path).unwrap().len();
     let calls = RefCell::new(Vec::new());
     let mut source = Source::new(SourceId(0), "drive.mcap", SourceKind::Mcap);
-    collect(&path, &mut source, &|done, total| {
+    collect(&path, &How::default(), &mut source, &|done, total| {
         calls.borrow_mut().push((done, total));
     });
     assert_eq!(calls.into_inner().last(), Some(&(size, size)));

@@ -4,7 +4,7 @@
 use std::io::Write;
 use std::sync::Once;
 
-use frames_lint::collect::collect;
+use frames_lint::collect::{How, collect};
 use frames_lint::source::{ReadStatus, Source, SourceId, SourceKind};
 use libfuzzer_sys::fuzz_target;
 
@@ -33,7 +33,7 @@ fuzz_target!(|bytes: &[u8]| {
     file.write_all(MAGIC).expect("writable");
     file.write_all(bytes).expect("writable");
     let mut source = Source::new(SourceId(0), "fuzz.mcap", SourceKind::Mcap);
-    let collected = collect(file.path(), &mut source, &|_, _| {});
+    let collected = collect(file.path(), &How::default(), &mut source, &|_, _| {});
     assert!(source.status == ReadStatus::Read || !source.problems.is_empty());
     drop(collected);
 });

@@ -1,6 +1,9 @@
 //! One TF edge while it is being collected.
 
+use std::collections::BTreeMap;
+
 use crate::world::bag::{Faults, TfEdge, TfFault, TfSample};
+use crate::world::content::StepEvidence;
 use crate::world::{FrameId, Pose};
 
 use super::point::Point;
@@ -79,6 +82,11 @@ impl EdgeState {
         false
     }
 
+    /// Messages were left out here.
+    pub(super) fn seam(&mut self) {
+        self.stamps.seam();
+    }
+
     fn valid(&mut self, point: Point, pose: Pose) {
         self.samples.push((point, pose));
         let Some((_, first)) = self.samples.first() else { return };
@@ -123,6 +131,8 @@ impl EdgeState {
             denormalized: self.denormalized.finish(topic),
             worst_norm_error: self.worst_norm_error,
             stamps: self.stamps.finish(topic),
+            steps: StepEvidence::default(),
+            writers: BTreeMap::new(),
         }
     }
 }

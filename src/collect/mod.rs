@@ -13,15 +13,17 @@ mod topic;
 use std::collections::HashMap;
 use std::path::Path;
 
-use crate::read::bag::{self, Channel, Message, Progress, Visit};
-use crate::read::messages::string;
+use crate::read::bag::{self, Channel, Extent, Message, Progress, Sampling, Visit, Wanted};
+use crate::read::messages::content::{Body, Content};
+use crate::read::messages::decoder::{Decoder, Format};
 use crate::source::{MessageRef, Place, ReadStatus, Source};
+use crate::world::bag::Share as Examined;
 use crate::world::{BagEvidence, Facts};
 
 use descriptions::{Descriptions, MAX_DESCRIPTIONS};
 use tf::{MAX_EDGES, Tf};
 use thin::Share;
-use topic::{Reading, Topic};
+use topic::{Topic, last_segment};
 
 /// Bound on topics; large systems have some hundred.
 const MAX_TOPICS: usize = 10_000;
@@ -29,6 +31,9 @@ const MAX_TOPICS: usize = 10_000;
 const MAX_TOPIC_NAME: usize = 256;
 /// Bound on the topics whose malformed messages get a problem of their own.
 const MAX_PROBLEMS: usize = 20;
+
+/// Bound on the stretches that are told apart.
+const MAX_STRETCHES: usize = 10_000;
 
 /// What one recording gave.
 #[derive(Clone, Debug, Default)]
@@ -39,23 +44,50 @@ pub struct Collected {
     pub descriptions: Vec<(MessageRef, String)>,
 }
 
+/// How a recording is read.
+#[derive(Clone, Debug, Default)]
+pub struct How {
+    /// Which part of it; everything where `None`.
+    pub sampling: Option<Sampling>,
+}
+
 /// Reads a recording once and keeps bounded evidence of it. How far that went, and every problem, is written into
 /// `source`; what could be read before a fault is in the evidence.
-pub fn collect(path: &Path, source: &mut Source, progress: Progress<'_>) -> Collected {
+pub fn collect(path: &Path, how: &How, source: &mut Source, progress: Progress<'_>) -> Collected {
     let mut collector = Collector::default();
-    let truncated = bag::read(path, source, progress, &mut collector);
-    collector.finish(source, truncated)
+    let wanted = Wanted {
+        sampling: how.sampling,
+        throughout: &decides_the_tree,
+    };
+    let extent = bag::read(path, &wanted, source, progress, &mut collector);
+    collector.finish(source, &extent)
+}
+
+/// Whether a channel holds what decides the tree: latched transforms, descriptions, and what else is sent once.
+fn decides_the_tree(channel: &Channel) -> bool {
+    channel.latched || matches!(last_segment(&channel.topic), "tf_static" | "robot_description")
+}
+
+/// A channel that was told.
+struct Told {
+    /// Its topic's number.
+    topic: usize,
+    decoder: Decoder,
+    writer: Option<String>,
 }
 
 #[derive(Default)]
 struct Collector {
     /// By the channel's number; `None` where there was no room for its topic.
-    channels: Vec<Option<(usize, Reading)>>,
+    channels: Vec<Option<Told>>,
     topics: Vec<Topic>,
     topic_of: HashMap<String, usize>,
     tf: Tf,
     descriptions: Descriptions,
     log_ns: Option<(i64, i64)>,
+    /// First and last log time of each unbroken stretch.
+    stretches_ns: Vec<(i64, i64)>,
+    at_seam: bool,
     messages: u64,
     refused_channels: u64,
     /// Topics recorded as more than one type: `(topic, the other type, whether that one is read)`.
@@ -75,61 +107,89 @@ impl Visit for Collector {
         let (first, last) = self.log_ns.unwrap_or((log_ns, log_ns));
         self.log_ns = Some((first.min(log_ns), last.max(log_ns)));
 
-        let Some(Some((number, reading))) = self.channels.get(channel.number) else {
+        if let Some((_, last)) = self.stretches_ns.last_mut().filter(|_| !self.at_seam) {
+            *last = (*last).max(log_ns);
+        } else if self.stretches_ns.len() < MAX_STRETCHES {
+            self.stretches_ns.push((log_ns, log_ns));
+        }
+        self.at_seam = false;
+
+        let Some(Some(told)) = self.channels.get(channel.number) else {
             return;
         };
-        let Some(topic) = self.topics.get_mut(*number) else {
+        let Some(topic) = self.topics.get_mut(told.topic) else {
             return;
         };
         let point = topic.next_point(message);
-        let result = match reading {
-            Reading::Header => topic.header(point, message.data),
-            Reading::Odometry => topic.odometry(point, message.data),
-            Reading::Tf => self.tf.message(*number, point, message.data),
-            Reading::Description => {
-                string::data(message.data).map(|text| self.descriptions.push(point, &topic.name, text))
-            }
-            Reading::Nothing | Reading::Unread(_) => Ok(()),
-        };
-        if let Err(error) = result {
-            topic.malformed(point, error);
+        if let Some(writer) = &told.writer {
+            topic.written_by(writer);
         }
+        let Content { header, body } = match told.decoder.decode(message.data) {
+            Ok(content) => content,
+            Err(error) => return topic.malformed(point, error),
+        };
+        let point = header.map_or(point, |header| topic.stamped(point, &header));
+        match body {
+            Body::Transforms(transforms) => self.tf.message(told.topic, point, &transforms),
+            Body::Odometry(odometry) => topic.child(point, &odometry.child),
+            Body::Description(text) => self.descriptions.push(point, &topic.name, &text),
+            Body::Nothing | Body::Imu(_) | Body::Fix(_) | Body::Pose(_) | Body::Twist(_) | Body::Clock(_) => {}
+        }
+    }
+
+    fn seam(&mut self) {
+        self.at_seam = true;
+        for topic in &mut self.topics {
+            topic.seam();
+        }
+        self.tf.seam();
     }
 }
 
 impl Collector {
-    fn topic(&mut self, channel: &Channel) -> Option<(usize, Reading)> {
-        let reading = Reading::of(channel);
+    fn topic(&mut self, channel: &Channel) -> Option<Told> {
+        let decoder = Decoder::of(&Format {
+            topic: &channel.topic,
+            message_type: &channel.message_type,
+            message_encoding: &channel.message_encoding,
+            schema: &channel.schema,
+            schema_encoding: &channel.schema_encoding,
+        });
         let next = self.topics.len();
         let number = match self.topic_of.get(&channel.topic).copied() {
             Some(known) => {
-                self.note_mixed(known, channel, &reading);
+                self.note_mixed(known, channel, &decoder);
                 known
             }
             None if next >= MAX_TOPICS || channel.topic.len() > MAX_TOPIC_NAME => return None,
             None => {
                 self.topic_of.insert(channel.topic.clone(), next);
-                self.topics.push(Topic::new(channel, &reading, Share::of(next)));
+                self.topics.push(Topic::new(channel, &decoder, Share::of(next)));
                 next
             }
         };
-        if reading == Reading::Tf {
-            self.tf.topic(number, &channel.topic);
+        if let Some(topic) = self.topics.get_mut(number) {
+            topic.channel(channel);
         }
-        Some((number, reading))
+        self.tf.topic(number, &channel.topic);
+        Some(Told {
+            topic: number,
+            decoder,
+            writer: channel.writer.clone(),
+        })
     }
 
-    fn note_mixed(&mut self, number: usize, channel: &Channel, reading: &Reading) {
+    fn note_mixed(&mut self, number: usize, channel: &Channel, decoder: &Decoder) {
         let known = self.topics.get(number);
         if self.mixed.len() < MAX_PROBLEMS && known.is_some_and(|topic| topic.message_type != channel.message_type) {
-            let is_read = !matches!(reading, Reading::Unread(_));
+            let is_read = decoder.unread().is_none();
             self.mixed.push((number, channel.message_type.clone(), is_read));
         }
     }
 
-    fn finish(self, source: &mut Source, truncated: bool) -> Collected {
+    fn finish(self, source: &mut Source, extent: &Extent) -> Collected {
         self.problems(source);
-        self.nothing_to_judge(source, truncated);
+        self.nothing_to_judge(source, extent.truncated);
         let (edges, parent_switches, mut frames) = self.tf.finish(source.id);
         for topic in &self.topics {
             frames.extend(topic.frame_uses(source.id));
@@ -146,7 +206,13 @@ impl Collector {
                 .collect(),
             tf: edges,
             parent_switches,
-            truncated,
+            truncated: extent.truncated,
+            share: Examined {
+                whole: extent.whole,
+                messages_total: extent.messages_total,
+                span_ns: extent.span_ns.or(self.log_ns),
+                stretches_ns: self.stretches_ns,
+            },
             ..BagEvidence::new(source.id)
         };
         Collected {

@@ -69,6 +69,11 @@ impl Stamps {
         }
     }
 
+    /// Messages were left out here: the next stamp is no neighbour of the last one.
+    pub(super) fn seam(&mut self) {
+        self.previous = None;
+    }
+
     fn step(&mut self, step: i64, point: Point) {
         match step.cmp(&0) {
             Ordering::Less => {

@@ -6,8 +6,7 @@
 use std::collections::hash_map::Entry;
 use std::collections::{BTreeMap, HashMap};
 
-use crate::read::messages::DecodeError;
-use crate::read::messages::tf::{self, Transform};
+use crate::read::messages::tf::Transform;
 use crate::source::{Place, SourceId};
 use crate::world::bag::{MAX_EXAMPLES, ParentSwitch, TfEdge};
 use crate::world::{FrameId, FrameRole, FrameUse};
@@ -71,24 +70,27 @@ impl Tf {
         self.topics.insert(number, topic);
     }
 
-    /// Takes in one message, wholly or, where its bytes are wrong anywhere, not at all: no listener would get it.
-    pub(super) fn message(&mut self, topic: usize, point: Point, message: &[u8]) -> Result<(), DecodeError> {
-        if let Some(error) = tf::transforms(message)?.find_map(Result::err) {
-            return Err(error);
-        }
-        for (index, transform) in (0..).zip(tf::transforms(message)?.flatten()) {
+    /// Takes in the transforms of one message.
+    pub(super) fn message(&mut self, topic: usize, point: Point, transforms: &[Transform<'_>]) {
+        for (index, transform) in (0..).zip(transforms) {
             let point = Point {
                 stamp_ns: Some(transform.stamp_ns),
                 transform: Some(index),
                 ..point
             };
-            self.transform(topic, point, &transform);
+            self.transform(topic, point, transform);
         }
-        Ok(())
+    }
+
+    /// Messages were left out here.
+    pub(super) fn seam(&mut self) {
+        for edge in &mut self.edges {
+            edge.seam();
+        }
     }
 
     fn transform(&mut self, topic: usize, point: Point, transform: &Transform<'_>) {
-        let (Some(parent), Some(child)) = (self.names.id(transform.parent), self.names.id(transform.child)) else {
+        let (Some(parent), Some(child)) = (self.names.id(&transform.parent), self.names.id(&transform.child)) else {
             self.refused += 1;
             return;
         };

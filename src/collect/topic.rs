@@ -3,71 +3,25 @@
 use std::collections::BTreeMap;
 
 use crate::read::bag::{Channel, Message};
+use crate::read::messages::DecodeError;
+use crate::read::messages::decoder::Decoder;
 use crate::read::messages::header::Header;
-use crate::read::messages::{DecodeError, header, odometry};
 use crate::source::{Place, SourceId};
 use crate::world::bag::{HeaderFrame, TopicEvidence};
+use crate::world::content::ContentEvidence;
 use crate::world::{FrameId, FrameRole, FrameUse};
 
 use super::point::Point;
 use super::stamps::Stamps;
 use super::thin::Share;
 
-/// What is read of the messages of a channel.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) enum Reading {
-    /// Transforms.
-    Tf,
-    /// Header and child frame.
-    Odometry,
-    /// The text of a robot description.
-    Description,
-    /// The header.
-    Header,
-    /// The type has nothing to read.
-    Nothing,
-    /// It cannot be read, and why.
-    Unread(String),
-}
-
-impl Reading {
-    /// Decides by type, definition and encoding.
-    pub(super) fn of(channel: &Channel) -> Self {
-        if channel.message_encoding != "cdr" {
-            let encoding = named(&channel.message_encoding, "unnamed");
-            return Self::Unread(format!("{encoding} messages are not read"));
-        }
-        // These three are read by their published layout, so a missing definition does no harm.
-        // Some writers leave the `msg` out of the name.
-        match channel.message_type.replacen("/msg/", "/", 1).as_str() {
-            "tf2_msgs/TFMessage" => return Self::Tf,
-            "nav_msgs/Odometry" => return Self::Odometry,
-            "std_msgs/String" if last_segment(&channel.topic) == "robot_description" => return Self::Description,
-            _ => {}
-        }
-        if channel.schema_text.trim().is_empty() {
-            let name = named(&channel.message_type, "the type");
-            return Self::Unread(format!("the recording holds no definition of {name}"));
-        }
-        match channel.schema_encoding.as_str() {
-            "ros2msg" if header::comes_first(&channel.schema_text) => Self::Header,
-            "ros2msg" => Self::Nothing,
-            other => Self::Unread(format!(
-                "definitions in {} are not read",
-                named(other, "an unnamed encoding")
-            )),
-        }
-    }
-}
-
-fn named<'a>(name: &'a str, otherwise: &'a str) -> &'a str {
-    if name.is_empty() { otherwise } else { name }
-}
-
 /// The last part of a topic's path: `tf_static` of `/robot1/tf_static`.
 pub(super) fn last_segment(topic: &str) -> &str {
     topic.rsplit('/').next().unwrap_or(topic)
 }
+
+/// Bound on the writers of a topic that are told apart.
+const MAX_WRITERS: usize = 64;
 
 /// One topic while it is being collected.
 pub(super) struct Topic {
@@ -75,6 +29,9 @@ pub(super) struct Topic {
     pub(super) message_type: String,
     pub(super) count: u64,
     log_ns: Option<(i64, i64)>,
+    total: Option<u64>,
+    latched: bool,
+    writers: BTreeMap<String, u64>,
     offered_qos_profiles: Option<String>,
     unread: Option<String>,
     malformed: u64,
@@ -85,17 +42,17 @@ pub(super) struct Topic {
 }
 
 impl Topic {
-    pub(super) fn new(channel: &Channel, reading: &Reading, share: Share) -> Self {
+    pub(super) fn new(channel: &Channel, decoder: &Decoder, share: Share) -> Self {
         Self {
             name: channel.topic.clone(),
             message_type: channel.message_type.clone(),
             count: 0,
             log_ns: None,
             offered_qos_profiles: channel.metadata.get("offered_qos_profiles").cloned(),
-            unread: match reading {
-                Reading::Unread(why) => Some(why.clone()),
-                _ => None,
-            },
+            total: None,
+            latched: false,
+            writers: BTreeMap::new(),
+            unread: decoder.unread().map(str::to_owned),
             malformed: 0,
             first_malformed: None,
             frames: Names::new(share),
@@ -118,27 +75,41 @@ impl Topic {
         }
     }
 
-    /// Takes in the header of a message.
-    pub(super) fn header(&mut self, point: Point, message: &[u8]) -> Result<(), DecodeError> {
-        self.stamped(point, &Header::of(message)?);
-        Ok(())
+    /// Takes in a channel of the topic.
+    pub(super) fn channel(&mut self, channel: &Channel) {
+        self.latched |= channel.latched;
+        if let Some(total) = channel.total {
+            *self.total.get_or_insert(0) += total;
+        }
     }
 
-    /// Takes in an odometry message.
-    pub(super) fn odometry(&mut self, point: Point, message: &[u8]) -> Result<(), DecodeError> {
-        let (header, child) = odometry::frames(message)?;
-        let point = self.stamped(point, &header);
+    /// Notes who wrote a message, where that is known.
+    pub(super) fn written_by(&mut self, writer: &str) {
+        if let Some(count) = self.writers.get_mut(writer) {
+            *count += 1;
+        } else if self.writers.len() < MAX_WRITERS {
+            self.writers.insert(writer.to_owned(), 1);
+        }
+    }
+
+    /// Messages were left out here.
+    pub(super) fn seam(&mut self) {
+        self.stamps.seam();
+    }
+
+    /// Takes in the child frame of an odometry message.
+    pub(super) fn child(&mut self, point: Point, child: &str) {
         self.children.add(child, point);
-        Ok(())
     }
 
-    fn stamped(&mut self, point: Point, header: &Header<'_>) -> Point {
+    /// Takes in the header of a message; gives the point with its stamp.
+    pub(super) fn stamped(&mut self, point: Point, header: &Header<'_>) -> Point {
         let point = Point {
             stamp_ns: Some(header.stamp_ns),
             ..point
         };
         self.stamps.push(point);
-        self.frames.add(header.frame_id, point);
+        self.frames.add(&header.frame_id, point);
         point
     }
 
@@ -186,6 +157,9 @@ impl Topic {
         TopicEvidence {
             message_type: self.message_type,
             count: self.count,
+            total: self.total,
+            latched: self.latched,
+            writers: self.writers,
             first_log_ns: self.log_ns.map(|(first, _)| first),
             last_log_ns: self.log_ns.map(|(_, last)| last),
             offered_qos_profiles: self.offered_qos_profiles,
@@ -195,6 +169,7 @@ impl Topic {
             header_frames: self.frames.finish(&name),
             child_frames: self.children.finish(&name),
             stamps: self.stamps.finish(&name),
+            content: ContentEvidence::default(),
             topic: name,
         }
     }

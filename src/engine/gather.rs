@@ -6,7 +6,7 @@ use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
-use crate::collect::collect;
+use crate::collect::{How, collect};
 use crate::progress::Progress;
 use crate::read::discover::{Input, Inputs};
 use crate::read::urdf::MeshLookup;
@@ -169,7 +169,7 @@ impl Reader<'_> {
         let task = self
             .progress
             .start(&input.display, fs::metadata(&input.path).map_or(0, |meta| meta.len()));
-        let collected = collect(&input.path, source, &|done, _total| task.update(done));
+        let collected = collect(&input.path, &How::default(), source, &|done, _total| task.update(done));
         emerged.extend(
             collected
                 .descriptions

@@ -1,11 +1,14 @@
 //! Hand-made runs for the tests of reports.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
 use crate::run::Run;
 use crate::source::{Confidence, Derived, MessageRef, Place, Source, SourceId, SourceKind};
 use crate::verdict::{Finding, Outcome, Row};
 use crate::world::bag::{BagEvidence, Faults, StampEvidence, TfEdge, TfSample};
+use crate::world::content::StepEvidence;
 use crate::world::{Claim, ClaimKind, FrameId, FrameRole, FrameUse, Pose, Spelling, World};
 
 /// A URDF in which the lidar is mounted on line 3.
@@ -127,6 +130,8 @@ impl Sample {
             denormalized: Faults::default(),
             worst_norm_error: 0.0,
             stamps: StampEvidence::default(),
+            steps: StepEvidence::default(),
+            writers: BTreeMap::new(),
         });
         self.world.bags.push(bag);
     }

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::source::{MessageRef, SourceId};
 
 use super::claim::Pose;
+use super::content::{ContentEvidence, StepEvidence};
 use super::frame::FrameId;
 
 /// Sets a bound on every list of examples kept in evidence.
@@ -64,6 +65,12 @@ pub struct TopicEvidence {
     pub message_type: String,
     /// Messages read; zero for a topic that the recording names and nobody published on.
     pub count: u64,
+    /// Messages in the whole recording, where its index says.
+    pub total: Option<u64>,
+    /// Whether late subscribers get the last message again (`latching` of ROS 1, `transient_local` of ROS 2).
+    pub latched: bool,
+    /// Messages by writer, where the format knows (`callerid` of ROS 1).
+    pub writers: BTreeMap<String, u64>,
     /// Earliest log time, nanoseconds.
     pub first_log_ns: Option<i64>,
     /// Latest log time, nanoseconds.
@@ -82,6 +89,15 @@ pub struct TopicEvidence {
     pub child_frames: BTreeMap<FrameId, HeaderFrame>,
     /// Header stamps.
     pub stamps: StampEvidence,
+    /// What the messages say beyond their header.
+    pub content: ContentEvidence,
+}
+
+impl TopicEvidence {
+    /// Whether the recording holds messages of the topic that were not read.
+    pub fn has_more(&self) -> bool {
+        self.total.is_some_and(|total| total > self.count)
+    }
 }
 
 /// A fault in the numbers or names of one TF transform, kept as an example.
@@ -90,8 +106,10 @@ pub struct TfFault {
     /// The message and the transform in it.
     pub at: MessageRef,
     /// Numbers as published: `[tx, ty, tz]`.
+    #[serde(with = "super::number::array")]
     pub translation: [f64; 3],
     /// As published: `[x, y, z, w]`.
+    #[serde(with = "super::number::array")]
     pub rotation: [f64; 4],
 }
 
@@ -145,6 +163,10 @@ pub struct TfEdge {
     pub worst_norm_error: f64,
     /// Stamps of the edge.
     pub stamps: StampEvidence,
+    /// How the pose moves.
+    pub steps: StepEvidence,
+    /// Transforms by writer, where the format knows (`callerid` of ROS 1).
+    pub writers: BTreeMap<String, u64>,
 }
 
 impl TfEdge {
@@ -186,6 +208,33 @@ pub struct BagEvidence {
     pub parent_switches: Vec<ParentSwitch>,
     /// Whether the end of the recording could not be read: absence proves nothing.
     pub truncated: bool,
+    /// How much of the recording was examined.
+    pub share: Share,
+    /// Names and keys of what the recording holds beside messages: metadata records and attachments.
+    pub annotations: BTreeMap<String, BTreeMap<String, String>>,
+}
+
+/// How much of a recording was examined.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Share {
+    /// Whether every message was read that the file holds (before a fault).
+    pub whole: bool,
+    /// Messages in the whole recording, where its index says.
+    pub messages_total: Option<u64>,
+    /// First and last log time of the whole recording, nanoseconds.
+    pub span_ns: Option<(i64, i64)>,
+    /// First and last log time of every unbroken stretch that was read, nanoseconds, in recording order.
+    pub stretches_ns: Vec<(i64, i64)>,
+}
+
+impl Share {
+    /// Everything.
+    pub const WHOLE: Self = Self {
+        whole: true,
+        messages_total: None,
+        span_ns: None,
+        stretches_ns: Vec::new(),
+    };
 }
 
 impl BagEvidence {
@@ -200,6 +249,8 @@ impl BagEvidence {
             tf: Vec::new(),
             parent_switches: Vec::new(),
             truncated: false,
+            share: Share::WHOLE,
+            annotations: BTreeMap::new(),
         }
     }
 }

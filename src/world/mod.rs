@@ -6,8 +6,10 @@
 pub mod bag;
 pub mod chain;
 pub mod claim;
+pub mod content;
 pub mod frame;
 pub mod graph;
+pub mod number;
 pub mod reference;
 pub mod robot;
 pub mod transform_name;

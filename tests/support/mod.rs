@@ -22,7 +22,7 @@ pub mod schemas;
 
 use std::path::{Path, PathBuf};
 
-use frames_lint::collect::{Collected, collect};
+use frames_lint::collect::{Collected, How, collect};
 use frames_lint::source::{ReadStatus, Source, SourceId, SourceKind};
 use frames_lint::world::FrameId;
 use frames_lint::world::bag::{BagEvidence, TfEdge};
@@ -49,7 +49,7 @@ pub fn collected(bytes: &[u8]) -> (Source, Collected) {
 /// Collects the recording at a path.
 pub fn collected_from(path: &Path) -> (Source, Collected) {
     let mut source = Source::new(SourceId(0), path.display().to_string(), SourceKind::Mcap);
-    let collected = collect(path, &mut source, &|_, _| {});
+    let collected = collect(path, &How::default(), &mut source, &|_, _| {});
     (source, collected)
 }
 

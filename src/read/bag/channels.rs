@@ -19,7 +19,7 @@ const MAX_CHANNEL_BYTES: usize = 64 << 20;
 struct Schema {
     name: String,
     encoding: String,
-    text: Arc<str>,
+    data: Arc<[u8]>,
 }
 
 /// Takes in the records that matter: schemas, channels, messages.
@@ -85,15 +85,13 @@ impl<'v> Channels<'v> {
     }
 
     fn schema(&mut self, header: ::mcap::records::SchemaHeader, data: &[u8]) -> Result<(), String> {
-        // Binary definitions (protobuf) have no reader: their bytes are not kept.
-        let text = std::str::from_utf8(data).unwrap_or_default();
         let same = |known: &Schema| {
-            known.name == header.name && known.encoding == header.encoding && known.text.as_ref() == text
+            known.name == header.name && known.encoding == header.encoding && known.data.as_ref() == data
         };
         if self.schemas.get(&header.id).is_some_and(same) {
             return Ok(());
         }
-        self.schema_bytes += text.len() + header.name.len() + header.encoding.len();
+        self.schema_bytes += data.len() + header.name.len() + header.encoding.len();
         if self.schema_bytes > MAX_SCHEMA_BYTES {
             return Err(format!("definitions of more than {MAX_SCHEMA_BYTES} bytes in all"));
         }
@@ -102,7 +100,7 @@ impl<'v> Channels<'v> {
             Schema {
                 name: header.name,
                 encoding: header.encoding,
-                text: text.into(),
+                data: data.into(),
             },
         );
         Ok(())
@@ -115,9 +113,12 @@ impl<'v> Channels<'v> {
             number: self.told,
             topic: record.topic,
             message_type: schema.map_or_else(String::new, |schema| schema.name.clone()),
-            schema_text: schema.map_or_else(|| "".into(), |schema| Arc::clone(&schema.text)),
+            schema: schema.map_or_else(|| Arc::from([]), |schema| Arc::clone(&schema.data)),
             schema_encoding: schema.map_or_else(String::new, |schema| schema.encoding.clone()),
             message_encoding: record.message_encoding,
+            writer: None,
+            latched: is_transient_local(&record.metadata),
+            total: None,
             metadata: record.metadata,
         };
         if let Some(known) = self.by_id.get(&record.id) {
@@ -149,4 +150,15 @@ fn size(channel: &Channel) -> usize {
         .map(|(key, value)| key.len() + value.len())
         .sum();
     channel.topic.len() + channel.message_encoding.len() + channel.message_type.len() + metadata
+}
+
+/// Whether every profile that rosbag2 noted offers durability `transient_local` (`1`), and there is one.
+pub(super) fn is_transient_local(metadata: &BTreeMap<String, String>) -> bool {
+    let profiles = metadata.get("offered_qos_profiles").map_or("", String::as_str);
+    let mut durabilities = profiles
+        .lines()
+        .filter_map(|line| line.trim().trim_start_matches("- ").strip_prefix("durability:"))
+        .map(|value| value.trim().trim_matches(['"', '\'']))
+        .peekable();
+    durabilities.peek().is_some() && durabilities.all(|value| matches!(value, "1" | "transient_local"))
 }

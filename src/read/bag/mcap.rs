@@ -17,7 +17,7 @@ use ::mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use crate::source::{Place, ReadStatus, Source};
 
 use super::channels::Channels;
-use super::{Progress, Visit};
+use super::{Extent, Progress, Visit, Wanted};
 
 /// Bound on one record, bytes. The largest messages met in recordings are clouds and images of some ten megabytes.
 const MAX_RECORD: u64 = 128 << 20;
@@ -59,7 +59,14 @@ struct Pass<'a, 'v> {
 }
 
 /// Reads an MCAP that starts with its magic; see [`super::read`].
-pub(super) fn read(file: File, total: u64, source: &mut Source, progress: Progress<'_>, visit: &mut dyn Visit) -> bool {
+pub(super) fn read(
+    file: File,
+    total: u64,
+    _wanted: &Wanted<'_>,
+    source: &mut Source,
+    progress: Progress<'_>,
+    visit: &mut dyn Visit,
+) -> Extent {
     let mut pass = Pass {
         file: BufReader::with_capacity(1 << 18, file),
         at: 0,
@@ -74,7 +81,14 @@ pub(super) fn read(file: File, total: u64, source: &mut Source, progress: Progre
     };
     let stopped = pass.run().err();
     (pass.progress)(pass.used, total);
-    pass.report(stopped, source)
+    let truncated = pass.report(stopped, source);
+    Extent {
+        truncated,
+        whole: true,
+        indexed: false,
+        messages_total: pass.promised,
+        span_ns: None,
+    }
 }
 
 impl Pass<'_, '_> {

@@ -27,16 +27,22 @@ pub struct Channel {
     pub number: usize,
     /// The topic.
     pub topic: String,
-    /// Type of the messages (`sensor_msgs/msg/Imu`); empty where the recording names none.
+    /// Type of the messages (`sensor_msgs/msg/Imu`, `foxglove.FrameTransform`); empty where the recording names none.
     pub message_type: String,
-    /// The definition of the type; empty where the recording holds none, or none that is text.
-    pub schema_text: Arc<str>,
-    /// Encoding of the definition (`ros2msg`, `ros2idl`, `protobuf`, `jsonschema`); empty where there is none.
+    /// The definition of the type as recorded: text, or a binary descriptor (`protobuf`); empty where there is none.
+    pub schema: Arc<[u8]>,
+    /// Encoding of the definition (`ros2msg`, `ros2idl`, `ros1msg`, `protobuf`, `jsonschema`); empty where there is none.
     pub schema_encoding: String,
-    /// Encoding of the messages (`cdr`, `protobuf`, `json`, `ros1`).
+    /// Encoding of the messages (`cdr`, `ros1`, `protobuf`, `json`).
     pub message_encoding: String,
     /// What the recorder noted of the channel; rosbag2 writes `offered_qos_profiles`.
     pub metadata: BTreeMap<String, String>,
+    /// Who wrote it, where the format knows: the node of a ROS 1 connection (`callerid`).
+    pub writer: Option<String>,
+    /// Whether late subscribers get the last message again: `latching=1` of ROS 1, `transient_local` of ROS 2.
+    pub latched: bool,
+    /// Messages of the channel in the whole recording, where its index says.
+    pub total: Option<u64>,
 }
 
 /// One message, borrowed from the reader.
@@ -54,29 +60,88 @@ pub trait Visit {
     fn channel(&mut self, channel: &Channel);
     /// A message of a channel told before.
     fn message(&mut self, channel: &Channel, message: &Message<'_>);
+    /// Messages were left out here: the next one does not follow the last one.
+    fn seam(&mut self);
+}
+
+/// How a recording is sampled: runs of neighbouring chunks (or stretches of time, where a format has no chunks) spread
+/// evenly over its length.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sampling {
+    /// Number of runs.
+    pub windows: u32,
+    /// Length of a run that the rules ask for, seconds of log time.
+    pub seconds: f64,
+    /// Bound on all runs together, bytes of messages; a recording that is smaller is read wholly.
+    pub bytes: u64,
+}
+
+/// What is wanted of a recording.
+#[derive(Clone, Copy)]
+pub struct Wanted<'a> {
+    /// Everything where `None`.
+    pub sampling: Option<Sampling>,
+    /// Channels that are read as far as the index makes it cheap, whatever the runs are; of every other channel, the
+    /// first messages and some more over the length are read.
+    pub throughout: &'a dyn Fn(&Channel) -> bool,
+}
+
+impl Wanted<'_> {
+    /// Every message.
+    pub const ALL: Self = Self {
+        sampling: None,
+        throughout: &|_| true,
+    };
+}
+
+/// How far a recording was read, as against how far it goes.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Extent {
+    /// Whether messages may be missing at the end, or after a fault, so that absence proves nothing.
+    pub truncated: bool,
+    /// Whether every message was read that the file holds (before a fault).
+    pub whole: bool,
+    /// Whether the file has an index that was used.
+    pub indexed: bool,
+    /// Messages in the whole recording, where its index says.
+    pub messages_total: Option<u64>,
+    /// First and last log time of the whole recording, nanoseconds, where its index says.
+    pub span_ns: Option<(i64, i64)>,
 }
 
 /// Reads a recording once, whatever its format, and says in `source` how far that went: its status, its detail, what
-/// was examined and every problem. Returns whether messages may be missing at the end (or after a fault), so that
-/// absence proves nothing.
-pub fn read(path: &Path, source: &mut Source, progress: Progress<'_>, visit: &mut dyn Visit) -> bool {
+/// was examined and every problem.
+pub fn read(
+    path: &Path,
+    wanted: &Wanted<'_>,
+    source: &mut Source,
+    progress: Progress<'_>,
+    visit: &mut dyn Visit,
+) -> Extent {
+    const NOTHING: Extent = Extent {
+        truncated: true,
+        whole: false,
+        indexed: false,
+        messages_total: None,
+        span_ns: None,
+    };
     let whole = Place::whole(source.id);
     let (file, total) = match open(path) {
         Ok(opened) => opened,
         Err(message) => {
             source.problem(ReadStatus::Unreadable, whole, message);
-            return true;
+            return NOTHING;
         }
     };
     source.examined.bytes_total = total;
     source.examined.messages = Some(0);
     let container = Container::of(&first_bytes(&file));
     if container == Container::Mcap {
-        return mcap::read(file, total, source, progress, visit);
+        return mcap::read(file, total, wanted, source, progress, visit);
     }
     let (message, help) = container.refusal();
     source.problem_with_help(ReadStatus::Unreadable, whole, message, help.map(str::to_owned));
-    true
+    NOTHING
 }
 
 /// Opens a regular file. Pipes and devices are refused before opening: they may block for ever or never end.

@@ -2,15 +2,17 @@
 //!
 //! Source: `std_msgs/msg/Header.msg`, `builtin_interfaces/msg/Time.msg` (common_interfaces, rcl_interfaces).
 
+use std::borrow::Cow;
+
 use super::{Cdr, DecodeError};
 
 /// The header of a message.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Header<'a> {
     /// `stamp`, nanoseconds of whatever clock the sender used.
     pub stamp_ns: i64,
     /// `frame_id` as spelled.
-    pub frame_id: &'a str,
+    pub frame_id: Cow<'a, str>,
 }
 
 impl<'a> Header<'a> {
@@ -20,7 +22,7 @@ impl<'a> Header<'a> {
         let nanoseconds = cdr.u32()?;
         Ok(Self {
             stamp_ns: i64::from(seconds) * 1_000_000_000 + i64::from(nanoseconds),
-            frame_id: cdr.name()?,
+            frame_id: cdr.name()?.into(),
         })
     }
 
@@ -112,6 +114,6 @@ mod tests {
     fn stamps_before_1970_and_long_nanoseconds_are_kept_as_numbers() {
         let message = [0, 1, 0, 0, 0xff, 0xff, 0xff, 0xff, 0, 0xca, 0x9a, 0x3b, 1, 0, 0, 0, 0];
         let header = Header::of(&message).unwrap();
-        assert_eq!((header.stamp_ns, header.frame_id), (0, ""));
+        assert_eq!((header.stamp_ns, header.frame_id.as_ref()), (0, ""));
     }
 }

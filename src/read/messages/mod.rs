@@ -1,11 +1,11 @@
-//! What is inside messages: CDR decoding of the types that say something about frames.
+//! What is inside messages: what they say about frames.
 //!
 //! Owns the bytes of single messages. Must not know recordings, nor keep anything.
 
 mod cdr;
+pub mod content;
+pub mod decoder;
 pub mod header;
-pub mod odometry;
-pub mod string;
 pub mod tf;
 
 use std::fmt;

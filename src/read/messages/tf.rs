@@ -2,18 +2,20 @@
 //!
 //! Source: `tf2_msgs/msg/TFMessage.msg`, `geometry_msgs/msg/TransformStamped.msg` (geometry2, common_interfaces).
 
+use std::borrow::Cow;
+
 use super::header::Header;
 use super::{Cdr, DecodeError};
 
 /// One `geometry_msgs/msg/TransformStamped`: `parent_from_child` with the numbers as published.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Transform<'a> {
     /// `header.stamp`, nanoseconds.
     pub stamp_ns: i64,
     /// `header.frame_id` as spelled.
-    pub parent: &'a str,
+    pub parent: Cow<'a, str>,
     /// `child_frame_id` as spelled.
-    pub child: &'a str,
+    pub child: Cow<'a, str>,
     /// `[tx, ty, tz]`, metres.
     pub translation: [f64; 3],
     /// `[x, y, z, w]`, not normalised.
@@ -53,7 +55,7 @@ fn read<'a>(cdr: &mut Cdr<'a>) -> Result<Transform<'a>, DecodeError> {
     Ok(Transform {
         stamp_ns: header.stamp_ns,
         parent: header.frame_id,
-        child: cdr.name()?,
+        child: cdr.name()?.into(),
         translation: cdr.f64s()?,
         rotation: cdr.f64s()?,
     })
