@@ -4,6 +4,8 @@
 //! is inside the messages, nor keep any of them.
 
 mod channels;
+mod chunks;
+mod inflate;
 mod kind;
 mod mcap;
 
