@@ -45,7 +45,10 @@ pub(super) fn choose(chunks: &[ChunkInfo], sampling: &Sampling, throughout: &BTr
         let first = holding.first().copied();
         let met = holding.iter().filter(|number| chosen.contains(number)).count();
         // What the room allows is spread too: the beginning must not use it up.
-        let largest = holding.iter().filter_map(|number| chunks.get(*number)).map(|chunk| chunk.bytes);
+        let largest = holding
+            .iter()
+            .filter_map(|number| chunks.get(*number))
+            .map(|chunk| chunk.bytes);
         let room = extra / largest.max().unwrap_or(0).max(1);
         let wanted = wanted.min(usize::try_from(room).unwrap_or(usize::MAX));
         let spread = if met >= wanted.min(holding.len()) {
@@ -70,7 +73,11 @@ pub(super) fn choose(chunks: &[ChunkInfo], sampling: &Sampling, throughout: &BTr
 fn runs(chunks: &[ChunkInfo], sampling: &Sampling) -> BTreeSet<usize> {
     let mut by_time: Vec<usize> = (0..chunks.len()).collect();
     by_time.sort_by_key(|number| chunks.get(*number).map(|chunk| (chunk.start_ns, *number)));
-    let info = |place: usize| by_time.get(place).and_then(|number| Some((*number, chunks.get(*number)?)));
+    let info = |place: usize| {
+        by_time
+            .get(place)
+            .and_then(|number| Some((*number, chunks.get(*number)?)))
+    };
     let start = chunks.iter().map(|chunk| chunk.start_ns).min().unwrap_or(0);
     let end = chunks.iter().map(|chunk| chunk.end_ns).max().unwrap_or(0);
     let windows = u64::from(sampling.windows.max(1));
@@ -86,11 +93,8 @@ fn runs(chunks: &[ChunkInfo], sampling: &Sampling) -> BTreeSet<usize> {
         // Runs lie wholly inside of the recording: the last one ends at its end.
         let span = (end as f64 - start as f64 - length_ns).max(0.0);
         let from = start as f64 + part * span;
-        let first = by_time.partition_point(|number| {
-            chunks
-                .get(*number)
-                .is_some_and(|chunk| (chunk.end_ns as f64) < from)
-        });
+        let first =
+            by_time.partition_point(|number| chunks.get(*number).is_some_and(|chunk| (chunk.end_ns as f64) < from));
         let first = first.min(by_time.len().saturating_sub(1));
         let mut bytes = 0_u64;
         for place in first.. {
@@ -140,10 +144,14 @@ mod tests {
                 start_ns: second * 1_000_000_000,
                 end_ns: second * 1_000_000_000 + 999_999_999,
                 bytes: 1 << 20,
-                channels: [Some(1), (second % 100 == 50).then_some(2), (second == seconds - 1).then_some(3)]
-                    .into_iter()
-                    .flatten()
-                    .collect(),
+                channels: [
+                    Some(1),
+                    (second % 100 == 50).then_some(2),
+                    (second == seconds - 1).then_some(3),
+                ]
+                .into_iter()
+                .flatten()
+                .collect(),
             })
             .collect()
     }

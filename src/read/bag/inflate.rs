@@ -26,8 +26,6 @@ pub(super) enum Compression {
 pub(super) struct Packed {
     /// Where its record starts in the file.
     pub(super) at: u64,
-    /// Behind which byte the next record starts.
-    pub(super) end: u64,
     /// Its compression.
     pub(super) compression: Compression,
     /// Bytes when decompressed, as the file says; bounded by the reader.
@@ -44,12 +42,19 @@ pub(super) struct Packed {
 pub(super) struct Unpacked {
     /// Where its record starts in the file.
     pub(super) at: u64,
-    /// Behind which byte the next record starts.
-    pub(super) end: u64,
     /// Whether the chunk does not follow the one before.
     pub(super) seam: bool,
     /// The decompressed bytes, or what is wrong.
-    pub(super) data: Result<Vec<u8>, String>,
+    pub(super) data: Result<Vec<u8>, Damage>,
+}
+
+/// A chunk that does not decompress, or not to what its checksum says.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Damage {
+    /// What is wrong.
+    pub(super) why: String,
+    /// What came out before that, where no checksum says that it is wrong.
+    pub(super) before: Vec<u8>,
 }
 
 /// Takes chunks in, and gives them out in the same order.
@@ -70,11 +75,7 @@ impl Inflater {
     }
 
     /// Takes in a chunk. Where a batch is full, the batch before is handed to `look`; its error ends that.
-    pub(super) fn push<E>(
-        &mut self,
-        chunk: Packed,
-        look: &mut dyn FnMut(&Unpacked) -> Result<(), E>,
-    ) -> Result<(), E> {
+    pub(super) fn push<E>(&mut self, chunk: Packed, look: &mut dyn FnMut(&Unpacked) -> Result<(), E>) -> Result<(), E> {
         self.waiting_bytes += chunk.size.max(chunk.data.len() as u64);
         self.packed.push(chunk);
         if self.waiting_bytes < BATCH_BYTES {
@@ -103,7 +104,7 @@ impl Inflater {
             }
         };
         let mut buffers: Vec<Vec<u8>> = packed.iter().map(|_| self.free.pop().unwrap_or_default()).collect();
-        let mut slots: Vec<Option<Result<Vec<u8>, String>>> = packed.iter().map(|_| None).collect();
+        let mut slots: Vec<Option<Result<Vec<u8>, Damage>>> = packed.iter().map(|_| None).collect();
         let jobs = packed.iter().zip(&mut slots).zip(buffers.drain(..));
         if packed.len() < 2 {
             for ((chunk, slot), buffer) in jobs {
@@ -123,7 +124,12 @@ impl Inflater {
         let room = KEPT.saturating_sub(self.free.len());
         self.free.extend(done.take(room));
         for (chunk, slot) in packed.into_iter().zip(slots) {
-            let data = slot.unwrap_or_else(|| Err("the chunk was not decompressed".to_owned()));
+            let data = slot.unwrap_or_else(|| {
+                Err(Damage {
+                    why: "the chunk was not decompressed".to_owned(),
+                    before: Vec::new(),
+                })
+            });
             let mut compressed = chunk.data;
             let data = match data {
                 // Bytes that were not compressed are handed on as they are.
@@ -138,7 +144,6 @@ impl Inflater {
             }
             self.unpacked.push(Unpacked {
                 at: chunk.at,
-                end: chunk.end,
                 seam: chunk.seam,
                 data,
             });
@@ -147,25 +152,58 @@ impl Inflater {
     }
 }
 
+/// Decompresses a chunk; see [`bytes_of`].
+fn unpack(chunk: &Packed, mut buffer: Vec<u8>) -> Result<Vec<u8>, Damage> {
+    match bytes_of(chunk, &mut buffer) {
+        Ok(()) => Ok(buffer),
+        Err(why) if chunk.checksum != 0 => Err(Damage {
+            why,
+            before: Vec::new(),
+        }),
+        Err(why) => Err(Damage {
+            why,
+            before: readable(chunk),
+        }),
+    }
+}
+
+/// What comes out of a damaged chunk before the damage.
+fn readable(chunk: &Packed) -> Vec<u8> {
+    let mut before = Vec::new();
+    let data = chunk.data.as_slice();
+    // The error is known; what was written before it stays.
+    let _ = match chunk.compression {
+        Compression::None => data.take(chunk.size).read_to_end(&mut before),
+        Compression::Zstd => ::zstd::stream::read::Decoder::new(data)
+            .and_then(|decoder| decoder.take(chunk.size).read_to_end(&mut before)),
+        Compression::Lz4 => {
+            ::lz4::Decoder::new(data).and_then(|decoder| decoder.take(chunk.size).read_to_end(&mut before))
+        }
+    };
+    before
+}
+
 /// Decompresses a chunk into a buffer and holds it against its checksum; a chunk that is not compressed is only held
 /// against it.
-fn unpack(chunk: &Packed, mut buffer: Vec<u8>) -> Result<Vec<u8>, String> {
+fn bytes_of(chunk: &Packed, buffer: &mut Vec<u8>) -> Result<(), String> {
     buffer.clear();
     let size = usize::try_from(chunk.size).map_err(|_| "a chunk is larger than this machine's memory".to_owned())?;
     let bytes = match chunk.compression {
         Compression::None => chunk.data.as_slice(),
         Compression::Zstd => {
-            zstd(&chunk.data, size, &mut buffer)?;
+            zstd(&chunk.data, size, buffer)?;
             buffer.as_slice()
         }
         Compression::Lz4 => {
-            lz4(&chunk.data, size, &mut buffer)?;
+            lz4(&chunk.data, size, buffer)?;
             buffer.as_slice()
         }
     };
     if bytes.len() != size {
         let got = bytes.len();
-        return Err(format!("a chunk is damaged: {got} bytes come out of it where {size} are claimed"));
+        return Err(format!(
+            "a chunk is damaged: {got} bytes come out of it where {size} are claimed"
+        ));
     }
     if chunk.checksum != 0 {
         let found = crc32fast::hash(bytes);
@@ -176,7 +214,7 @@ fn unpack(chunk: &Packed, mut buffer: Vec<u8>) -> Result<Vec<u8>, String> {
             ));
         }
     }
-    Ok(buffer)
+    Ok(())
 }
 
 thread_local! {
@@ -193,7 +231,10 @@ fn zstd(data: &[u8], size: usize, out: &mut Vec<u8>) -> Result<(), String> {
         let Some(decompressor) = kept.as_mut() else {
             return Ok(());
         };
-        decompressor.decompress_to_buffer(data, out).map_err(damaged).map(|_| ())
+        decompressor
+            .decompress_to_buffer(data, out)
+            .map_err(damaged)
+            .map(|_| ())
     })
 }
 
@@ -224,7 +265,6 @@ mod tests {
         };
         Packed {
             at,
-            end: at + data.len() as u64,
             compression,
             size: plain.len() as u64,
             checksum: crc32fast::hash(plain),
@@ -233,7 +273,7 @@ mod tests {
         }
     }
 
-    fn all(chunks: Vec<Packed>) -> Vec<(u64, Result<Vec<u8>, String>)> {
+    fn all(chunks: Vec<Packed>) -> Vec<(u64, Result<Vec<u8>, Damage>)> {
         let mut inflater = Inflater::default();
         let mut seen = Vec::new();
         let mut look = |chunk: &Unpacked| {
@@ -264,11 +304,13 @@ mod tests {
     #[test]
     fn damage_is_said_of_the_chunk_that_has_it() {
         for compression in [Compression::None, Compression::Zstd, Compression::Lz4] {
-            let mut chunks: Vec<Packed> = (0..3).map(|at| packed(compression, b"some words, some words", at)).collect();
+            let mut chunks: Vec<Packed> = (0..3)
+                .map(|at| packed(compression, b"some words, some words", at))
+                .collect();
             chunks[1].checksum ^= 1;
             let seen = all(chunks);
             assert!(seen[0].1.is_ok() && seen[2].1.is_ok());
-            assert!(seen[1].1.as_ref().unwrap_err().contains("checksum"));
+            assert!(seen[1].1.as_ref().unwrap_err().why.contains("checksum"));
             let mut lying = packed(compression, b"some words, some words", 0);
             lying.size -= 3;
             assert!(all(vec![lying])[0].1.is_err(), "{compression:?}");
