@@ -15,7 +15,7 @@ use super::plan::Enabled;
 
 /// Bytes of messages that a recording is sampled with at first. A recording that holds less is read wholly. Zstandard
 /// gives about a gigabyte a second: a tenth of a second for every recording, whatever its length.
-const FIRST_BYTES: u64 = 96 << 20;
+const FIRST_BYTES: u64 = 80 << 20;
 /// What one widening multiplies the bytes and the windows by.
 const WIDENING: u32 = 4;
 /// Time that a run may take before it is no longer widened.
