@@ -128,8 +128,15 @@ impl Visit for Collector {
             Ok(content) => content,
             Err(error) => return topic.malformed(point, error),
         };
+        let has_header = header.is_some();
         let point = header.map_or(point, |header| topic.stamped(point, &header));
         match body {
+            // A single transform on a topic of its own is heard by no buffer of tf2: its frames are names, not TF.
+            Body::Transforms(transforms) if has_header => {
+                for transform in &transforms {
+                    topic.child(point, &transform.child);
+                }
+            }
             Body::Transforms(transforms) => self.tf.message(told.topic, point, &transforms),
             Body::Odometry(odometry) => topic.child(point, &odometry.child),
             Body::Description(text) => self.descriptions.push(point, &topic.name, &text),
