@@ -1,5 +1,7 @@
 //! TREE: the structure of the frame tree.
 
+mod lookup_findings;
+mod lookups;
 pub mod message_frame_unresolved;
 pub mod multiple_parents;
 pub mod orphan_subtree;
@@ -7,6 +9,7 @@ pub mod rep105_order;
 pub mod self_or_empty_transform;
 pub mod static_dynamic_conflict;
 pub mod tf_cycle;
+pub mod tf_lookup_coverage;
 pub mod tf_static_missing_or_late;
 mod undefined_links;
 pub mod urdf_structure;
