@@ -6,7 +6,7 @@ use std::borrow::Cow;
 
 use super::content::{Body, Content, Odometry};
 use super::header::{self, Header};
-use super::{Cdr, DecodeError, tf};
+use super::{Cdr, DecodeError, foxglove, tf};
 
 /// What is known of the messages of a channel before the first one.
 #[derive(Clone, Copy, Debug)]
@@ -35,6 +35,7 @@ enum Way {
     Odometry,
     Description,
     Header,
+    Foxglove(Box<foxglove::Reader>),
     Nothing,
     Unread(String),
 }
@@ -77,6 +78,7 @@ impl Decoder {
             }
             Way::Description => content(None, Body::Description(Cow::Borrowed(Cdr::new(message)?.str()?))),
             Way::Header => content(Some(Header::of(message)?), Body::Nothing),
+            Way::Foxglove(reader) => reader.decode(message)?,
             Way::Nothing | Way::Unread(_) => content(None, Body::Nothing),
         })
     }
@@ -84,6 +86,9 @@ impl Decoder {
 
 impl Way {
     fn of(format: &Format<'_>) -> Self {
+        if let Some(reader) = foxglove::Reader::of(format) {
+            return reader.map_or_else(Self::Unread, |reader| Self::Foxglove(Box::new(reader)));
+        }
         if format.message_encoding != "cdr" {
             let encoding = named(format.message_encoding, "unnamed");
             return Self::Unread(format!("{encoding} messages are not read"));

@@ -5,6 +5,7 @@
 mod cdr;
 pub mod content;
 pub mod decoder;
+pub mod foxglove;
 pub mod header;
 pub mod tf;
 
