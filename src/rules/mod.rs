@@ -87,6 +87,7 @@ pub static RULES: &[Entry] = &[
     entry::<tree::rep105_order::Rep105Order>(),
     entry::<tree::message_frame_unresolved::MessageFrameUnresolved>(),
     entry::<tree::tf_static_missing_or_late::TfStaticMissingOrLate>(),
+    entry::<tree::static_transform_changes::StaticTransformChanges>(),
     entry::<tree::urdf_structure::UrdfStructure>(),
     entry::<name::frame_case_mismatch::FrameCaseMismatch>(),
     entry::<name::frame_whitespace_or_slash::FrameWhitespaceOrSlash>(),
