@@ -89,6 +89,7 @@ pub static RULES: &[Entry] = &[
     entry::<tree::tf_static_missing_or_late::TfStaticMissingOrLate>(),
     entry::<tree::static_transform_changes::StaticTransformChanges>(),
     entry::<tree::urdf_structure::UrdfStructure>(),
+    entry::<tree::base_footprint::BaseFootprint>(),
     entry::<name::frame_case_mismatch::FrameCaseMismatch>(),
     entry::<name::frame_whitespace_or_slash::FrameWhitespaceOrSlash>(),
     entry::<name::frame_near_duplicate::FrameNearDuplicate>(),

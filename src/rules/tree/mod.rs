@@ -1,5 +1,7 @@
 //! TREE: the structure of the frame tree.
 
+pub mod base_footprint;
+mod footprint;
 mod latched;
 mod latched_across;
 pub mod message_frame_unresolved;
