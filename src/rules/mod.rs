@@ -18,6 +18,7 @@ pub mod quat;
 mod relate;
 pub mod rot;
 mod spelling;
+mod suffix;
 mod tally;
 mod tf;
 pub mod time;
@@ -94,6 +95,7 @@ pub static RULES: &[Entry] = &[
     entry::<name::frame_whitespace_or_slash::FrameWhitespaceOrSlash>(),
     entry::<name::frame_near_duplicate::FrameNearDuplicate>(),
     entry::<name::ned_suffix::NedSuffix>(),
+    entry::<name::flu_frd_suffix::FluFrdSuffix>(),
     entry::<name::optical_suffix::OpticalSuffix>(),
     entry::<name::transform_name_cancellation::TransformNameCancellation>(),
     entry::<rot::rotation_determinant::RotationDeterminant>(),

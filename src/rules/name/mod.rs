@@ -1,5 +1,6 @@
 //! NAME: what frames are called.
 
+pub mod flu_frd_suffix;
 pub mod frame_case_mismatch;
 pub mod frame_near_duplicate;
 pub mod frame_whitespace_or_slash;
