@@ -97,6 +97,7 @@ pub static RULES: &[Entry] = &[
     entry::<name::ned_suffix::NedSuffix>(),
     entry::<name::flu_frd_suffix::FluFrdSuffix>(),
     entry::<name::optical_suffix::OpticalSuffix>(),
+    entry::<name::image_frame_not_optical::ImageFrameNotOptical>(),
     entry::<name::transform_name_cancellation::TransformNameCancellation>(),
     entry::<rot::rotation_determinant::RotationDeterminant>(),
     entry::<rot::rotation_orthogonality::RotationOrthogonality>(),
