@@ -17,6 +17,7 @@ mod places;
 pub mod quat;
 mod relate;
 pub mod rot;
+pub mod sensor;
 mod spelling;
 mod suffix;
 mod tally;
@@ -112,6 +113,7 @@ pub static RULES: &[Entry] = &[
     entry::<time::epoch_offset::EpochOffset>(),
     entry::<time::stamp_monotonic::StampMonotonic>(),
     entry::<time::clock_domain::ClockDomain>(),
+    entry::<sensor::mavros_frames::MavrosFrames>(),
     entry::<auth::calibration_missing_default::CalibrationMissingDefault>(),
     entry::<cross::extrinsic_consistency::ExtrinsicConsistency>(),
     entry::<cross::extrinsic_relation::ExtrinsicRelation>(),
