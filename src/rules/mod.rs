@@ -37,12 +37,45 @@ pub trait Rule {
     const PAGE: &'static str;
     /// What must be there before the rule is asked; the engine answers `not-evaluated` where it is not.
     const NEEDS: &'static [Need];
+    /// How much of a recording the rule needs at first.
+    const EVIDENCE: Evidence = Evidence::USUAL;
     /// The limits of the page, typed.
     type Limits: DeserializeOwned;
 
     /// Judges every subject of a world: one `pass`, `fail` or `not_evaluated` for each. Saying nothing at all means
     /// that the world holds no subject.
     fn judge(world: &World, limits: &Self::Limits, out: &mut Judge);
+}
+
+/// How a recording is sampled for a rule, before anything is known of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Evidence {
+    /// Windows spread over the recording.
+    pub windows: u32,
+    /// Length of a window, seconds of log time.
+    pub seconds: f64,
+}
+
+impl Evidence {
+    /// Next to nothing.
+    pub const LEAST: Self = Self {
+        windows: 2,
+        seconds: 0.5,
+    };
+    /// What rules on names, trees and stamps need.
+    pub const USUAL: Self = Self {
+        windows: 10,
+        seconds: 2.0,
+    };
+
+    /// What suffices for both.
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        Self {
+            windows: self.windows.max(other.windows),
+            seconds: self.seconds.max(other.seconds),
+        }
+    }
 }
 
 /// For rules without limits.
@@ -59,6 +92,8 @@ pub struct Entry {
     pub page: &'static str,
     /// Its needs.
     pub needs: &'static [Need],
+    /// How much of a recording it needs at first.
+    pub evidence: Evidence,
     /// Loads the limits and judges.
     pub run: Run,
     /// Loads the limits only.
@@ -69,6 +104,7 @@ const fn entry<R: Rule>() -> Entry {
     Entry {
         page: R::PAGE,
         needs: R::NEEDS,
+        evidence: R::EVIDENCE,
         run: |world, front, out| {
             R::judge(world, &front.limits::<R::Limits>()?, out);
             Ok(())

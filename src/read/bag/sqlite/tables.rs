@@ -11,7 +11,7 @@ use rusqlite::types::ValueRef;
 use rusqlite::{Connection, Row};
 
 use super::super::Channel;
-use super::super::channels::is_transient_local;
+use super::super::mcap::is_transient_local;
 use super::super::metadata::Metadata;
 
 /// Bound on topics and definitions, each.
