@@ -80,6 +80,7 @@ impl Input {
             full: self.full,
             windows: self.windows,
             budget: self.budget,
+            bytes: None,
         }
     }
 }
