@@ -4,6 +4,7 @@
 
 mod descriptions;
 mod edge;
+mod parts;
 mod point;
 mod stamps;
 mod tf;
@@ -11,9 +12,9 @@ mod thin;
 mod topic;
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use crate::read::bag::{self, Channel, Extent, Message, Progress, Sampling, Visit, Wanted};
+use crate::read::bag::{self, Channel, Extent, Message, Progress, Recording, Sampling, Visit, Wanted};
 use crate::read::messages::content::{Body, Content};
 use crate::read::messages::decoder::{Decoder, Format};
 use crate::source::{MessageRef, Place, ReadStatus, Source};
@@ -21,6 +22,7 @@ use crate::world::bag::Share as Examined;
 use crate::world::{BagEvidence, Facts};
 
 use descriptions::{Descriptions, MAX_DESCRIPTIONS};
+use parts::Parts;
 use tf::{MAX_EDGES, Tf};
 use thin::Share;
 use topic::{Topic, last_segment};
@@ -49,6 +51,8 @@ pub struct Collected {
 pub struct How {
     /// Which part of it; everything where `None`.
     pub sampling: Option<Sampling>,
+    /// The files of a split recording in order, where they are known to be one; empty otherwise.
+    pub parts: Vec<PathBuf>,
 }
 
 /// Reads a recording once and keeps bounded evidence of it. How far that went, and every problem, is written into
@@ -59,7 +63,11 @@ pub fn collect(path: &Path, how: &How, source: &mut Source, progress: Progress<'
         sampling: how.sampling,
         throughout: &decides_the_tree,
     };
-    let extent = bag::read(path, &wanted, source, progress, &mut collector);
+    let recording = Recording {
+        path,
+        parts: &how.parts,
+    };
+    let extent = bag::read(&recording, &wanted, source, progress, &mut collector);
     collector.finish(source, &extent)
 }
 
@@ -84,6 +92,7 @@ struct Collector {
     topic_of: HashMap<String, usize>,
     tf: Tf,
     descriptions: Descriptions,
+    parts: Parts,
     log_ns: Option<(i64, i64)>,
     /// First and last log time of each unbroken stretch.
     stretches_ns: Vec<(i64, i64)>,
@@ -103,6 +112,7 @@ impl Visit for Collector {
 
     fn message(&mut self, channel: &Channel, message: &Message<'_>) {
         self.messages += 1;
+        self.parts.message(channel, message.log_ns);
         let log_ns = message.log_ns;
         let (first, last) = self.log_ns.unwrap_or((log_ns, log_ns));
         self.log_ns = Some((first.min(log_ns), last.max(log_ns)));
@@ -150,6 +160,10 @@ impl Visit for Collector {
             topic.seam();
         }
         self.tf.seam();
+    }
+
+    fn part(&mut self, name: &str) {
+        self.parts.start(name);
     }
 }
 
@@ -215,6 +229,7 @@ impl Collector {
             tf: edges,
             parent_switches,
             truncated: extent.truncated,
+            parts: self.parts.kept,
             share: Examined {
                 whole: extent.whole,
                 messages_total: extent.messages_total,
@@ -313,6 +328,7 @@ impl Collector {
                 self.descriptions.refused,
                 format!("robot descriptions beyond the first {MAX_DESCRIPTIONS}"),
             ),
+            (self.parts.refused, "files of a split recording".to_owned()),
         ];
         for (count, what) in left_out.into_iter().filter(|(count, _)| *count > 0) {
             let message = format!("{count} {what} are not in the evidence");

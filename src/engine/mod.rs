@@ -111,6 +111,7 @@ fn worlds(inputs: &Inputs, options: &Options, plan: &sampling::Plan) -> Vec<Worl
     let progress = Progress::new(options.progress);
     let how = How {
         sampling: plan.sampling(),
+        ..How::default()
     };
     let readings = gather::gather(inputs, &options.xacro_args, &how, &progress);
     platform::platforms(readings, inputs)
