@@ -152,6 +152,7 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
         select: check.select,
         ignore: check.ignore,
         xacro_args: check.input.xacro_args,
+        msg_paths: check.input.msg_paths,
         progress: surroundings.progress,
     })?);
     let fail_on = check.fail_on.into();
@@ -201,6 +202,7 @@ fn run_tree(tree: Tree, stdin: &mut dyn Read, surroundings: Surroundings) -> Res
     let run = engine::read(&engine::Options {
         paths: paths(tree.input.paths, stdin)?,
         xacro_args: tree.input.xacro_args,
+        msg_paths: tree.input.msg_paths,
         progress: surroundings.progress,
         ..engine::Options::default()
     })?;

@@ -39,11 +39,12 @@ struct Emerged {
 }
 
 /// Reads all inputs. Readings are ordered by source id.
-pub(super) fn gather(inputs: &Inputs, xacro_args: &[String], progress: &Progress) -> Vec<Reading> {
+pub(super) fn gather(inputs: &Inputs, xacro_args: &[String], how: &How, progress: &Progress) -> Vec<Reading> {
     let included = included_xacros(inputs);
     let reader = Reader {
         inputs,
         xacro_args,
+        how,
         progress,
         included: &included,
     };
@@ -113,6 +114,7 @@ fn included_xacros(inputs: &Inputs) -> Vec<String> {
 struct Reader<'a> {
     inputs: &'a Inputs,
     xacro_args: &'a [String],
+    how: &'a How,
     progress: &'a Progress,
     included: &'a [String],
 }
@@ -169,7 +171,7 @@ impl Reader<'_> {
         let task = self
             .progress
             .start(&input.display, fs::metadata(&input.path).map_or(0, |meta| meta.len()));
-        let collected = collect(&input.path, &How::default(), source, &|done, _total| task.update(done));
+        let collected = collect(&input.path, self.how, source, &|done, _total| task.update(done));
         emerged.extend(
             collected
                 .descriptions

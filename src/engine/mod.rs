@@ -11,8 +11,10 @@ use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::collect::How;
 use crate::progress::Progress;
 use crate::read::discover::{Inputs, discover};
+use crate::read::messages::definition::Definitions;
 use crate::run::{RuleInfo, Run};
 use crate::source::Source;
 use crate::verdict::Verdict;
@@ -29,6 +31,8 @@ pub struct Options {
     pub ignore: Vec<String>,
     /// Arguments handed to xacro (`name:=value`).
     pub xacro_args: Vec<String>,
+    /// Folders with definitions of messages, for recordings that carry none.
+    pub msg_paths: Vec<PathBuf>,
     /// Whether to draw a progress bar on a terminal.
     pub progress: bool,
 }
@@ -90,9 +94,19 @@ fn gather_worlds(options: &Options) -> Result<(Inputs, Vec<World>), UsageError> 
     if options.paths.is_empty() {
         return Err(UsageError("no path was given".to_owned()));
     }
+    let mut definitions = Definitions::builtin();
+    for folder in &options.msg_paths {
+        definitions
+            .add_folder(folder)
+            .map_err(|what| UsageError(format!("--msg-path: {what}")))?;
+    }
+    let how = How {
+        definitions: Arc::new(definitions),
+        ..How::default()
+    };
     let inputs = discover(&options.paths);
     let progress = Progress::new(options.progress);
-    let readings = gather::gather(&inputs, &options.xacro_args, &progress);
+    let readings = gather::gather(&inputs, &options.xacro_args, &how, &progress);
     let worlds = platform::platforms(readings, &inputs);
     Ok((inputs, worlds))
 }

@@ -6,8 +6,10 @@ mod bodies;
 pub mod content;
 mod cursor;
 pub mod decoder;
+pub mod definition;
 pub mod header;
 pub mod tf;
+pub mod walk;
 
 use std::fmt;
 
