@@ -10,13 +10,16 @@ mod stamps;
 mod tf;
 mod thin;
 mod topic;
+mod unread;
 
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::read::bag::{self, Channel, Extent, Message, Progress, Recording, Sampling, Visit, Wanted};
 use crate::read::messages::content::{Body, Content};
 use crate::read::messages::decoder::{Decoder, Format};
+use crate::read::messages::definition::Definitions;
 use crate::source::{MessageRef, Place, ReadStatus, Source};
 use crate::world::bag::Share as Examined;
 use crate::world::{BagEvidence, Facts};
@@ -53,12 +56,17 @@ pub struct How {
     pub sampling: Option<Sampling>,
     /// The files of a split recording in order, where they are known to be one; empty otherwise.
     pub parts: Vec<PathBuf>,
+    /// The definitions of messages for recordings that carry none.
+    pub definitions: Arc<Definitions>,
 }
 
 /// Reads a recording once and keeps bounded evidence of it. How far that went, and every problem, is written into
 /// `source`; what could be read before a fault is in the evidence.
 pub fn collect(path: &Path, how: &How, source: &mut Source, progress: Progress<'_>) -> Collected {
-    let mut collector = Collector::default();
+    let mut collector = Collector {
+        definitions: Arc::clone(&how.definitions),
+        ..Collector::default()
+    };
     let wanted = Wanted {
         sampling: how.sampling,
         throughout: &decides_the_tree,
@@ -86,6 +94,7 @@ struct Told {
 
 #[derive(Default)]
 struct Collector {
+    definitions: Arc<Definitions>,
     /// By the channel's number; `None` where there was no room for its topic.
     channels: Vec<Option<Told>>,
     topics: Vec<Topic>,
@@ -148,6 +157,7 @@ impl Visit for Collector {
                 }
             }
             Body::Transforms(transforms) => self.tf.message(told.topic, point, &transforms),
+            Body::ChildFrame(child) => topic.child(point, &child),
             Body::Odometry(odometry) => topic.child(point, &odometry.child),
             Body::Description(text) => self.descriptions.push(point, &topic.name, &text),
             Body::Nothing | Body::Imu(_) | Body::Fix(_) | Body::Pose(_) | Body::Twist(_) | Body::Clock(_) => {}
@@ -169,13 +179,14 @@ impl Visit for Collector {
 
 impl Collector {
     fn topic(&mut self, channel: &Channel) -> Option<Told> {
-        let decoder = Decoder::of(&Format {
+        let format = Format {
             topic: &channel.topic,
             message_type: &channel.message_type,
             message_encoding: &channel.message_encoding,
             schema: &channel.schema,
             schema_encoding: &channel.schema_encoding,
-        });
+        };
+        let decoder = Decoder::of(&format, &self.definitions);
         let next = self.topics.len();
         let number = match self.topic_of.get(&channel.topic).copied() {
             Some(known) => {
@@ -272,13 +283,12 @@ impl Collector {
                 "no messages".to_owned(),
                 "was the recorder stopped too early, or did it subscribe with another QoS than was offered?",
             )
-        } else if let Some(why) = spoken().next().and_then(Topic::unread)
+        } else if let Some(first) = spoken().next()
+            && let Some(why) = first.unread()
             && spoken().all(|topic| topic.unread().is_some())
         {
-            (
-                format!("none of its messages could be looked into: {why}"),
-                "record or convert it with CDR messages, as ROS 2 writes them",
-            )
+            let help = unread::help(first).unwrap_or("record or convert it with CDR messages, as ROS 2 writes them");
+            (format!("none of its messages could be looked into: {why}"), help)
         } else {
             return;
         };
@@ -313,6 +323,7 @@ impl Collector {
             };
             source.problem(status, Place::whole(id), message);
         }
+        unread::say(&self.topics, source);
         let refused_names: u64 = self.topics.iter().map(Topic::refused_names).sum();
         let left_out = [
             (
