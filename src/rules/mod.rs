@@ -17,7 +17,9 @@ mod places;
 pub mod quat;
 mod relate;
 pub mod rot;
+pub mod sensor;
 mod spelling;
+mod suffix;
 mod tally;
 mod tf;
 pub mod time;
@@ -124,12 +126,16 @@ pub static RULES: &[Entry] = &[
     entry::<tree::message_frame_unresolved::MessageFrameUnresolved>(),
     entry::<tree::tf_static_missing_or_late::TfStaticMissingOrLate>(),
     entry::<tree::tf_lookup_coverage::TfLookupCoverage>(),
+    entry::<tree::static_transform_changes::StaticTransformChanges>(),
     entry::<tree::urdf_structure::UrdfStructure>(),
+    entry::<tree::base_footprint::BaseFootprint>(),
     entry::<name::frame_case_mismatch::FrameCaseMismatch>(),
     entry::<name::frame_whitespace_or_slash::FrameWhitespaceOrSlash>(),
     entry::<name::frame_near_duplicate::FrameNearDuplicate>(),
     entry::<name::ned_suffix::NedSuffix>(),
+    entry::<name::flu_frd_suffix::FluFrdSuffix>(),
     entry::<name::optical_suffix::OpticalSuffix>(),
+    entry::<name::image_frame_not_optical::ImageFrameNotOptical>(),
     entry::<name::transform_name_cancellation::TransformNameCancellation>(),
     entry::<rot::rotation_determinant::RotationDeterminant>(),
     entry::<rot::rotation_orthogonality::RotationOrthogonality>(),
@@ -144,6 +150,7 @@ pub static RULES: &[Entry] = &[
     entry::<time::epoch_offset::EpochOffset>(),
     entry::<time::stamp_monotonic::StampMonotonic>(),
     entry::<time::clock_domain::ClockDomain>(),
+    entry::<sensor::mavros_frames::MavrosFrames>(),
     entry::<auth::calibration_missing_default::CalibrationMissingDefault>(),
     entry::<cross::extrinsic_consistency::ExtrinsicConsistency>(),
     entry::<cross::extrinsic_relation::ExtrinsicRelation>(),

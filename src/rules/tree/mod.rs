@@ -1,5 +1,9 @@
 //! TREE: the structure of the frame tree.
 
+pub mod base_footprint;
+mod footprint;
+mod latched;
+mod latched_across;
 mod lookup_findings;
 mod lookups;
 pub mod message_frame_unresolved;
@@ -8,6 +12,7 @@ pub mod orphan_subtree;
 pub mod rep105_order;
 pub mod self_or_empty_transform;
 pub mod static_dynamic_conflict;
+pub mod static_transform_changes;
 pub mod tf_cycle;
 pub mod tf_lookup_coverage;
 pub mod tf_static_missing_or_late;
