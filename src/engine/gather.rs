@@ -138,8 +138,8 @@ impl Reader<'_> {
 
     fn read_kind(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<Emerged>) -> Facts {
         match input.kind {
-            SourceKind::Mcap => self.read_mcap(input, source, index, emerged),
-            SourceKind::Rosbag1 | SourceKind::Sqlite => {
+            SourceKind::Mcap | SourceKind::Rosbag1 => self.read_recording(input, source, index, emerged),
+            SourceKind::Sqlite => {
                 unread_recording(source);
                 Facts::default()
             }
@@ -165,7 +165,7 @@ impl Reader<'_> {
         }
     }
 
-    fn read_mcap(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<Emerged>) -> Facts {
+    fn read_recording(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<Emerged>) -> Facts {
         let task = self
             .progress
             .start(&input.display, fs::metadata(&input.path).map_or(0, |meta| meta.len()));
@@ -227,14 +227,10 @@ fn with_references(mut facts: Facts, input: &Input) -> Facts {
 }
 
 fn unread_recording(source: &mut Source) {
-    let what = match source.kind {
-        SourceKind::Rosbag1 => "ROS 1 bags are not read yet",
-        _ => "rosbag2 SQLite recordings are not read yet",
-    };
     source.problem_with_help(
         ReadStatus::Unreadable,
         Place::whole(source.id),
-        what,
+        "rosbag2 SQLite recordings are not read yet",
         Some("convert it to MCAP (`mcap convert`, or `ros2 bag convert`) and check that".to_owned()),
     );
 }

@@ -228,13 +228,13 @@ fn display(path: &Path) -> String {
     text.strip_prefix("./").unwrap_or(&text).to_owned()
 }
 
-/// The ending of a file's name, in lower case; `launch.py` and `launch.xml` count as one.
+/// The ending of a file's name, in lower case; `launch.py`, `launch.xml` and `bag.active` count as one.
 fn ending(path: &Path) -> String {
     let name = path
         .file_name()
         .map(|name| name.to_string_lossy().to_lowercase())
         .unwrap_or_default();
-    for double in ["launch.py", "launch.xml"] {
+    for double in ["launch.py", "launch.xml", "bag.active"] {
         if name.ends_with(&format!(".{double}")) {
             return double.to_owned();
         }
@@ -258,7 +258,7 @@ fn kind_of_name(path: &Path) -> Option<SourceKind> {
         "yaml" | "yml" => SourceKind::Yaml,
         "json" => SourceKind::Json,
         "mcap" => SourceKind::Mcap,
-        "bag" => SourceKind::Rosbag1,
+        "bag" | "bag.active" => SourceKind::Rosbag1,
         "db3" => SourceKind::Sqlite,
         _ => return None,
     })
@@ -269,7 +269,7 @@ fn recognise(path: &Path, head: &[u8]) -> Option<SourceKind> {
     if head.starts_with(b"\x89MCAP") {
         return Some(SourceKind::Mcap);
     }
-    if head.starts_with(b"#ROSBAG V") {
+    if head.starts_with(b"#ROSBAG V") || head.starts_with(b"#ROSRECORD V") {
         return Some(SourceKind::Rosbag1);
     }
     if head.starts_with(b"SQLite format 3\0") && ending(path) == "db3" {

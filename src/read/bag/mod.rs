@@ -6,6 +6,7 @@
 mod channels;
 mod kind;
 mod mcap;
+mod rosbag1;
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -109,6 +110,15 @@ pub struct Extent {
     pub span_ns: Option<(i64, i64)>,
 }
 
+/// The extent of a file of which nothing was read.
+const NOTHING: Extent = Extent {
+    truncated: true,
+    whole: false,
+    indexed: false,
+    messages_total: None,
+    span_ns: None,
+};
+
 /// Reads a recording once, whatever its format, and says in `source` how far that went: its status, its detail, what
 /// was examined and every problem.
 pub fn read(
@@ -118,13 +128,6 @@ pub fn read(
     progress: Progress<'_>,
     visit: &mut dyn Visit,
 ) -> Extent {
-    const NOTHING: Extent = Extent {
-        truncated: true,
-        whole: false,
-        indexed: false,
-        messages_total: None,
-        span_ns: None,
-    };
     let whole = Place::whole(source.id);
     let (file, total) = match open(path) {
         Ok(opened) => opened,
@@ -135,11 +138,14 @@ pub fn read(
     };
     source.examined.bytes_total = total;
     source.examined.messages = Some(0);
-    let container = Container::of(&first_bytes(&file));
-    if container == Container::Mcap {
-        return mcap::read(file, total, wanted, source, progress, visit);
+    let first = first_bytes(&file);
+    let container = Container::of(&first);
+    match container {
+        Container::Mcap => return mcap::read(file, total, wanted, source, progress, visit),
+        Container::Rosbag1 => return rosbag1::read(file, total, &first, wanted, source, progress, visit),
+        _ => {}
     }
-    let (message, help) = container.refusal();
+    let (message, help) = container.refusal(source.kind);
     source.problem_with_help(ReadStatus::Unreadable, whole, message, help.map(str::to_owned));
     NOTHING
 }
