@@ -15,6 +15,7 @@
 )]
 
 pub mod encode;
+pub mod heard;
 pub mod program;
 pub mod raw;
 pub mod recipe;

@@ -165,6 +165,7 @@ pub(super) fn header_len(len: u32) -> Result<usize, Fault> {
 /// Records of a stream, one at a time: for chunks too large to hold, and those whose end is not there.
 pub(super) struct Stream<R> {
     input: R,
+    len: Vec<u8>,
     header: Vec<u8>,
     data: Vec<u8>,
 }
@@ -173,6 +174,7 @@ impl<R: Read> Stream<R> {
     pub(super) fn new(input: R) -> Self {
         Self {
             input,
+            len: Vec::new(),
             header: Vec::new(),
             data: Vec::new(),
         }
@@ -202,8 +204,8 @@ impl<R: Read> Stream<R> {
 
     /// A length; `None` where the bytes end before it.
     fn len(&mut self) -> Result<Option<u32>, Fault> {
-        fill_some(&mut self.input, &mut self.header, 4)?;
-        match self.header.as_slice() {
+        fill_some(&mut self.input, &mut self.len, 4)?;
+        match self.len.as_slice() {
             [] => Ok(None),
             [a, b, c, d] => Ok(Some(u32::from_le_bytes([*a, *b, *c, *d]))),
             _ => Err(Fault::Ended),

@@ -65,7 +65,8 @@ impl Pass<'_, '_> {
         match fields.op() {
             op::CHUNK => return self.chunk(at, &fields, frame.len, end),
             op::INDEX_DATA => {
-                let next = self.behind_index_data(&fields, next, end);
+                let count = fields.u32("count").map_err(wrong)?;
+                let next = self.behind_index_data(count, next, end);
                 if next <= end {
                     return self.tape.seek(next).map_err(|why| fault(why, None));
                 }
@@ -99,10 +100,7 @@ impl Pass<'_, '_> {
 
     /// Where the record behind index data stands, with the tape before the data and `claimed` behind them as their record
     /// says. Recorders of 2010 wrote 12 bytes for each message and a length of 20.
-    fn behind_index_data(&mut self, fields: &Fields<'_>, claimed: u64, end: u64) -> u64 {
-        let Ok(count) = fields.u32("count") else {
-            return claimed;
-        };
+    fn behind_index_data(&mut self, count: u32, claimed: u64, end: u64) -> u64 {
         let counted = self.tape.at + 12 * u64::from(count);
         if counted == claimed {
             return claimed;
