@@ -95,7 +95,12 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
 pub fn read(options: &Options) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;
     let definitions = definitions(options)?;
-    let worlds = worlds(&inputs, options, &definitions, &sampling::Plan::new(options.extent, &[]));
+    let worlds = worlds(
+        &inputs,
+        options,
+        &definitions,
+        &sampling::Plan::new(options.extent, &[]),
+    );
     Ok(Run {
         sources: worlds.first().map(|world| world.sources.to_vec()).unwrap_or_default(),
         verdict: Verdict::default(),

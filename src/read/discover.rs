@@ -238,7 +238,7 @@ fn display(path: &Path) -> String {
     text.strip_prefix("./").unwrap_or(&text).to_owned()
 }
 
-/// The ending of a file's name, in lower case; `launch.py` and `launch.xml` count as one.
+/// The ending of a file's name, in lower case; `launch.py`, `launch.xml` and `bag.active` count as one.
 fn ending(path: &Path) -> String {
     let name = path
         .file_name()
@@ -247,6 +247,7 @@ fn ending(path: &Path) -> String {
     for double in [
         "launch.py",
         "launch.xml",
+        "bag.active",
         "mcap.zstd",
         "db3.zstd",
         "bag.zstd",
@@ -277,7 +278,7 @@ fn kind_of_name(path: &Path) -> Option<SourceKind> {
         "yaml" | "yml" => SourceKind::Yaml,
         "json" => SourceKind::Json,
         "mcap" | "mcap.zstd" | "mcap.zst" => SourceKind::Mcap,
-        "bag" | "bag.zstd" | "bag.zst" => SourceKind::Rosbag1,
+        "bag" | "bag.active" | "bag.zstd" | "bag.zst" => SourceKind::Rosbag1,
         "db3" | "db3.zstd" | "db3.zst" => SourceKind::Sqlite,
         _ => return None,
     })
@@ -288,7 +289,7 @@ fn recognise(path: &Path, head: &[u8]) -> Option<SourceKind> {
     if head.starts_with(b"\x89MCAP") {
         return Some(SourceKind::Mcap);
     }
-    if head.starts_with(b"#ROSBAG V") {
+    if head.starts_with(b"#ROSBAG V") || head.starts_with(b"#ROSRECORD V") {
         return Some(SourceKind::Rosbag1);
     }
     if head.starts_with(b"SQLite format 3\0") && ending(path) == "db3" {

@@ -10,6 +10,7 @@ mod kind;
 mod mcap;
 pub(in crate::read) mod metadata;
 mod parts;
+mod rosbag1;
 pub(in crate::read) mod rosbag2;
 pub(in crate::read) mod split;
 mod sqlite;
@@ -262,9 +263,11 @@ fn plain(
 ) -> Extent {
     source.examined.bytes_total = total;
     source.examined.messages = Some(0);
-    let container = Container::of(&first_bytes(&file));
+    let first = first_bytes(&file);
+    let container = Container::of(&first);
     match container {
         Container::Mcap => return mcap::read(file, total, wanted, source, progress, visit),
+        Container::Rosbag1 => return rosbag1::read(file, total, &first, wanted, source, progress, visit),
         Container::Sqlite => return sqlite::read(path, total, metadata, wanted, source, progress, visit),
         _ => {}
     }
