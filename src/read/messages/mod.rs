@@ -8,6 +8,8 @@ mod cursor;
 pub mod decoder;
 pub mod definition;
 pub mod header;
+#[cfg(test)]
+mod tests;
 pub mod tf;
 pub mod walk;
 
