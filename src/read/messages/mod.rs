@@ -9,6 +9,8 @@ pub mod decoder;
 pub mod definition;
 pub mod foxglove;
 pub mod header;
+#[cfg(test)]
+mod tests;
 pub mod tf;
 pub mod walk;
 
