@@ -212,6 +212,7 @@ impl Collector {
 
     fn finish(self, source: &mut Source, extent: &Extent) -> Collected {
         self.problems(source);
+        self.examined(source, extent);
         self.nothing_to_judge(source, extent.truncated);
         let (edges, parent_switches, mut frames) = self.tf.finish(source.id, &self.writers);
         for topic in &self.topics {
@@ -247,6 +248,22 @@ impl Collector {
             },
             descriptions: self.descriptions.kept,
         }
+    }
+
+    /// Says how much of the recording was examined.
+    fn examined(&self, source: &mut Source, extent: &Extent) {
+        let examined = &mut source.examined;
+        examined.messages_total = extent.messages_total;
+        let length = |(first, last): (i64, i64)| last.saturating_sub(first);
+        examined.time_total_ns = extent.span_ns.or(self.log_ns).map(length);
+        examined.time_ns = Some(
+            self.stretches_ns
+                .iter()
+                .copied()
+                .map(length)
+                .fold(0, i64::saturating_add),
+        );
+        examined.windows = (!extent.whole).then_some(self.stretches_ns.len() as u64);
     }
 
     /// Says when the recording was read, and there is nothing in it to judge by.

@@ -6,8 +6,10 @@
 use std::cell::RefCell;
 use std::io::Read;
 
-/// Bytes of a batch, decompressed; a batch has one chunk at least.
-const BATCH_BYTES: u64 = 24 << 20;
+/// Bytes of a batch, decompressed, if that gives every core a chunk.
+const BATCH_BYTES: u64 = 8 << 20;
+/// Bytes above which a batch is never filled up, one chunk excepted.
+const LARGEST_BATCH: u64 = 64 << 20;
 /// Buffers kept for the next batch.
 const KEPT: usize = 64;
 
@@ -78,7 +80,8 @@ impl Inflater {
     pub(super) fn push<E>(&mut self, chunk: Packed, look: &mut dyn FnMut(&Unpacked) -> Result<(), E>) -> Result<(), E> {
         self.waiting_bytes += chunk.size.max(chunk.data.len() as u64);
         self.packed.push(chunk);
-        if self.waiting_bytes < BATCH_BYTES {
+        let for_all = self.packed.len() >= rayon::current_num_threads().max(2);
+        if self.waiting_bytes < BATCH_BYTES || (!for_all && self.waiting_bytes < LARGEST_BATCH) {
             return Ok(());
         }
         self.turn(look)
