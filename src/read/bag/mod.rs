@@ -75,7 +75,8 @@ pub trait Visit {
     fn seam(&mut self);
     /// What follows stands in this file of a recording that has several.
     fn part(&mut self, _name: &str) {}
-    /// The recording holds this beside messages: a metadata record's name and its fields.
+    /// Something that the recording holds beside messages: a metadata record with its fields, or under the name
+    /// `attachments` the name of an attachment with its media type. A name may come several times.
     fn annotation(&mut self, _name: &str, _fields: &BTreeMap<String, String>) {}
 }
 
