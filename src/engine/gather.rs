@@ -39,11 +39,12 @@ struct Emerged {
 }
 
 /// Reads all inputs. Readings are ordered by source id.
-pub(super) fn gather(inputs: &Inputs, xacro_args: &[String], progress: &Progress) -> Vec<Reading> {
+pub(super) fn gather(inputs: &Inputs, xacro_args: &[String], how: &How, progress: &Progress) -> Vec<Reading> {
     let included = included_xacros(inputs);
     let reader = Reader {
         inputs,
         xacro_args,
+        how,
         progress,
         included: &included,
     };
@@ -81,7 +82,7 @@ fn read_emerged(emerged: Emerged, id: SourceId, inputs: &Inputs) -> Reading {
     source.examined = Examined {
         bytes: emerged.text.len() as u64,
         bytes_total: emerged.text.len() as u64,
-        messages: None,
+        ..Examined::default()
     };
     source.text = emerged.text;
     let lookup = inputs
@@ -113,6 +114,7 @@ fn included_xacros(inputs: &Inputs) -> Vec<String> {
 struct Reader<'a> {
     inputs: &'a Inputs,
     xacro_args: &'a [String],
+    how: &'a How,
     progress: &'a Progress,
     included: &'a [String],
 }
@@ -138,10 +140,8 @@ impl Reader<'_> {
 
     fn read_kind(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<Emerged>) -> Facts {
         match input.kind {
-            SourceKind::Mcap | SourceKind::Rosbag1 => self.read_recording(input, source, index, emerged),
-            SourceKind::Sqlite => {
-                unread_recording(source);
-                Facts::default()
+            SourceKind::Mcap | SourceKind::Rosbag1 | SourceKind::Sqlite => {
+                self.read_recording(input, source, index, emerged)
             }
             SourceKind::Unsupported => {
                 source.problem(
@@ -169,7 +169,7 @@ impl Reader<'_> {
         let task = self
             .progress
             .start(&input.display, fs::metadata(&input.path).map_or(0, |meta| meta.len()));
-        let collected = collect(&input.path, &How::default(), source, &|done, _total| task.update(done));
+        let collected = collect(&input.path, self.how, source, &|done, _total| task.update(done));
         emerged.extend(
             collected
                 .descriptions
@@ -226,15 +226,6 @@ fn with_references(mut facts: Facts, input: &Input) -> Facts {
     facts
 }
 
-fn unread_recording(source: &mut Source) {
-    source.problem_with_help(
-        ReadStatus::Unreadable,
-        Place::whole(source.id),
-        "rosbag2 SQLite recordings are not read yet",
-        Some("convert it to MCAP (`mcap convert`, or `ros2 bag convert`) and check that".to_owned()),
-    );
-}
-
 /// Fills the source's text. False where there is no text to read; the source then says why.
 fn load_text(input: &Input, source: &mut Source) -> bool {
     let id = source.id;
@@ -249,7 +240,7 @@ fn load_text(input: &Input, source: &mut Source) -> bool {
     source.examined = Examined {
         bytes: bytes.len() as u64,
         bytes_total: bytes.len() as u64,
-        messages: None,
+        ..Examined::default()
     };
     if bytes.iter().all(u8::is_ascii_whitespace) {
         let message = if bytes.is_empty() {

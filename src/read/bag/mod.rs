@@ -3,10 +3,13 @@
 //! Owns the words channel and message, and the choice of the reader by a file's first bytes. Must not know what
 //! is inside the messages, nor keep any of them.
 
-mod channels;
+mod chunks;
+mod inflate;
 mod kind;
 mod mcap;
+mod metadata;
 mod rosbag1;
+mod sqlite;
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -142,6 +145,7 @@ pub fn read(
     let container = Container::of(&first);
     match container {
         Container::Mcap => return mcap::read(file, total, wanted, source, progress, visit),
+        Container::Sqlite => return sqlite::read(path, total, None, wanted, source, progress, visit),
         Container::Rosbag1 => return rosbag1::read(file, total, &first, wanted, source, progress, visit),
         _ => {}
     }
