@@ -10,10 +10,12 @@
 
 mod support;
 
-use frames_lint::read::bag::Extent;
+use std::path::Path;
+
+use frames_lint::read::bag::{Extent, Sampling, Wanted};
 use frames_lint::source::ReadStatus;
-use support::heard::{Heard, read, read_from};
-use support::rosbag1::{Compression, Connection, Ending, Layout, Rosbag1, drive, layouts};
+use support::heard::{Heard, Said, read, read_from, wanted};
+use support::rosbag1::{Compression, Connection, Ending, Layout, Rosbag1, Written, drive, layouts};
 
 #[test]
 fn what_was_written_is_read_in_every_compression() {
@@ -198,6 +200,120 @@ fn an_encrypted_bag_is_refused() {
     );
 }
 
+/// Two minutes of an IMU at 100 Hz, a map every half minute, and one word of a third connection near the end.
+fn long(compression: Compression) -> (Written, Vec<Said>) {
+    let mut bag = Rosbag1::new(Layout {
+        compression,
+        ..Layout::default()
+    });
+    let [imu, map, word] = ["/imu", "/map", "/word"].map(|topic| {
+        bag.connection(&Connection {
+            topic,
+            latching: topic == "/map",
+            ..Connection::default()
+        })
+    });
+    let mut written = Vec::new();
+    for tick in 0..12_000 {
+        let mut say = |number, topic: &str| {
+            let data: Vec<u8> = (0..60).map(|byte| u8::try_from((byte * tick) % 251).unwrap()).collect();
+            bag.message(number, tick * 10_000_000, &data);
+            written.push((topic.to_owned(), tick * 10_000_000, data));
+        };
+        say(imu, "/imu");
+        if tick % 3000 == 0 {
+            say(map, "/map");
+        }
+        if tick == 9_321 {
+            say(word, "/word");
+        }
+    }
+    (bag.finish(), written)
+}
+
+const SAMPLING: Sampling = Sampling {
+    windows: 4,
+    seconds: 2.0,
+    bytes: 200_000,
+};
+
+#[test]
+fn some_of_a_bag_is_read_by_its_index() {
+    let some = Wanted {
+        sampling: Some(SAMPLING),
+        throughout: &|channel| channel.latched,
+    };
+    for compression in Compression::ALL {
+        let (bag, written) = long(compression);
+        let (source, extent, heard) = wanted(&bag.bytes, &some);
+        assert_eq!((source.status, &source.problems), (ReadStatus::Read, &vec![]));
+        let expected = Extent {
+            truncated: false,
+            whole: false,
+            indexed: true,
+            messages_total: Some(12_005),
+            span_ns: Some((0, 119_990_000_000)),
+        };
+        assert_eq!(extent, expected);
+        let share = heard.messages.len();
+        assert!((700..3000).contains(&share) && source.examined.bytes < source.examined.bytes_total / 2);
+        assert!(heard.seams >= 4, "{}", heard.seams);
+        assert_eq!(
+            (heard.messages.first(), heard.messages.last()),
+            (written.first(), written.last())
+        );
+        let of = |topic: &str| heard.messages.iter().filter(|said| said.0 == topic).count();
+        assert_eq!((of("/map"), of("/word")), (4, 1));
+        assert_eq!(heard.channels[0].total, Some(12_000));
+        let mut rest = written.iter();
+        assert!(heard.messages.iter().all(|said| rest.any(|other| other == said)));
+        // What fits is read wholly.
+        let all = Wanted {
+            sampling: Some(Sampling {
+                bytes: 1 << 30,
+                ..SAMPLING
+            }),
+            ..some
+        };
+        let (_, extent, heard) = wanted(&bag.bytes, &all);
+        assert!(extent.whole && heard.messages == written && heard.seams == 0);
+    }
+}
+
+#[test]
+fn an_index_that_lies_about_a_chosen_chunk_is_not_followed() {
+    let some = Wanted {
+        sampling: Some(SAMPLING),
+        throughout: &|channel| channel.latched,
+    };
+    let (bag, written) = long(Compression::Lz4);
+    // The last chunk, which is always chosen, is said to stand a little earlier.
+    let last = *bag.chunks.last().unwrap() as u64;
+    let field = [b"chunk_pos=", last.to_le_bytes().as_slice()].concat();
+    let at = bag.index
+        + bag.bytes[bag.index..]
+            .windows(field.len())
+            .position(|window| window == field)
+            .unwrap();
+    let mut lying = bag.bytes.clone();
+    lying[at + 10..at + 18].copy_from_slice(&(last - 3).to_le_bytes());
+    let (source, extent, heard) = wanted(&lying, &some);
+    assert!(extent.whole && heard.messages == written, "{source:?}");
+    assert_eq!(source.status, ReadStatus::Partial);
+    // A chunk that is there, and damaged.
+    let mut broken = bag.bytes.clone();
+    let last = *bag.chunks.last().unwrap();
+    broken[last + 100..last + 120].fill(0x5a);
+    let (source, extent, heard) = wanted(&broken, &some);
+    assert!(
+        extent.truncated && !extent.whole && heard.messages.len() > 600,
+        "{source:?}"
+    );
+    assert_eq!(source.status, ReadStatus::Partial);
+    let expected = format!("bytes {last} to ");
+    assert!(source.detail.clone().unwrap().starts_with(&expected), "{source:?}");
+}
+
 #[test]
 fn every_real_bag_is_read() {
     let Some(folder) = support::real_bags() else {
@@ -235,4 +351,37 @@ fn every_real_bag_is_read() {
         }
     }
     assert!(read > 0, "no bag was found in {}", folder.display());
+}
+
+/// Writes the seeds of the fuzz target, without the magic that it gives itself.
+#[test]
+#[ignore = "writes into fuzz/seeds"]
+fn seeds_of_the_fuzz_target() {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/seeds/rosbag1");
+    std::fs::create_dir_all(&folder).unwrap();
+    for (name, compression, ending) in [
+        ("none", Compression::None, Ending::Closed),
+        ("bz2", Compression::Bz2, Ending::Closed),
+        ("lz4", Compression::Lz4, Ending::Closed),
+        ("unindexed", Compression::None, Ending::Unindexed),
+        ("active", Compression::Lz4, Ending::Active),
+    ] {
+        let mut bag = Rosbag1::new(Layout {
+            compression,
+            ending,
+            chunk_bytes: 300,
+            ..Layout::default()
+        });
+        let numbers = ["/tf", "/b"].map(|topic| {
+            bag.connection(&Connection {
+                topic,
+                message_type: "tf2_msgs/TFMessage",
+                ..Connection::default()
+            })
+        });
+        for tick in 0..8 {
+            bag.message(numbers[usize::from(tick % 2 == 0)], tick * 1_000_000_000, &[0; 20]);
+        }
+        std::fs::write(folder.join(name), &bag.finish().bytes[13..]).unwrap();
+    }
 }

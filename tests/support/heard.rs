@@ -38,11 +38,15 @@ impl Visit for Heard {
 
 /// Reads the recording at a path, whose status and numbers must agree.
 pub fn read_from(path: &Path) -> (Source, Extent, Heard) {
+    wanted_from(path, &Wanted::ALL)
+}
+
+fn wanted_from(path: &Path, wanted: &Wanted<'_>) -> (Source, Extent, Heard) {
     let mut source = Source::new(SourceId(0), path.display().to_string(), SourceKind::Rosbag1);
     let mut heard = Heard::default();
     let extent = bag::read(
         &Recording { path, parts: &[] },
-        &Wanted::ALL,
+        wanted,
         &mut source,
         &|_, _| {},
         &mut heard,
@@ -59,8 +63,13 @@ pub fn read_from(path: &Path) -> (Source, Extent, Heard) {
 
 /// Reads a bag given as bytes.
 pub fn read(bytes: &[u8]) -> (Source, Extent, Heard) {
+    wanted(bytes, &Wanted::ALL)
+}
+
+/// Reads some of a bag given as bytes.
+pub fn wanted(bytes: &[u8], wanted: &Wanted<'_>) -> (Source, Extent, Heard) {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("drive.bag");
     std::fs::write(&path, bytes).unwrap();
-    read_from(&path)
+    wanted_from(&path, wanted)
 }

@@ -1,9 +1,10 @@
 //! The inside of a chunk: its compression, and how much it may hold.
 //!
-//! Owns decompression and its bounds. Must not know the file, nor what the records inside mean.
+//! Owns the bounds on what a chunk may claim. Must not know the file, nor what the records inside mean.
 
 use std::io::{self, Read};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use crate::read::bag::inflate::{Compression, bz2_reader};
 
 use super::record::Fields;
 
@@ -12,14 +13,6 @@ const MAX_CHUNK: u64 = 1 << 30;
 /// Chunks up to this size, bytes, are decompressed and held against their checksums before the first message is used.
 /// Larger ones, and a chunk that the file's end cuts, are streamed.
 const MAX_HELD: u64 = 64 << 20;
-
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Compression {
-    None,
-    Bz2,
-    /// Frames of LZ4, not bare blocks.
-    Lz4,
-}
 
 /// What a chunk's record says of it.
 #[derive(Clone, Copy, Debug)]
@@ -79,14 +72,6 @@ impl Chunk {
         self.len.max(self.size)
     }
 
-    /// Decompresses what is held in memory. Growth follows what is there, never what is claimed.
-    pub(super) fn unpack(&self, packed: &[u8], unpacked: &mut Vec<u8>) -> Result<(), String> {
-        unpacked.clear();
-        let mut input = self.decoder(packed).map_err(damaged)?.take(self.size + 1);
-        input.read_to_end(unpacked).map_err(damaged)?;
-        self.held_against(unpacked.len() as u64)
-    }
-
     /// Holds the decompressed bytes against the size that the chunk claims.
     pub(super) fn held_against(&self, unpacked: u64) -> Result<(), String> {
         if unpacked == self.size {
@@ -106,9 +91,9 @@ impl Chunk {
     /// A reader of the decompressed bytes.
     pub(super) fn decoder<'r>(&self, packed: impl Read + 'r) -> io::Result<Box<dyn Read + 'r>> {
         Ok(match self.compression {
-            Compression::None => Box::new(packed),
-            Compression::Bz2 => Box::new(Guarded(bzip2::read::BzDecoder::new(packed))),
-            Compression::Lz4 => Box::new(Guarded(lz4::Decoder::new(packed)?)),
+            Compression::Bz2 => Box::new(bz2_reader(packed)),
+            Compression::Lz4 => Box::new(lz4::Decoder::new(packed)?),
+            _ => Box::new(packed),
         })
     }
 }
@@ -116,15 +101,4 @@ impl Chunk {
 /// What is said of a chunk that does not decompress.
 pub(super) fn damaged(error: impl std::fmt::Display) -> String {
     format!("a chunk is damaged: {error}")
-}
-
-/// A decompressor whose panic costs one chunk only. They are built to fail with errors.
-struct Guarded<R>(R);
-
-impl<R: Read> Read for Guarded<R> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let (decoder, lent) = (&mut self.0, buffer);
-        catch_unwind(AssertUnwindSafe(|| decoder.read(lent)))
-            .unwrap_or_else(|_| Err(io::Error::other("the decompressor broke down")))
-    }
 }

@@ -2,7 +2,7 @@
 //!
 //! Owns connections by their numbers in the file, with bounds on how much a hostile file can make us keep.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::read::bag::{Channel, Message, Visit};
 
@@ -69,6 +69,12 @@ impl<'v> Connections<'v> {
             )?;
         }
         Ok(())
+    }
+
+    /// Numbers of the connections told so far that are wanted.
+    pub(super) fn wanted(&self, wanted: &dyn Fn(&Channel) -> bool) -> BTreeSet<u32> {
+        let told = self.by_number.iter().filter(|(_, known)| wanted(&known.channel));
+        told.map(|(number, _)| *number).collect()
     }
 
     /// Takes in one record. The error says what is wrong with it.

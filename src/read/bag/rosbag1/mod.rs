@@ -12,18 +12,22 @@ mod index;
 mod losses;
 mod record;
 mod report;
+mod sample;
 mod scan;
+mod sink;
 mod tape;
 
 use std::fs::File;
+use std::sync::Arc;
 
 use crate::source::{Place, ReadStatus, Source};
 
+use super::inflate::Inflater;
 use super::{Extent, Progress, Visit, Wanted};
 
 use connections::Connections;
 use index::{Found, Index};
-use losses::Losses;
+use sink::Sink;
 use tape::Tape;
 
 /// The only version that is read; all recorders since 2010 write it.
@@ -32,20 +36,14 @@ const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
 /// One pass over a bag.
 struct Pass<'a, 'v> {
     tape: Tape,
-    /// The index, where it is sound.
-    index: Option<Index>,
+    sink: Sink<'v>,
+    inflater: Inflater,
     /// Why there is no index.
     unindexed: Option<String>,
     /// Where the data end, as the bag header says, whether there is an index or not.
     data_end: Option<u64>,
     /// Whether the records lead there without a loss.
     data_ended: bool,
-    connections: Connections<'v>,
-    losses: Losses,
-    /// Chunks that stand where the index says.
-    met_chunks: usize,
-    /// Chunks that the index does not know.
-    unlisted_chunks: u64,
     /// Records of index data whose length is not what their count makes.
     odd_index_data: u64,
     /// Chunks without compression that claim another size than they have.
@@ -53,10 +51,8 @@ struct Pass<'a, 'v> {
     progress: Progress<'a>,
     /// Position of the last call of the progress function.
     told: u64,
-    /// Buffer for the chunk, or the record, as it stands in the file.
-    packed: Vec<u8>,
-    /// Buffer for the chunk as it was before compression.
-    unpacked: Vec<u8>,
+    /// Buffer for records outside chunks.
+    record: Vec<u8>,
 }
 
 /// Reads a bag of any version; see [`super::read`].
@@ -64,7 +60,7 @@ pub(super) fn read(
     file: File,
     total: u64,
     first: &[u8],
-    _wanted: &Wanted<'_>,
+    wanted: &Wanted<'_>,
     source: &mut Source,
     progress: Progress<'_>,
     visit: &mut dyn Visit,
@@ -75,20 +71,16 @@ pub(super) fn read(
     }
     let mut pass = Pass {
         tape: Tape::new(file, total),
-        index: None,
+        sink: Sink::new(Connections::new(visit)),
+        inflater: Inflater::default(),
         unindexed: None,
         data_end: None,
         data_ended: false,
-        connections: Connections::new(visit),
-        losses: Losses::default(),
-        met_chunks: 0,
-        unlisted_chunks: 0,
         odd_index_data: 0,
         lying_sizes: 0,
         progress,
         told: 0,
-        packed: Vec::new(),
-        unpacked: Vec::new(),
+        record: Vec::new(),
     };
     match index::find(&mut pass.tape) {
         Found::Index(index) => pass.take(index),
@@ -105,6 +97,11 @@ pub(super) fn read(
             return super::NOTHING;
         }
     }
+    if let Some(sampling) = &wanted.sampling
+        && let Some(chosen) = pass.choose(sampling, wanted.throughout)
+    {
+        return pass.sample(&chosen, source);
+    }
     let failure = pass.scan().err();
     (pass.progress)(total, total);
     pass.report(failure, source)
@@ -114,8 +111,8 @@ impl Pass<'_, '_> {
     /// Uses an index: its connections are told before the first message.
     fn take(&mut self, index: Index) {
         self.data_end = Some(index.at);
-        match self.connections.announce(&index) {
-            Ok(()) => self.index = Some(index),
+        match self.sink.connections.announce(&index) {
+            Ok(()) => self.sink.index = Some(Arc::new(index)),
             Err(why) => self.unindexed = Some(format!("the index is of no use: {why}")),
         }
     }

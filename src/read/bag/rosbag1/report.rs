@@ -14,13 +14,13 @@ const HELP: &str = "`rosbag reindex` writes a new index over what is readable; r
 impl Pass<'_, '_> {
     /// Writes down how far reading went; `failure` is a fault of the system that ended it.
     pub(super) fn report(&self, failure: Option<Fault>, source: &mut Source) -> Extent {
-        let read = self.connections.messages;
+        let read = self.sink.connections.messages;
         let failed = failure.is_some();
         source.examined.messages = Some(read);
         source.examined.bytes = if failed {
             self.tape.at
         } else {
-            self.losses.read_of(self.tape.total)
+            self.sink.losses.read_of(self.tape.total)
         };
         let whole = Place::whole(source.id);
         // Where no message was met there is nothing to judge.
@@ -35,17 +35,18 @@ impl Pass<'_, '_> {
         if let Some(fault) = failure {
             tell(worst, words(fault), None);
         }
-        for line in self.losses.lines(self.tape.total) {
+        for line in self.sink.losses.lines(self.tape.total) {
             tell(worst, line, Some(HELP));
         }
         if let Some(why) = &self.unindexed {
             tell(worst, format!("{why}: it was scanned from its top"), Some(HELP));
         }
         let (missing, surplus) = self
+            .sink
             .index
             .as_ref()
-            .map_or((0, 0), |index| self.connections.against(index));
-        let promised = self.index.as_ref().map(Index::messages);
+            .map_or((0, 0), |index| self.sink.connections.against(index));
+        let promised = self.sink.index.as_deref().map(Index::messages);
         if let Some(promised) = promised.filter(|_| missing + surplus > 0) {
             tell(
                 worst,
@@ -54,51 +55,53 @@ impl Pass<'_, '_> {
             );
         }
         let mut lost = failed || missing > 0;
-        if self.index.is_none() {
+        if self.sink.index.is_none() {
             lost |= !self.data_ended;
         }
-        if self.connections.orphans > 0 {
-            let orphans = self.connections.orphans;
+        if self.sink.connections.orphans > 0 {
+            let orphans = self.sink.connections.orphans;
             let message = format!("{orphans} messages belong to connections that the file does not define");
             tell(worst, message, None);
             lost = true;
         }
-        for (count, what) in self.oddities() {
-            tell(ReadStatus::Partial, format!("{count} {what}"), Some(HELP));
-        }
-        if self.odd_index_data > 0 {
-            let message = format!(
-                "{} index records have another length than they say, as recorders of 2010 wrote them",
-                self.odd_index_data
-            );
-            tell(ReadStatus::Read, message, None);
-        }
+        let chunks = self.sink.index.as_ref().map_or(0, |index| index.chunks.len());
+        self.tell_oddities(chunks, source);
         if read == 0 && source.detail.is_none() {
             source.detail = Some("no messages".to_owned());
         }
         Extent {
             truncated: lost,
             whole: true,
-            indexed: self.index.is_some(),
+            indexed: self.sink.index.is_some(),
             messages_total: promised,
-            span_ns: self.index.as_ref().and_then(Index::span_ns),
+            span_ns: self.sink.index.as_deref().and_then(Index::span_ns),
         }
     }
 
-    /// What does not hang together, though nothing needs to be missing.
-    fn oddities(&self) -> impl Iterator<Item = (u64, &'static str)> {
-        let chunks = self.index.as_ref().map_or(0, |index| index.chunks.len());
-        let unmet = chunks.saturating_sub(self.met_chunks) as u64;
+    /// Says what does not hang together, though nothing needs to be missing; `chunks` of the index were looked for.
+    pub(super) fn tell_oddities(&self, chunks: usize, source: &mut Source) {
+        let whole = Place::whole(source.id);
+        let unmet = chunks.saturating_sub(self.sink.met_chunks) as u64;
+        let connections = &self.sink.connections;
         let found = [
-            (self.connections.redefined, "connections are defined twice, differently"),
+            (connections.redefined, "connections are defined twice, differently"),
             (
-                self.connections.outside,
+                connections.outside,
                 "messages bear another log time than the index gives their chunk",
             ),
-            (self.unlisted_chunks, "chunks are not in the index"),
+            (self.sink.unlisted_chunks, "chunks are not in the index"),
             (unmet, "chunks do not stand where the index says"),
             (self.lying_sizes, "chunks have another size than they say"),
         ];
-        found.into_iter().filter(|(count, _)| *count > 0)
+        for (count, what) in found.into_iter().filter(|(count, _)| *count > 0) {
+            let message = format!("{count} {what}");
+            source.problem_with_help(ReadStatus::Partial, whole.clone(), message, Some(HELP.to_owned()));
+        }
+        if self.odd_index_data > 0 {
+            let count = self.odd_index_data;
+            let message =
+                format!("{count} index records have another length than they say, as recorders of 2010 wrote them");
+            source.problem(ReadStatus::Read, whole, message);
+        }
     }
 }

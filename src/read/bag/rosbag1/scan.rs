@@ -2,13 +2,16 @@
 //!
 //! Owns the order of the records in the file, and how reading goes on behind a fault. Must not know what is told of it.
 
+use std::convert::Infallible;
 use std::io::{BufReader, Read as _};
 
+use crate::read::bag::inflate::{Compression, Packed};
+
 use super::Pass;
-use super::chunk::{Chunk, Compression, damaged};
+use super::chunk::{Chunk, damaged};
 use super::index::{MAGIC_LEN, words};
-use super::losses::Loss;
-use super::record::{self, Fault, Fields, MAX_RECORD, Stream, kind, op};
+use super::record::{Fault, Fields, MAX_RECORD, Stream, kind, op};
+use super::sink::inside;
 
 /// Bytes between two calls of the progress function.
 const PROGRESS_STEP: u64 = 4 << 20;
@@ -28,14 +31,16 @@ impl Pass<'_, '_> {
     /// Reads everything. The error is one of the system.
     pub(super) fn scan(&mut self) -> Result<(), Fault> {
         // Behind the index nothing is new: it was read first.
-        let end = self.index.as_ref().map_or(self.tape.total, |index| index.at);
+        let end = self.sink.index.as_ref().map_or(self.tape.total, |index| index.at);
         self.tape.seek_anew(MAGIC_LEN)?;
         loop {
             let at = self.tape.at;
-            if Some(at) == self.data_end && self.losses.is_empty() {
-                self.data_ended = true;
+            if Some(at) == self.data_end {
+                self.flush();
+                self.data_ended = self.sink.losses.is_empty();
             }
             if at >= end {
+                self.flush();
                 return Ok(());
             }
             if at >= self.told + PROGRESS_STEP {
@@ -85,10 +90,11 @@ impl Pass<'_, '_> {
                         "a record of {len} bytes is above the limit of {MAX_RECORD}"
                     )));
                 }
-                self.connections.span_ns = None;
-                let loaded = self.tape.load(&mut self.packed, frame.len);
+                self.flush();
+                self.sink.connections.span_ns = None;
+                let loaded = self.tape.load(&mut self.record, frame.len);
                 loaded.map_err(|why| fault(why, None))?;
-                self.connections.record(&fields, &self.packed).map_err(wrong)
+                self.sink.connections.record(&fields, &self.record).map_err(wrong)
             }
             op::BAG_HEADER | op::CHUNK_INFO => self.tape.seek(next).map_err(|why| fault(why, None)),
             other => Err(wrong(format!(
@@ -110,7 +116,7 @@ impl Pass<'_, '_> {
         if is_sound { counted } else { claimed }
     }
 
-    /// Reads the chunk whose frame was just read.
+    /// Reads the chunk whose frame was just read, or gives it to the inflater.
     fn chunk(&mut self, at: u64, fields: &Fields<'_>, len: u64, end: u64) -> Result<(), Damage> {
         let body = self.tape.at;
         let next = body + len;
@@ -119,12 +125,14 @@ impl Pass<'_, '_> {
             used: at,
             next: Some(next),
         };
-        self.expect(at);
+        // A chunk that runs over the next one lies.
+        let behind = self.sink.index.as_ref().and_then(|index| index.next_chunk(at));
+        let end = behind.unwrap_or(end);
         let chunk = Chunk::of(fields, len).map_err(damage)?;
         let is_open = chunk.is_open() && next < end && !self.tape.is_record_at(next);
         if is_open || next > end {
             // What stands before the cut is used.
-            let result = self.stream(&chunk, end - body);
+            let result = self.stream(at, &chunk, end - body);
             let mut why = if is_open {
                 "the last chunk was not closed".to_owned()
             } else {
@@ -133,44 +141,54 @@ impl Pass<'_, '_> {
             if let Err(Fault::Wrong(inside)) = result {
                 why = format!("{why}; {inside}");
             }
-            let used = if self.index.is_some() { at } else { end };
+            let used = if self.sink.index.is_some() { at } else { end };
             return Err(Damage { why, used, next: None });
         }
         if !chunk.is_held() {
-            let unpacked = self.stream(&chunk, len).map_err(|fault| damage(inside(fault)))?;
+            let unpacked = self.stream(at, &chunk, len).map_err(|fault| damage(inside(fault)))?;
             self.hold(&chunk, unpacked).map_err(damage)?;
             return self.tape.seek_anew(next).map_err(|fault| damage(words(fault)));
         }
-        let loaded = self.tape.load(&mut self.packed, len);
-        loaded.map_err(|fault| damage(words(fault)))?;
-        let mut records = if chunk.compression == Compression::None {
-            self.hold(&chunk, len).map_err(damage)?;
-            self.packed.as_slice()
-        } else {
-            chunk.unpack(&self.packed, &mut self.unpacked).map_err(damage)?;
-            self.unpacked.as_slice()
-        };
-        while let Some((fields, data)) = record::next(&mut records).map_err(|fault| damage(inside(fault)))? {
-            self.connections.record(&fields, data).map_err(damage)?;
+        self.pack(at, &chunk, false).map_err(|fault| damage(words(fault)))
+    }
+
+    /// Gives a chunk, whose frame was just read and which is there, to the inflater.
+    pub(super) fn pack(&mut self, at: u64, chunk: &Chunk, seam: bool) -> Result<(), Fault> {
+        let mut data = self.inflater.buffer();
+        self.tape.load(&mut data, chunk.len)?;
+        let mut size = chunk.size;
+        if chunk.compression == Compression::None {
+            // Nothing is decompressed by this claim, so it does no harm.
+            self.lying_sizes += u64::from(size != chunk.len);
+            size = chunk.len;
         }
+        let packed = Packed {
+            at,
+            compression: chunk.compression,
+            size,
+            checksum: 0,
+            seam,
+            data,
+        };
+        self.sink.ends.push_back(self.tape.at);
+        let sink = &mut self.sink;
+        let Ok(()) = self.inflater.push(packed, &mut |chunk| {
+            sink.chunk(chunk);
+            Ok::<(), Infallible>(())
+        });
         Ok(())
     }
 
-    /// Looks up what the index says of the chunk at a byte.
-    fn expect(&mut self, at: u64) {
-        self.connections.span_ns = None;
-        let Some(index) = &self.index else {
-            return;
-        };
-        if let Some(info) = index.chunk_at(at) {
-            self.met_chunks += 1;
-            self.connections.span_ns = Some((info.start_ns, info.end_ns));
-        } else {
-            self.unlisted_chunks += 1;
-        }
+    /// Uses every chunk that was given to the inflater.
+    pub(super) fn flush(&mut self) {
+        let sink = &mut self.sink;
+        let Ok(()) = self.inflater.finish(&mut |chunk| {
+            sink.chunk(chunk);
+            Ok::<(), Infallible>(())
+        });
     }
 
-    /// Holds the size of a chunk against what it claims. Where nothing was decompressed by that claim, it does no harm.
+    /// Holds the size of a streamed chunk against what it claims.
     fn hold(&mut self, chunk: &Chunk, unpacked: u64) -> Result<(), String> {
         if chunk.compression != Compression::None {
             return chunk.held_against(unpacked);
@@ -181,13 +199,15 @@ impl Pass<'_, '_> {
 
     /// Reads the records of a chunk that is not held in memory; `packed` is the length of what there is of it. Returns the
     /// bytes they have decompressed. The tape stands anywhere afterwards.
-    fn stream(&mut self, chunk: &Chunk, packed: u64) -> Result<u64, Fault> {
+    fn stream(&mut self, at: u64, chunk: &Chunk, packed: u64) -> Result<u64, Fault> {
+        self.flush();
+        self.sink.expect(at);
         let decoder = chunk.decoder(self.tape.bytes(packed));
         let decoder = decoder.map_err(|error| Fault::Wrong(damaged(error)))?;
         let limit = chunk.limit();
         let mut stream = Stream::new(BufReader::new(decoder).take(limit));
         while let Some((fields, data)) = stream.next()? {
-            self.connections.record(&fields, data).map_err(Fault::Wrong)?;
+            self.sink.connections.record(&fields, data).map_err(Fault::Wrong)?;
         }
         Ok(limit - stream.into_inner().limit())
     }
@@ -200,7 +220,7 @@ impl Pass<'_, '_> {
             to = Some(MAGIC_LEN + TOP_LEN).filter(&mut is_sound);
         }
         if to.is_none()
-            && let Some(index) = &self.index
+            && let Some(index) = &self.sink.index
         {
             let mut behind = at;
             while let Some(chunk) = index.next_chunk(behind) {
@@ -215,12 +235,8 @@ impl Pass<'_, '_> {
                 return Ok(true);
             }
         }
-        self.losses.add(Loss {
-            from: damage.used,
-            to,
-            why: damage.why,
-        });
-        self.connections.visit.seam();
+        self.flush();
+        self.sink.lose(damage.used, to, damage.why);
         if let Some(to) = to {
             self.tape.seek_anew(to)?;
         }
@@ -236,17 +252,9 @@ impl Pass<'_, '_> {
 
     /// What is said of a record that is longer than the room it stands in.
     fn beyond(&self, what: &str, len: u64) -> String {
-        if self.index.is_some() {
-            return format!("a {what} of {len} bytes reaches into the index");
+        if self.sink.index.is_some() {
+            return format!("a {what} of {len} bytes reaches over what the index places behind it");
         }
         format!("the file ends inside a {what} of {len} bytes: the recording was cut off or not closed")
-    }
-}
-
-/// A fault inside a chunk that is whole.
-fn inside(fault: Fault) -> String {
-    match fault {
-        Fault::Ended => "a chunk ends inside a record".to_owned(),
-        Fault::Wrong(why) => why,
     }
 }
