@@ -6,7 +6,7 @@ use std::borrow::Cow;
 
 use super::content::{Body, Content};
 use super::header::{self, Header};
-use super::{Cursor, DecodeError, Wire, bodies, tf};
+use super::{Cursor, DecodeError, Wire, bodies, foxglove, tf};
 
 /// What is known of the messages of a channel before the first one.
 #[derive(Clone, Copy, Debug)]
@@ -34,6 +34,7 @@ enum Way {
     /// By its published layout.
     Standard(Wire, Standard),
     Header(Wire),
+    Foxglove(Box<foxglove::Reader>),
     Nothing,
     Unread(String),
 }
@@ -74,6 +75,7 @@ impl Decoder {
                 header: Some(Header::read(&mut wire.open(message)?)?),
                 body: Body::Nothing,
             }),
+            Way::Foxglove(reader) => reader.decode(message),
             Way::Nothing | Way::Unread(_) => Ok(Content {
                 header: None,
                 body: Body::Nothing,
@@ -84,6 +86,9 @@ impl Decoder {
 
 impl Way {
     fn of(format: &Format<'_>) -> Self {
+        if let Some(reader) = foxglove::Reader::of(format) {
+            return reader.map_or_else(Self::Unread, |reader| Self::Foxglove(Box::new(reader)));
+        }
         let Some(wire) = Wire::named(format.message_encoding) else {
             let encoding = named(format.message_encoding, "unnamed");
             return Self::Unread(format!("{encoding} messages are not read"));
