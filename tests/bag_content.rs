@@ -384,6 +384,8 @@ fn metadata_is_found_by_the_index_too() {
         &path,
         &How {
             sampling: Some(sampling),
+            parts: Vec::new(),
+            definitions: std::sync::Arc::default(),
         },
         &mut source,
         &|_, _| {},

@@ -6,9 +6,11 @@ mod bodies;
 pub mod content;
 mod cursor;
 pub mod decoder;
+pub mod definition;
 pub mod foxglove;
 pub mod header;
 pub mod tf;
+pub mod walk;
 
 use std::fmt;
 
