@@ -148,6 +148,7 @@ fn refuse(error: &clap::Error, arguments: &[OsString], surroundings: Surrounding
 fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
     // The program ends with the report: freeing every name one by one first would be time for nothing.
     let run = ManuallyDrop::new(engine::check(&engine::Options {
+        extent: check.input.extent(),
         paths: paths(check.input.paths, stdin)?,
         select: check.select,
         ignore: check.ignore,
@@ -199,6 +200,7 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
 
 fn run_tree(tree: Tree, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
     let run = engine::read(&engine::Options {
+        extent: tree.input.extent(),
         paths: paths(tree.input.paths, stdin)?,
         xacro_args: tree.input.xacro_args,
         progress: surroundings.progress,

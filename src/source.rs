@@ -228,6 +228,14 @@ pub struct Examined {
     pub bytes_total: u64,
     /// Messages read, for recordings.
     pub messages: Option<u64>,
+    /// Messages in the whole recording, where its index says.
+    pub messages_total: Option<u64>,
+    /// Time that the stretches read cover, nanoseconds of log time.
+    pub time_ns: Option<i64>,
+    /// Length of the whole recording, nanoseconds of log time.
+    pub time_total_ns: Option<i64>,
+    /// Stretches that were read without a break, where only a part of the recording was.
+    pub windows: Option<u64>,
 }
 
 /// For a text that came out of another source: where from.

@@ -1,49 +1,63 @@
-//! Any bytes as a message of each type that is read: no panic, no work beyond the bytes that are there.
+//! Any bytes as a message of each type that is read, as CDR and as ROS 1: no panic, no work beyond the bytes that are
+//! there.
 #![no_main]
 
 use frames_lint::read::messages::content::Body;
 use frames_lint::read::messages::decoder::{Decoder, Format};
 use frames_lint::read::messages::header::{self, Header};
-use frames_lint::read::messages::{Cdr, MAX_NAME, tf};
+use frames_lint::read::messages::{MAX_NAME, Wire, tf};
 use libfuzzer_sys::fuzz_target;
 
-const TYPES: [(&str, &str); 3] = [
+const TYPES: [(&str, &str); 11] = [
     ("/tf", "tf2_msgs/msg/TFMessage"),
+    ("/pose/tf", "geometry_msgs/msg/TransformStamped"),
     ("/odom", "nav_msgs/msg/Odometry"),
+    ("/imu", "sensor_msgs/msg/Imu"),
+    ("/fix", "sensor_msgs/NavSatFix"),
+    ("/pose", "geometry_msgs/msg/PoseStamped"),
+    ("/pose_cov", "geometry_msgs/PoseWithCovarianceStamped"),
+    ("/twist", "geometry_msgs/TwistStamped"),
+    ("/twist_cov", "geometry_msgs/TwistWithCovarianceStamped"),
+    ("/clock", "rosgraph_msgs/Clock"),
     ("/robot_description", "std_msgs/msg/String"),
 ];
 
 fuzz_target!(|bytes: &[u8]| {
-    if let Ok(header) = Header::of(bytes) {
-        assert!(header.frame_id.len() <= MAX_NAME);
-    }
-    for (topic, message_type) in TYPES {
-        let decoder = Decoder::of(&Format {
-            topic,
-            message_type,
-            message_encoding: "cdr",
-            schema: &[],
-            schema_encoding: "",
-        });
-        match decoder.decode(bytes).map(|content| content.body) {
-            Ok(Body::Odometry(odometry)) => assert!(odometry.child.len() <= MAX_NAME),
-            Ok(Body::Description(text)) => {
-                assert!(text.len() <= bytes.len());
-                header::comes_first(&text);
+    for (wire, message_encoding) in [(Wire::Cdr, "cdr"), (Wire::Ros1, "ros1")] {
+        for (topic, message_type) in TYPES {
+            let decoder = Decoder::of(&Format {
+                topic,
+                message_type,
+                message_encoding,
+                schema: &[],
+                schema_encoding: "",
+            });
+            let Ok(content) = decoder.decode(bytes) else { continue };
+            if let Some(header) = content.header {
+                assert!(header.frame_id.len() <= MAX_NAME);
             }
-            _ => {}
+            match content.body {
+                Body::Odometry(odometry) => assert!(odometry.child.len() <= MAX_NAME),
+                Body::Description(text) => {
+                    assert!(text.len() <= bytes.len());
+                    header::comes_first(&text);
+                }
+                _ => {}
+            }
         }
-    }
-    if let Ok(transforms) = tf::transforms(bytes) {
-        // The shortest transform is 12 bytes of header, 4 of child and 56 of numbers: a lying count cannot give more.
-        let all: Vec<_> = transforms.collect();
-        assert!(all.len() <= bytes.len() / 72 + 1);
-        let errors = all.iter().filter(|transform| transform.is_err()).count();
-        assert!(errors == 0 || (errors == 1 && all.last().is_some_and(Result::is_err)));
-    }
-    if let Ok(mut cdr) = Cdr::new(bytes) {
-        while cdr.i32().is_ok() && cdr.f64().is_ok() && cdr.str().is_ok() {
-            assert!(cdr.position() <= bytes.len());
+        let Ok(mut cursor) = wire.open(bytes) else { continue };
+        if let Ok(transforms) = tf::transforms(cursor.clone()) {
+            // The shortest transform is 12 bytes of header, 4 of child and 56 of numbers: a lying count cannot give more.
+            let all: Vec<_> = transforms.collect();
+            assert!(all.len() <= bytes.len() / 72 + 1);
+            let errors = all.iter().filter(|transform| transform.is_err()).count();
+            assert!(errors == 0 || (errors == 1 && all.last().is_some_and(Result::is_err)));
+        }
+        if let Ok(header) = Header::read(&mut cursor.clone()) {
+            assert!(header.frame_id.len() <= MAX_NAME);
+        }
+        while cursor.i32().is_ok() && cursor.f64().is_ok() && cursor.str().is_ok() {
+            assert!(cursor.position() <= bytes.len());
         }
     }
 });

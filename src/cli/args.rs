@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 
+use crate::engine::Extent;
 use crate::run::FailOn;
 
 const EXIT_CODES: &str = "\
@@ -61,6 +62,26 @@ pub(super) struct Input {
     /// Argument for xacro files; may be repeated
     #[arg(long = "xacro-arg", value_name = "NAME:=VALUE", value_parser = xacro_arg)]
     pub(super) xacro_args: Vec<String>,
+    /// Read recordings wholly, instead of windows spread over their length
+    #[arg(long, conflicts_with_all = ["windows", "budget"])]
+    pub(super) full: bool,
+    /// Number of windows that a recording is read in, instead of what the rules ask for
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
+    pub(super) windows: Option<u32>,
+    /// Time until which more is read of recordings where a rule lacks evidence (30s, 2min); 30s without it
+    #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
+    pub(super) budget: Option<std::time::Duration>,
+}
+
+impl Input {
+    /// How much of recordings is read.
+    pub(super) fn extent(&self) -> Extent {
+        Extent {
+            full: self.full,
+            windows: self.windows,
+            budget: self.budget,
+        }
+    }
 }
 
 #[derive(Debug, Args)]

@@ -128,8 +128,15 @@ impl Visit for Collector {
             Ok(content) => content,
             Err(error) => return topic.malformed(point, error),
         };
+        let has_header = header.is_some();
         let point = header.map_or(point, |header| topic.stamped(point, &header));
         match body {
+            // A single transform on a topic of its own is heard by no buffer of tf2: its frames are names, not TF.
+            Body::Transforms(transforms) if has_header => {
+                for transform in &transforms {
+                    topic.child(point, &transform.child);
+                }
+            }
             Body::Transforms(transforms) => self.tf.message(told.topic, point, &transforms),
             Body::Odometry(odometry) => topic.child(point, &odometry.child),
             Body::Description(text) => self.descriptions.push(point, &topic.name, &text),
@@ -189,6 +196,7 @@ impl Collector {
 
     fn finish(self, source: &mut Source, extent: &Extent) -> Collected {
         self.problems(source);
+        self.examined(source, extent);
         self.nothing_to_judge(source, extent.truncated);
         let (edges, parent_switches, mut frames) = self.tf.finish(source.id);
         for topic in &self.topics {
@@ -223,6 +231,22 @@ impl Collector {
             },
             descriptions: self.descriptions.kept,
         }
+    }
+
+    /// Says how much of the recording was examined.
+    fn examined(&self, source: &mut Source, extent: &Extent) {
+        let examined = &mut source.examined;
+        examined.messages_total = extent.messages_total;
+        let length = |(first, last): (i64, i64)| last.saturating_sub(first);
+        examined.time_total_ns = extent.span_ns.or(self.log_ns).map(length);
+        examined.time_ns = Some(
+            self.stretches_ns
+                .iter()
+                .copied()
+                .map(length)
+                .fold(0, i64::saturating_add),
+        );
+        examined.windows = (!extent.whole).then_some(self.stretches_ns.len() as u64);
     }
 
     /// Says when the recording was read, and there is nothing in it to judge by.

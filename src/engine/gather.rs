@@ -39,11 +39,12 @@ struct Emerged {
 }
 
 /// Reads all inputs. Readings are ordered by source id.
-pub(super) fn gather(inputs: &Inputs, xacro_args: &[String], progress: &Progress) -> Vec<Reading> {
+pub(super) fn gather(inputs: &Inputs, xacro_args: &[String], how: &How, progress: &Progress) -> Vec<Reading> {
     let included = included_xacros(inputs);
     let reader = Reader {
         inputs,
         xacro_args,
+        how,
         progress,
         included: &included,
     };
@@ -81,7 +82,7 @@ fn read_emerged(emerged: Emerged, id: SourceId, inputs: &Inputs) -> Reading {
     source.examined = Examined {
         bytes: emerged.text.len() as u64,
         bytes_total: emerged.text.len() as u64,
-        messages: None,
+        ..Examined::default()
     };
     source.text = emerged.text;
     let lookup = inputs
@@ -113,6 +114,7 @@ fn included_xacros(inputs: &Inputs) -> Vec<String> {
 struct Reader<'a> {
     inputs: &'a Inputs,
     xacro_args: &'a [String],
+    how: &'a How,
     progress: &'a Progress,
     included: &'a [String],
 }
@@ -169,7 +171,7 @@ impl Reader<'_> {
         let task = self
             .progress
             .start(&input.display, fs::metadata(&input.path).map_or(0, |meta| meta.len()));
-        let collected = collect(&input.path, &How::default(), source, &|done, _total| task.update(done));
+        let collected = collect(&input.path, self.how, source, &|done, _total| task.update(done));
         emerged.extend(
             collected
                 .descriptions
@@ -253,7 +255,7 @@ fn load_text(input: &Input, source: &mut Source) -> bool {
     source.examined = Examined {
         bytes: bytes.len() as u64,
         bytes_total: bytes.len() as u64,
-        messages: None,
+        ..Examined::default()
     };
     if bytes.iter().all(u8::is_ascii_whitespace) {
         let message = if bytes.is_empty() {

@@ -5,8 +5,8 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use crate::page::Status;
 use crate::rules::Judge;
 use crate::source::{Confidence, ReadStatus};
-use crate::verdict::{Finding, NotEvaluated, Outcome, Row, Verdict};
-use crate::world::World;
+use crate::verdict::{Finding, Measured, NotEvaluated, Outcome, Row, Verdict};
+use crate::world::{BagEvidence, World};
 
 use super::plan::Enabled;
 
@@ -43,6 +43,9 @@ pub(super) fn judge(world: &World, rules: &[Enabled], label: Option<&str>) -> Ve
         if crash.is_none() {
             crash = unmeasured(&out);
         }
+        if rule.entry.needs.iter().any(|need| need.is_of_bags()) {
+            add_share(world, &mut out);
+        }
         take(out, rule, label, crash, &mut verdict);
     }
     verdict
@@ -70,6 +73,30 @@ fn not_asked(world: &World, missing: &[&str], out: &mut Judge) {
         out.not_evaluated("platform", NotEvaluated::InputBroken, reason);
     }
 }
+
+/// What was measured on a part of a recording says how large the part was.
+fn add_share(world: &World, out: &mut Judge) {
+    let share_of = |source| {
+        let bag = world.bags.iter().find(|bag| bag.source == source)?;
+        bag.share_of_messages()
+    };
+    for finding in &mut out.findings {
+        let shares = finding.places.iter().filter_map(|label| share_of(label.place.source));
+        if let Some(share) = shares.reduce(f64::min) {
+            finding.measured.push(Measured::new(SHARE, share, "1"));
+        }
+    }
+    let shares = world.bags.iter().filter_map(BagEvidence::share_of_messages);
+    let Some(least) = shares.reduce(f64::min) else { return };
+    for judged in &mut out.judged {
+        if matches!(judged.outcome, Outcome::Pass | Outcome::Fail) {
+            judged.measured.push(Measured::new(SHARE, least, "1"));
+        }
+    }
+}
+
+/// What the share is called in reports.
+const SHARE: &str = "share of the messages examined";
 
 /// A pass or a fail without a number is a fault of the rule.
 fn unmeasured(out: &Judge) -> Option<String> {
@@ -140,9 +167,9 @@ pub(super) fn panic_words(panic: &(dyn std::any::Any + Send)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::rules::{Entry, Need};
+    use crate::rules::{Entry, Evidence, Need};
     use crate::source::{Place, SourceId};
-    use crate::verdict::{Measured, Severity};
+    use crate::verdict::Severity;
 
     const FRONT: &str = "---\ncode: TEST01\nname: test\nsummary: s\nsince: 0.1.0\nstatus: stable\nseverity: error\n\
                          confidence: likely\nsubject: one for each test\n---\n";
@@ -157,6 +184,7 @@ mod tests {
         static ENTRY: Entry = Entry {
             page: FRONT,
             needs: &[Need::Robot],
+            evidence: Evidence::LEAST,
             run: |_, _, _| panic!("must not be asked"),
             check_limits: |_| Ok(()),
         };
@@ -171,6 +199,7 @@ mod tests {
         static ENTRY: Entry = Entry {
             page: FRONT,
             needs: &[],
+            evidence: Evidence::LEAST,
             run: |_, _, _| Ok(()),
             check_limits: |_| Ok(()),
         };
@@ -186,6 +215,7 @@ mod tests {
         static ENTRY: Entry = Entry {
             page: FRONT,
             needs: &[],
+            evidence: Evidence::LEAST,
             run: |_, _, out| {
                 out.pass("first", [Measured::count("things", 1)]);
                 panic!("boom")
@@ -204,6 +234,7 @@ mod tests {
         static ENTRY: Entry = Entry {
             page: FRONT,
             needs: &[],
+            evidence: Evidence::LEAST,
             run: |_, _, out| {
                 out.pass("thing", []);
                 Ok(())
@@ -218,6 +249,7 @@ mod tests {
         static ENTRY: Entry = Entry {
             page: FRONT,
             needs: &[],
+            evidence: Evidence::LEAST,
             run: |_, _, out| {
                 out.fail(Finding::error("thing", "wrong", Place::whole(SourceId(0))).measured(Measured::count("n", 1)));
                 Ok(())

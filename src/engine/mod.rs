@@ -6,17 +6,21 @@ mod parallel;
 mod plan;
 mod platform;
 mod references;
+mod sampling;
 
 use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::collect::How;
 use crate::progress::Progress;
 use crate::read::discover::{Inputs, discover};
 use crate::run::{RuleInfo, Run};
 use crate::source::Source;
 use crate::verdict::Verdict;
 use crate::world::World;
+
+pub use sampling::Extent;
 
 /// What the user asked for.
 #[derive(Clone, Debug, Default)]
@@ -29,6 +33,8 @@ pub struct Options {
     pub ignore: Vec<String>,
     /// Arguments handed to xacro (`name:=value`).
     pub xacro_args: Vec<String>,
+    /// How much of recordings is read.
+    pub extent: Extent,
     /// Whether to draw a progress bar on a terminal.
     pub progress: bool,
 }
@@ -53,11 +59,18 @@ pub fn rules() -> Result<Vec<RuleInfo>, UsageError> {
 /// Reads the inputs and judges them.
 pub fn check(options: &Options) -> Result<Run, UsageError> {
     let rules = plan::enabled(&options.select, &options.ignore)?;
-    let (inputs, mut worlds) = gather_worlds(options)?;
-    let several = worlds.len() > 1;
-    let verdicts = parallel::map(worlds.iter().collect(), |world| {
-        judge::judge(world, &rules, several.then_some(world.label.as_str()))
-    });
+    let inputs = inputs(options)?;
+    let mut plan = sampling::Plan::new(options.extent, &rules);
+    let (mut worlds, verdicts) = loop {
+        let worlds = worlds(&inputs, options, &plan);
+        let several = worlds.len() > 1;
+        let verdicts = parallel::map(worlds.iter().collect(), |world| {
+            judge::judge(world, &rules, several.then_some(world.label.as_str()))
+        });
+        if !plan.widen(&worlds, &verdicts) {
+            break (worlds, verdicts);
+        }
+    };
     let mut verdict = Verdict::default();
     for part in verdicts {
         verdict.rows.extend(part.rows);
@@ -76,7 +89,8 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
 
 /// Reads the inputs and judges nothing.
 pub fn read(options: &Options) -> Result<Run, UsageError> {
-    let (inputs, worlds) = gather_worlds(options)?;
+    let inputs = inputs(options)?;
+    let worlds = worlds(&inputs, options, &sampling::Plan::new(options.extent, &[]));
     Ok(Run {
         sources: worlds.first().map(|world| world.sources.to_vec()).unwrap_or_default(),
         verdict: Verdict::default(),
@@ -86,15 +100,20 @@ pub fn read(options: &Options) -> Result<Run, UsageError> {
     })
 }
 
-fn gather_worlds(options: &Options) -> Result<(Inputs, Vec<World>), UsageError> {
+fn inputs(options: &Options) -> Result<Inputs, UsageError> {
     if options.paths.is_empty() {
         return Err(UsageError("no path was given".to_owned()));
     }
-    let inputs = discover(&options.paths);
+    Ok(discover(&options.paths))
+}
+
+fn worlds(inputs: &Inputs, options: &Options, plan: &sampling::Plan) -> Vec<World> {
     let progress = Progress::new(options.progress);
-    let readings = gather::gather(&inputs, &options.xacro_args, &progress);
-    let worlds = platform::platforms(readings, &inputs);
-    Ok((inputs, worlds))
+    let how = How {
+        sampling: plan.sampling(),
+    };
+    let readings = gather::gather(inputs, &options.xacro_args, &how, &progress);
+    platform::platforms(readings, inputs)
 }
 
 /// The sources of all worlds, moved out: texts are large, and a judged world is looked at no more.

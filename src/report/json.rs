@@ -62,6 +62,10 @@ struct Share {
     bytes: u64,
     bytes_total: u64,
     messages: Option<u64>,
+    messages_total: Option<u64>,
+    time_s: Option<f64>,
+    time_total_s: Option<f64>,
+    windows: Option<u64>,
 }
 
 #[derive(Serialize)]
@@ -208,6 +212,10 @@ fn input<'a>(source: &'a Source, locator: &Locator) -> Input<'a> {
             bytes: source.examined.bytes,
             bytes_total: source.examined.bytes_total,
             messages: source.examined.messages,
+            messages_total: source.examined.messages_total,
+            time_s: source.examined.time_ns.map(|ns| ns as f64 / 1e9),
+            time_total_s: source.examined.time_total_ns.map(|ns| ns as f64 / 1e9),
+            windows: source.examined.windows,
         },
         problems: source.problems.iter().map(|problem| fault(problem, locator)).collect(),
     }

@@ -46,3 +46,44 @@ impl Axes {
         }
     }
 }
+
+/// What the word in a name promises of a body's axes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(crate) enum BodyAxes {
+    /// Forward, right, down.
+    Frd,
+    /// Forward, left, up.
+    Flu,
+    /// No word: forward-left-up by REP-103.
+    Plain,
+}
+
+impl BodyAxes {
+    /// What the tokens of a name promise; `None` where they say nothing.
+    pub(crate) fn of(frame: &FrameId) -> Option<Self> {
+        [Self::Frd, Self::Flu]
+            .into_iter()
+            .find(|axes| frame.has_token(axes.word()))
+    }
+
+    /// The token.
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Frd => "frd",
+            Self::Flu => "flu",
+            Self::Plain => "",
+        }
+    }
+
+    /// The turn between a frame of these axes and one of the other's.
+    pub(crate) fn turn(self, other: Self) -> Option<AxisTurn> {
+        ((self == Self::Frd) != (other == Self::Frd)).then_some(AxisTurn::FluFrd)
+    }
+
+    /// The axes of a name, and what is left of it without the word.
+    pub(crate) fn split(frame: &FrameId) -> (Self, Vec<String>) {
+        let axes = Self::of(frame).unwrap_or(Self::Plain);
+        let stem = frame.tokens().into_iter().filter(|token| token != axes.word());
+        (axes, stem.collect())
+    }
+}

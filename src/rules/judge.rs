@@ -45,6 +45,11 @@ impl Need {
         }
     }
 
+    /// Whether recordings can meet it.
+    pub fn is_of_bags(self) -> bool {
+        matches!(self, Self::Tf | Self::RobotOrTf | Self::Transforms | Self::Bag)
+    }
+
     /// What is missing, in words.
     pub fn missing(self) -> &'static str {
         match self {

@@ -17,7 +17,9 @@ mod places;
 pub mod quat;
 mod relate;
 pub mod rot;
+pub mod sensor;
 mod spelling;
+mod suffix;
 mod tally;
 mod tf;
 pub mod time;
@@ -37,12 +39,45 @@ pub trait Rule {
     const PAGE: &'static str;
     /// What must be there before the rule is asked; the engine answers `not-evaluated` where it is not.
     const NEEDS: &'static [Need];
+    /// How much of a recording the rule needs at first.
+    const EVIDENCE: Evidence = Evidence::USUAL;
     /// The limits of the page, typed.
     type Limits: DeserializeOwned;
 
     /// Judges every subject of a world: one `pass`, `fail` or `not_evaluated` for each. Saying nothing at all means
     /// that the world holds no subject.
     fn judge(world: &World, limits: &Self::Limits, out: &mut Judge);
+}
+
+/// How a recording is sampled for a rule, before anything is known of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Evidence {
+    /// Windows spread over the recording.
+    pub windows: u32,
+    /// Length of a window, seconds of log time.
+    pub seconds: f64,
+}
+
+impl Evidence {
+    /// Next to nothing.
+    pub const LEAST: Self = Self {
+        windows: 2,
+        seconds: 0.5,
+    };
+    /// What rules on names, trees and stamps need.
+    pub const USUAL: Self = Self {
+        windows: 10,
+        seconds: 2.0,
+    };
+
+    /// What suffices for both.
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        Self {
+            windows: self.windows.max(other.windows),
+            seconds: self.seconds.max(other.seconds),
+        }
+    }
 }
 
 /// For rules without limits.
@@ -59,6 +94,8 @@ pub struct Entry {
     pub page: &'static str,
     /// Its needs.
     pub needs: &'static [Need],
+    /// How much of a recording it needs at first.
+    pub evidence: Evidence,
     /// Loads the limits and judges.
     pub run: Run,
     /// Loads the limits only.
@@ -69,6 +106,7 @@ const fn entry<R: Rule>() -> Entry {
     Entry {
         page: R::PAGE,
         needs: R::NEEDS,
+        evidence: R::EVIDENCE,
         run: |world, front, out| {
             R::judge(world, &front.limits::<R::Limits>()?, out);
             Ok(())
@@ -87,12 +125,16 @@ pub static RULES: &[Entry] = &[
     entry::<tree::rep105_order::Rep105Order>(),
     entry::<tree::message_frame_unresolved::MessageFrameUnresolved>(),
     entry::<tree::tf_static_missing_or_late::TfStaticMissingOrLate>(),
+    entry::<tree::static_transform_changes::StaticTransformChanges>(),
     entry::<tree::urdf_structure::UrdfStructure>(),
+    entry::<tree::base_footprint::BaseFootprint>(),
     entry::<name::frame_case_mismatch::FrameCaseMismatch>(),
     entry::<name::frame_whitespace_or_slash::FrameWhitespaceOrSlash>(),
     entry::<name::frame_near_duplicate::FrameNearDuplicate>(),
     entry::<name::ned_suffix::NedSuffix>(),
+    entry::<name::flu_frd_suffix::FluFrdSuffix>(),
     entry::<name::optical_suffix::OpticalSuffix>(),
+    entry::<name::image_frame_not_optical::ImageFrameNotOptical>(),
     entry::<name::transform_name_cancellation::TransformNameCancellation>(),
     entry::<rot::rotation_determinant::RotationDeterminant>(),
     entry::<rot::rotation_orthogonality::RotationOrthogonality>(),
@@ -109,6 +151,7 @@ pub static RULES: &[Entry] = &[
     entry::<time::stamp_monotonic::StampMonotonic>(),
     entry::<time::clock_domain::ClockDomain>(),
     entry::<time::leap_table_expiry::LeapTableExpiry>(),
+    entry::<sensor::mavros_frames::MavrosFrames>(),
     entry::<auth::calibration_missing_default::CalibrationMissingDefault>(),
     entry::<cross::extrinsic_consistency::ExtrinsicConsistency>(),
     entry::<cross::extrinsic_relation::ExtrinsicRelation>(),

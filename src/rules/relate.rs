@@ -38,9 +38,18 @@ impl Difference {
         ];
         let is_same = deg <= same.deg && m <= same.m;
         let relation = difference.error().filter(|_| !is_same);
+        // What these numbers can't tell from it is said, as CROSS02 does.
+        let also: Vec<&str> = difference.class.iter().skip(1).map(|other| other.word()).collect();
         let words = match relation {
             _ if is_same => ", with the same numbers".to_owned(),
-            Some(relation) => format!(", {deg:.2} deg and {m:.3} m apart: {}", relation.describe()),
+            Some(relation) if also.is_empty() => {
+                format!(", {deg:.2} deg and {m:.3} m apart: {}", relation.describe())
+            }
+            Some(relation) => format!(
+                ", {deg:.2} deg and {m:.3} m apart: {} (Indistinguishable here: {}.)",
+                relation.describe(),
+                also.join(", ")
+            ),
             None => format!(", {deg:.2} deg and {m:.3} m apart"),
         };
         Self {

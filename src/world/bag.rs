@@ -253,4 +253,10 @@ impl BagEvidence {
             annotations: BTreeMap::new(),
         }
     }
+
+    /// The part of the messages that was examined, 0 to 1, where that is not all of them.
+    pub fn share_of_messages(&self) -> Option<f64> {
+        let total = self.share.messages_total.filter(|_| !self.share.whole)?;
+        Some(self.messages as f64 / total.max(1) as f64)
+    }
 }

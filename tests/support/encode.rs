@@ -47,8 +47,25 @@ pub enum Body<'a> {
     Pose(Header<'a>),
     /// `std_msgs/msg/String`.
     Text(&'a str),
+    /// A header and these fields.
+    Fields(Header<'a>, Vec<Field<'a>>),
     /// A header and 512 zero bytes: enough for every field of fixed size and empty sequences.
     Padded(Header<'a>),
+}
+
+/// One or several fields in a row.
+#[derive(Clone, Debug)]
+pub enum Field<'a> {
+    /// Numbers in double precision.
+    F64s(Vec<f64>),
+    /// A small number.
+    I8(i8),
+    /// A small number.
+    U8(u8),
+    /// A number of two bytes.
+    U16(u16),
+    /// A text.
+    Text(&'a str),
 }
 
 impl Body<'_> {
@@ -101,6 +118,18 @@ impl Body<'_> {
                 identity(out);
             }
             Self::Text(text) => out.write_string(text),
+            Self::Fields(head, fields) => {
+                header(out, head);
+                for field in fields {
+                    match field {
+                        Field::F64s(values) => values.iter().for_each(|value| out.write_f64(*value)),
+                        Field::I8(value) => out.write_i8(*value),
+                        Field::U8(value) => out.write_u8(*value),
+                        Field::U16(value) => out.write_u16(*value),
+                        Field::Text(text) => out.write_string(text),
+                    }
+                }
+            }
             Self::Padded(head) => {
                 header(out, head);
                 (0..512).for_each(|_| out.write_u8(0));

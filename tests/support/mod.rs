@@ -14,11 +14,14 @@
     clippy::missing_panics_doc
 )]
 
+pub mod contents;
 pub mod encode;
+pub mod motion;
 pub mod program;
 pub mod raw;
 pub mod recipe;
 pub mod schemas;
+pub mod topic;
 
 use std::path::{Path, PathBuf};
 

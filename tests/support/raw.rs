@@ -52,6 +52,8 @@ pub struct RawChannel<'a> {
     pub message_encoding: &'a str,
     /// `offered_qos_profiles`, where given.
     pub qos: Option<&'a str>,
+    /// The node that writes, where given: `callerid`, as the converters of ROS 1 bags note it.
+    pub writer: Option<&'a str>,
 }
 
 impl Default for RawChannel<'_> {
@@ -63,6 +65,7 @@ impl Default for RawChannel<'_> {
             schema: "",
             message_encoding: "cdr",
             qos: None,
+            writer: None,
         }
     }
 }
@@ -92,10 +95,10 @@ impl<W: Write + Seek> RawBag<W> {
                 .add_schema(channel.message_type, channel.schema_encoding, channel.schema.as_bytes())
                 .unwrap()
         };
-        let metadata: BTreeMap<String, String> = channel
-            .qos
-            .map(|qos| ("offered_qos_profiles".to_owned(), qos.to_owned()))
+        let noted = [("offered_qos_profiles", channel.qos), ("callerid", channel.writer)];
+        let metadata: BTreeMap<String, String> = noted
             .into_iter()
+            .filter_map(|(key, value)| Some((key.to_owned(), value?.to_owned())))
             .collect();
         self.writer
             .add_channel(schema, channel.topic, channel.message_encoding, &metadata)
@@ -112,6 +115,28 @@ impl<W: Write + Seek> RawBag<W> {
             publish_time: time,
         };
         self.writer.write_to_known_channel(&header, data).unwrap();
+    }
+
+    /// Adds a metadata record.
+    pub fn metadata(&mut self, name: &str, fields: &BTreeMap<String, String>) {
+        let record = mcap::records::Metadata {
+            name: name.to_owned(),
+            metadata: fields.clone(),
+        };
+        self.writer.write_metadata(&record).unwrap();
+    }
+
+    /// Adds an attachment.
+    pub fn attachment(&mut self, name: &str, media_type: &str, data: &[u8]) {
+        self.writer
+            .attach(&mcap::Attachment {
+                log_time: 0,
+                create_time: 0,
+                name: name.to_owned(),
+                media_type: media_type.to_owned(),
+                data: data.into(),
+            })
+            .unwrap();
     }
 
     /// Closes the recording.

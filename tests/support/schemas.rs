@@ -153,6 +153,14 @@ float64[36] covariance
 ",
     ),
     (
+        "geometry_msgs/msg/PoseWithCovarianceStamped",
+        "
+# This expresses an estimated pose with a reference coordinate frame and timestamp
+std_msgs/Header header
+PoseWithCovariance pose
+",
+    ),
+    (
         "geometry_msgs/msg/Twist",
         "
 # This expresses velocity in free space broken into its linear and angular parts.
@@ -174,6 +182,14 @@ Twist twist
 # This expresses velocity in free space with uncertainty.
 Twist twist
 float64[36] covariance
+",
+    ),
+    (
+        "geometry_msgs/msg/TwistWithCovarianceStamped",
+        "
+# This represents an estimated twist with reference coordinate frame and timestamp.
+std_msgs/Header header
+TwistWithCovariance twist
 ",
     ),
     (

@@ -3,7 +3,8 @@
 //! Owns the words channel and message, and the choice of the reader by a file's first bytes. Must not know what
 //! is inside the messages, nor keep any of them.
 
-mod channels;
+mod chunks;
+mod inflate;
 mod kind;
 mod mcap;
 

@@ -2,15 +2,17 @@
 //!
 //! Owns the bytes of single messages. Must not know recordings, nor keep anything.
 
-mod cdr;
+mod bodies;
 pub mod content;
+mod cursor;
 pub mod decoder;
+pub mod foxglove;
 pub mod header;
 pub mod tf;
 
 use std::fmt;
 
-pub use cdr::Cdr;
+pub use cursor::{Cursor, Wire};
 
 /// Longest frame name that is read, bytes. Real ones have some ten or twenty; longer ones come from wrong bytes.
 pub const MAX_NAME: usize = 256;

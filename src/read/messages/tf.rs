@@ -1,11 +1,11 @@
-//! `tf2_msgs/msg/TFMessage`: transforms, one after the other.
+//! `tf2_msgs/msg/TFMessage`, `tf/tfMessage`: transforms, one after the other.
 //!
 //! Source: `tf2_msgs/msg/TFMessage.msg`, `geometry_msgs/msg/TransformStamped.msg` (geometry2, common_interfaces).
 
 use std::borrow::Cow;
 
 use super::header::Header;
-use super::{Cdr, DecodeError};
+use super::{Cursor, DecodeError};
 
 /// One `geometry_msgs/msg/TransformStamped`: `parent_from_child` with the numbers as published.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,15 +26,14 @@ pub struct Transform<'a> {
 /// ends the sequence.
 #[derive(Clone, Debug)]
 pub struct Transforms<'a> {
-    cdr: Cdr<'a>,
+    cursor: Cursor<'a>,
     left: u32,
 }
 
-/// Opens a TF message.
-pub fn transforms(message: &[u8]) -> Result<Transforms<'_>, DecodeError> {
-    let mut cdr = Cdr::new(message)?;
-    let left = cdr.u32()?;
-    Ok(Transforms { cdr, left })
+/// Reads a TF message, from its begin.
+pub fn transforms(mut cursor: Cursor<'_>) -> Result<Transforms<'_>, DecodeError> {
+    let left = cursor.sequence()?;
+    Ok(Transforms { cursor, left })
 }
 
 impl<'a> Iterator for Transforms<'a> {
@@ -42,7 +41,7 @@ impl<'a> Iterator for Transforms<'a> {
 
     fn next(&mut self) -> Option<Self::Item> {
         self.left = self.left.checked_sub(1)?;
-        let transform = read(&mut self.cdr);
+        let transform = read(&mut self.cursor);
         if transform.is_err() {
             self.left = 0;
         }
@@ -50,14 +49,15 @@ impl<'a> Iterator for Transforms<'a> {
     }
 }
 
-fn read<'a>(cdr: &mut Cdr<'a>) -> Result<Transform<'a>, DecodeError> {
-    let header = Header::read(cdr)?;
+/// Reads one transform at the cursor.
+pub fn read<'a>(cursor: &mut Cursor<'a>) -> Result<Transform<'a>, DecodeError> {
+    let header = Header::read(cursor)?;
     Ok(Transform {
         stamp_ns: header.stamp_ns,
         parent: header.frame_id,
-        child: cdr.name()?.into(),
-        translation: cdr.f64s()?,
-        rotation: cdr.f64s()?,
+        child: cursor.name()?.into(),
+        translation: cursor.f64s()?,
+        rotation: cursor.f64s()?,
     })
 }
 
@@ -69,7 +69,7 @@ mod tests {
     fn a_lying_count_ends_with_one_error() {
         let mut message = vec![0, 1, 0, 0];
         message.extend(u32::MAX.to_le_bytes());
-        let all: Vec<_> = transforms(&message).unwrap().collect();
+        let all: Vec<_> = transforms(Cursor::cdr(&message).unwrap()).unwrap().collect();
         assert_eq!(all.len(), 1);
         assert!(all[0].as_ref().unwrap_err().0.contains("run past the end"));
     }

@@ -100,20 +100,38 @@ pub(super) fn partly_examined(run: &Run, style: Style, out: &mut String) {
     }
     heading(style, "Examined in part", partly.len(), "recording", out);
     for source in partly {
-        let share = source.examined.bytes as f64 / source.examined.bytes_total.max(1) as f64 * 100.0;
-        let messages = source
-            .examined
-            .messages
-            .map_or_else(String::new, |count| format!(", {}", plural_u64(count)));
-        let _ = writeln!(
-            out,
-            "  {}: {} of {} ({share:.1} %){messages}",
-            one_line(&source.path),
-            bytes(source.examined.bytes),
-            bytes(source.examined.bytes_total),
-        );
+        let examined = &source.examined;
+        let mut parts = vec![share(
+            "",
+            &bytes(examined.bytes),
+            &bytes(examined.bytes_total),
+            examined.bytes as f64 / examined.bytes_total.max(1) as f64,
+        )];
+        match (examined.messages, examined.messages_total) {
+            (Some(read), Some(total)) if total >= read => parts.push(share(
+                " messages",
+                &read.to_string(),
+                &total.to_string(),
+                read as f64 / total.max(1) as f64,
+            )),
+            (Some(read), _) => parts.push(plural_u64(read)),
+            _ => {}
+        }
+        if let (Some(windows), Some(read), Some(total)) = (examined.windows, examined.time_ns, examined.time_total_ns) {
+            let seconds = |ns: i64| format!("{:.1}", ns as f64 / 1e9);
+            let time = share(" s", &seconds(read), &seconds(total), read as f64 / total.max(1) as f64);
+            let stretches = if windows == 1 { "stretch" } else { "stretches" };
+            parts.push(format!("{time} in {windows} {stretches}"));
+            parts.push("--full reads all of it".to_owned());
+        }
+        let _ = writeln!(out, "  {}: {}", one_line(&source.path), parts.join(", "));
     }
     out.push('\n');
+}
+
+/// `3 of 100 messages (3.0 %)`.
+fn share(unit: &str, read: &str, total: &str, share: f64) -> String {
+    format!("{read} of {total}{unit} ({:.1} %)", share * 100.0)
 }
 
 fn plural_u64(count: u64) -> String {

@@ -1,13 +1,11 @@
 //! NAME04: frames named north-east-down (or east-north-up, north-west-up) that are turned otherwise.
 
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Vector3};
 use serde::Deserialize;
 
-use crate::math::constants::AxisTurn;
-use crate::math::relation::Relation;
-use crate::math::rotation::rotation_angle_between;
 use crate::rules::axes::Axes;
-use crate::rules::{Judge, Need, Rule, names, places};
+use crate::rules::suffix::{known_turn, off_deg, place_of, relation_to, siblings};
+use crate::rules::{Judge, Need, Rule, names};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{FrameId, World};
 
@@ -31,7 +29,8 @@ impl Rule for NedSuffix {
         for frame in &world.graph().frames {
             let Some(axes) = Axes::of(frame) else { continue };
             let subject = format!("frame `{frame}`");
-            let found = siblings(world, frame, axes)
+            let instead = (axes != Axes::Enu).then_some("enu");
+            let found = siblings(world, frame, axes.word(), instead)
                 .into_iter()
                 .find_map(|sibling| Some((sibling, relation_to(world, sibling, frame)?)));
             match found {
@@ -47,36 +46,6 @@ impl Rule for NedSuffix {
     }
 }
 
-/// Frames of the same name without the word of the axes, or with `enu` instead of it.
-fn siblings<'a>(world: &'a World, frame: &FrameId, axes: Axes) -> Vec<&'a FrameId> {
-    let stem: Vec<String> = frame
-        .tokens()
-        .into_iter()
-        .filter(|token| token != axes.word())
-        .collect();
-    let of_stem = |other: &&FrameId| {
-        let mut tokens = other.tokens();
-        if axes != Axes::Enu {
-            tokens.retain(|token| token != "enu");
-        }
-        *other != frame && tokens == stem
-    };
-    if stem.is_empty() {
-        Vec::new()
-    } else {
-        world.graph().frames.iter().filter(of_stem).collect()
-    }
-}
-
-/// `sibling_from_frame`: over rigid edges if possible, else at the first samples of moving ones.
-fn relation_to(world: &World, sibling: &FrameId, frame: &FrameId) -> Option<Isometry3<f64>> {
-    let graph = world.graph();
-    let chain = graph
-        .chain(sibling, frame, |edge| edge.is_rigid)
-        .or_else(|| graph.chain(sibling, frame, |_| true));
-    chain.map(|(sibling_from_frame, _)| sibling_from_frame)
-}
-
 fn judge_pair(
     world: &World,
     (frame, axes): (&FrameId, Axes),
@@ -86,11 +55,10 @@ fn judge_pair(
     out: &mut Judge,
 ) {
     let seen = sibling_from_frame.rotation;
-    let turn = |expected: &Option<AxisTurn>| expected.map_or_else(UnitQuaternion::identity, AxisTurn::quaternion);
     let deg = axes
         .expected(names::is_world(frame))
         .iter()
-        .map(|expected| rotation_angle_between(&turn(expected), &seen).to_degrees())
+        .map(|expected| off_deg(*expected, &seen))
         .fold(f64::INFINITY, f64::min);
     let subject = format!("frame `{frame}`");
     let off = Measured::new(format!("rotation off {}", axes.word()), deg, "deg").limit(limits.max_deg);
@@ -98,12 +66,8 @@ fn judge_pair(
         out.pass(subject, [off]);
         return;
     }
-    let relation = known_turn(&seen, limits);
-    let place = world
-        .graph()
-        .edges_to(frame)
-        .find_map(|edge| places::of_edge(world, edge));
-    let Some(place) = place.or_else(|| places::first(world, frame)) else {
+    let relation = known_turn(&seen, limits.max_deg);
+    let Some(place) = place_of(world, frame) else {
         return;
     };
     let is_down = axes == Axes::Ned;
@@ -129,15 +93,4 @@ fn judge_pair(
         Some(relation) => finding.relation(relation.word()),
         None => finding,
     });
-}
-
-/// The constant turn that the rotation is instead, if it is one. Looking for mistakes in the numbers does not help here:
-/// from the identity, most of them give the same.
-fn known_turn(seen: &UnitQuaternion<f64>, limits: &Limits) -> Option<Relation> {
-    let is = |turn: &UnitQuaternion<f64>| rotation_angle_between(turn, seen).to_degrees() <= limits.max_deg;
-    if is(&UnitQuaternion::identity()) {
-        return Some(Relation::Equal);
-    }
-    let turn = AxisTurn::all().iter().find(|turn| is(&turn.quaternion()))?;
-    Relation::from_word(turn.word())
 }

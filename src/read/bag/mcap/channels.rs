@@ -2,12 +2,13 @@
 //!
 //! Owns schemas and channels by their ids in the file, with bounds on how much a hostile file can make us keep.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use ::mcap::records::{Record, op};
 
-use super::{Channel, Message, Visit};
+use super::super::{Channel, Message, Visit};
+use super::index::Fields;
 
 /// Bound on all definitions together, bytes: a schema of a large ROS type has 20 KB, a system some hundred types.
 const MAX_SCHEMA_BYTES: usize = 64 << 20;
@@ -29,6 +30,8 @@ pub(super) struct Channels<'v> {
     schema_bytes: usize,
     channel_bytes: usize,
     visit: &'v mut dyn Visit,
+    /// Messages by channel id, as the file's statistics say.
+    pub(super) totals: BTreeMap<u16, u64>,
     /// Channels told so far.
     pub(super) told: usize,
     /// Messages handed on.
@@ -47,6 +50,7 @@ impl<'v> Channels<'v> {
             schema_bytes: 0,
             channel_bytes: 0,
             visit,
+            totals: BTreeMap::new(),
             told: 0,
             messages: 0,
             orphans: 0,
@@ -72,6 +76,42 @@ impl<'v> Channels<'v> {
             Ok(_) => Ok(()),
             Err(error) => Err(format!("a record that does not parse ({error})")),
         }
+    }
+
+    /// Takes in the records of a chunk. The error says what is wrong behind those that were taken.
+    pub(super) fn chunk(&mut self, bytes: &[u8]) -> Result<(), String> {
+        let mut rest = Fields(bytes);
+        while let Some((kind, behind)) = rest.0.split_first() {
+            let cut = |_| "a chunk ends inside a record".to_owned();
+            rest.0 = behind;
+            let length = rest.u64().map_err(cut)?;
+            let length = u32::try_from(length).unwrap_or(u32::MAX);
+            let body = rest.bytes(length).map_err(cut)?;
+            if *kind == op::MESSAGE {
+                let mut fields = Fields(body);
+                // channel, sequence, log time, publish time, data
+                let short = |_| "a message record is shorter than its fields".to_owned();
+                let channel = fields.u16().map_err(short)?;
+                fields.u32().map_err(short)?;
+                let log_time = fields.u64().map_err(short)?;
+                fields.u64().map_err(short)?;
+                self.message(channel, log_time, fields.0);
+            } else {
+                self.record(*kind, body)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Messages were left out here.
+    pub(super) fn seam(&mut self) {
+        self.visit.seam();
+    }
+
+    /// Ids of the channels told so far that are wanted.
+    pub(super) fn wanted(&self, wanted: &dyn Fn(&Channel) -> bool) -> BTreeSet<u32> {
+        let told = self.by_id.iter().filter(|(_, channel)| wanted(channel));
+        told.map(|(id, _)| u32::from(*id)).collect()
     }
 
     fn message(&mut self, channel: u16, log_time: u64, data: &[u8]) {
@@ -118,7 +158,7 @@ impl<'v> Channels<'v> {
             message_encoding: record.message_encoding,
             writer: None,
             latched: is_transient_local(&record.metadata),
-            total: None,
+            total: self.totals.get(&record.id).copied(),
             metadata: record.metadata,
         };
         if let Some(known) = self.by_id.get(&record.id) {

@@ -1,4 +1,4 @@
-//! MCAP files, in one linear pass over ordinary file reads.
+//! MCAP files: chunk after chunk over ordinary file reads, all of them or those that the index recommends.
 //!
 //! Owns the frame of records, so that every position is known, attachments and indexes are stepped over and nothing a
 //! file claims is believed before it is held against the file's length; the inside of a chunk is left to the mcap
@@ -7,25 +7,30 @@
 //! Format: <https://mcap.dev/spec>. A file is: magic, records, a data-end record, the summary, a footer, magic; a record
 //! is a kind (1 byte), a length (8 bytes, little-endian) and as many bytes.
 
+mod channels;
+mod chunk;
+mod index;
+
 use std::fs::File;
-use std::io::{BufReader, Read};
-use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::io::{BufReader, Read, Seek, SeekFrom};
 
 use ::mcap::records::{Record, op};
-use ::mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use crate::source::{Place, ReadStatus, Source};
 
-use super::channels::Channels;
-use super::{Extent, Progress, Visit, Wanted};
+use self::channels::Channels;
+use self::chunk::ChunkHead;
+use self::index::{ChunkAt, Index};
+use super::inflate::Inflater;
+use super::{Extent, Progress, Visit, Wanted, chunks};
 
 /// Bound on one record, bytes. The largest messages met in recordings are clouds and images of some ten megabytes.
 const MAX_RECORD: u64 = 128 << 20;
 /// Bound on the uncompressed size a chunk may claim, bytes; recorders cut chunks at some megabytes.
 const MAX_CHUNK: u64 = 1 << 30;
-/// Chunks up to this size, bytes, are checked against their checksum before the first message is used. Larger ones,
+/// Chunks up to this size, bytes, are decompressed as a whole and checked before the first message is used. Larger ones,
 /// and a chunk that the file's end cuts, are streamed.
-const MAX_CHECKED_CHUNK: u64 = 64 << 20;
+const MAX_WHOLE_CHUNK: u64 = 64 << 20;
 /// Bytes between two calls of the progress function.
 const PROGRESS_STEP: u64 = 4 << 20;
 
@@ -49,6 +54,9 @@ struct Pass<'a, 'v> {
     /// Everything before this byte was used.
     used: u64,
     channels: Channels<'v>,
+    inflater: Inflater,
+    /// Damaged chunks, where reading goes on behind them.
+    faults: Option<Vec<Stop>>,
     progress: Progress<'a>,
     told: u64,
     /// Buffer for records outside chunks.
@@ -62,38 +70,150 @@ struct Pass<'a, 'v> {
 pub(super) fn read(
     file: File,
     total: u64,
-    _wanted: &Wanted<'_>,
+    wanted: &Wanted<'_>,
     source: &mut Source,
     progress: Progress<'_>,
     visit: &mut dyn Visit,
 ) -> Extent {
+    let (index, useless) = match index::read(&file, total) {
+        Ok(index) => (index.unwrap_or_default(), None),
+        Err(why) => (Index::default(), Some(why)),
+    };
     let mut pass = Pass {
         file: BufReader::with_capacity(1 << 18, file),
         at: 0,
         total,
         used: 0,
         channels: Channels::new(visit),
+        inflater: Inflater::default(),
+        faults: None,
         progress,
         told: 0,
         record: Vec::new(),
         data_ended: false,
         promised: None,
     };
-    let stopped = pass.run().err();
-    (pass.progress)(pass.used, total);
-    let truncated = pass.report(stopped, source);
-    Extent {
-        truncated,
+    pass.channels.totals.clone_from(&index.totals);
+    let mut extent = Extent {
+        truncated: false,
         whole: true,
         indexed: false,
-        messages_total: pass.promised,
-        span_ns: None,
+        messages_total: index.messages,
+        span_ns: index.span_ns,
+    };
+    let sampled = wanted.sampling.filter(|_| index.is_usable());
+    if let Some(sampling) = sampled
+        && let Some(chosen) = pass.choose(&index, &sampling, wanted)
+    {
+        extent.indexed = true;
+        extent.whole = false;
+        extent.truncated = pass.sampled(&index, &chosen, source);
+        return extent;
     }
+    let stopped = pass.seek(0).and_then(|()| pass.run()).err();
+    (pass.progress)(pass.used, total);
+    extent.truncated = pass.report(stopped, source);
+    if let Some(why) = useless.filter(|_| source.problems.is_empty()) {
+        let message = format!("the index at its end is of no use, every record was read instead: {why}");
+        source.problem(ReadStatus::Read, Place::whole(source.id), message);
+    }
+    extent.messages_total = extent.messages_total.or(pass.promised);
+    extent
 }
 
 impl Pass<'_, '_> {
+    /// The chunks that are read, where that is less than all of them. `None` as well where the index is not true.
+    fn choose(&mut self, index: &Index, sampling: &super::Sampling, wanted: &Wanted<'_>) -> Option<Vec<usize>> {
+        let all: u64 = index.infos.iter().map(|info| info.bytes).sum();
+        if all <= sampling.bytes {
+            return None;
+        }
+        for (kind, body) in &index.definitions {
+            self.channels.record(*kind, body).ok()?;
+        }
+        let throughout = self.channels.wanted(wanted.throughout);
+        let chosen = chunks::choose(&index.infos, sampling, &throughout);
+        if chosen.len() == index.chunks.len() {
+            return None;
+        }
+        // Before the first message is used: is there a chunk of this size wherever the index says?
+        for number in &chosen {
+            let (chunk, info) = (index.chunks.get(*number)?, index.infos.get(*number)?);
+            let head = self.chunk_at(*chunk).ok()?;
+            if head.size != info.bytes || head.size.max(head.packed) > MAX_WHOLE_CHUNK || head.compression.is_none() {
+                return None;
+            }
+        }
+        Some(chosen)
+    }
+
+    /// Goes to a chunk and reads its head.
+    fn chunk_at(&mut self, chunk: ChunkAt) -> Result<ChunkHead, Stop> {
+        self.seek(chunk.at)?;
+        self.used = chunk.at;
+        let (opcode, len) = self.frame()?;
+        if opcode != op::CHUNK || len + FRAME_LEN != chunk.len {
+            return Err(self.stop("the index points at something that is no such chunk"));
+        }
+        self.chunk_head(len, len)
+    }
+
+    /// Reads the chosen chunks; returns whether messages may be missing among them.
+    fn sampled(&mut self, index: &Index, chosen: &[usize], source: &mut Source) -> bool {
+        let mut bytes = index.bytes;
+        let of: u64 = chosen
+            .iter()
+            .filter_map(|number| index.chunks.get(*number))
+            .map(|chunk| chunk.len)
+            .sum();
+        let (mut done, mut previous) = (0, None);
+        self.faults = Some(Vec::new());
+        for number in chosen {
+            let Some(chunk) = index.chunks.get(*number) else {
+                continue;
+            };
+            let seam = *number > previous.map_or(0, |previous: usize| previous + 1);
+            previous = Some(*number);
+            let result = self.chunk_at(*chunk).and_then(|head| self.pack(&head, chunk.at, seam));
+            self.note(result);
+            bytes += chunk.len;
+            done += chunk.len;
+            (self.progress)(done, of);
+        }
+        let result = self.flush();
+        self.note(result);
+        source.examined.bytes = bytes;
+        source.examined.messages = Some(self.channels.messages);
+        let faults = self.faults.take().unwrap_or_default();
+        if let Some(Stop { at, why, .. }) = faults.first() {
+            let count = faults.len();
+            let message = format!("{count} of the chunks looked into are damaged, the first at byte {at}: {why}");
+            let status = if self.channels.messages == 0 {
+                ReadStatus::Unreadable
+            } else {
+                ReadStatus::Partial
+            };
+            source.problem(status, Place::whole(source.id), message);
+        }
+        !faults.is_empty()
+    }
+
+    fn note(&mut self, result: Result<(), Stop>) {
+        if let (Err(stop), Some(faults)) = (result, &mut self.faults) {
+            faults.push(stop);
+        }
+    }
+
     /// Reads record after record up to the footer and the magic behind it.
     fn run(&mut self) -> Result<(), Stop> {
+        let result = self.records();
+        // What was read before the fault is used first, and may hold an earlier one.
+        self.flush()?;
+        result?;
+        self.end()
+    }
+
+    fn records(&mut self) -> Result<(), Stop> {
         self.skip(MAGIC_LEN)?;
         loop {
             self.used = self.at;
@@ -114,10 +234,7 @@ impl Pass<'_, '_> {
                 return Err(self.stop(format!("the file ends inside a {} record of {len} bytes", kind(opcode))));
             }
             match opcode {
-                op::FOOTER => {
-                    self.skip(len)?;
-                    return self.end();
-                }
+                op::FOOTER => return self.skip(len),
                 op::STATISTICS => {
                     self.load(opcode, len)?;
                     if let Ok(Record::Statistics(statistics)) = ::mcap::parse_record(opcode, &self.record) {
@@ -133,6 +250,10 @@ impl Pass<'_, '_> {
                 // Behind the data the summary repeats schemas and channels.
                 op::SCHEMA | op::CHANNEL | op::MESSAGE if !self.data_ended => {
                     self.load(opcode, len)?;
+                    // Chunks that are still being decompressed come first.
+                    let (at, used) = (self.at, self.used);
+                    self.flush()?;
+                    (self.at, self.used) = (at, used);
                     let result = self.channels.record(opcode, &self.record);
                     result.map_err(|why| self.stop(why))?;
                 }
@@ -160,80 +281,6 @@ impl Pass<'_, '_> {
             return Err(self.stop("the record that ends the data is missing"));
         }
         Ok(())
-    }
-
-    /// Reads one chunk, whose frame was just read, through the mcap crate.
-    fn chunk(&mut self, len: u64, available: u64) -> Result<(), Stop> {
-        let complete = len <= available;
-        let cut = || format!("the file ends inside a chunk of {len} bytes: the recording was cut off or not closed");
-        // start, end, uncompressed size (8 bytes each), CRC, length of the name of the compression (4 bytes each)
-        let mut head = [0; 32];
-        if len.min(available) < 40 {
-            return Err(self.stop(if complete {
-                format!("a chunk of {len} bytes is too short to be one")
-            } else {
-                cut()
-            }));
-        }
-        self.read_exact(&mut head)?;
-        let [.., s0, s1, s2, s3, s4, s5, s6, s7, c0, c1, c2, c3, n0, n1, n2, n3] = head;
-        let uncompressed = u64::from_le_bytes([s0, s1, s2, s3, s4, s5, s6, s7]);
-        let checksum = u32::from_le_bytes([c0, c1, c2, c3]);
-        let name_len = u64::from(u32::from_le_bytes([n0, n1, n2, n3]));
-        if uncompressed > MAX_CHUNK {
-            return Err(self.stop(format!(
-                "a chunk claims {uncompressed} bytes of messages, above the limit of {MAX_CHUNK}"
-            )));
-        }
-        if name_len > 64 {
-            return Err(self.stop(format!("a chunk names its compression with {name_len} bytes")));
-        }
-        if len.min(available) < 40 + name_len {
-            return Err(self.stop(if complete {
-                "a chunk's header does not fit into it".to_owned()
-            } else {
-                cut()
-            }));
-        }
-        let mut start = vec![op::CHUNK];
-        start.extend_from_slice(&len.to_le_bytes());
-        start.extend_from_slice(&head);
-        let mut tail = vec![0; usize::try_from(name_len + 8).unwrap_or(8)];
-        self.read_exact(&mut tail)?;
-        let compressed = tail.last_chunk().map_or(0, |size| u64::from_le_bytes(*size));
-        if compressed > len - 40 - name_len {
-            return Err(self.stop(format!("a chunk of {len} bytes claims to hold {compressed}")));
-        }
-        start.extend_from_slice(&tail);
-
-        let largest = uncompressed.max(compressed);
-        let checked = complete && checksum != 0 && largest <= MAX_CHECKED_CHUNK;
-        let limit = usize::try_from(largest.min(MAX_RECORD)).unwrap_or(usize::MAX);
-        let options = LinearReaderOptions::default()
-            .with_skip_start_magic(true)
-            .with_skip_end_magic(true)
-            .with_validate_chunk_crcs(true)
-            .with_prevalidate_chunk_crcs(checked)
-            .with_record_length_limit(limit);
-        let fed = (len - 40 - name_len).min(available - 40 - name_len);
-        let result = feed(
-            LinearReader::new_with_options(options),
-            &mut start.as_slice().chain((&mut self.file).take(fed)),
-            &mut self.channels,
-        );
-        match result {
-            Ok(()) if complete => {
-                self.at += fed;
-                Ok(())
-            }
-            // What stood before the cut was used.
-            Ok(()) | Err(Fault::Ended) if !complete => {
-                self.used = self.total;
-                Err(self.stop(cut()))
-            }
-            Ok(()) | Err(Fault::Ended) => Err(self.stop("a chunk ends inside a record")),
-            Err(Fault::Wrong(why)) => Err(self.stop(why)),
-        }
     }
 
     /// The kind and the length of the next record.
@@ -280,6 +327,14 @@ impl Pass<'_, '_> {
         Ok(())
     }
 
+    fn seek(&mut self, at: u64) -> Result<(), Stop> {
+        self.file
+            .seek(SeekFrom::Start(at))
+            .map_err(|error| self.stop(error.to_string()))?;
+        self.at = at;
+        Ok(())
+    }
+
     fn stop(&self, why: impl Into<String>) -> Stop {
         Stop {
             at: self.used,
@@ -291,7 +346,7 @@ impl Pass<'_, '_> {
     /// Writes down how far reading went; returns whether messages may be missing.
     fn report(&self, stopped: Option<Stop>, source: &mut Source) -> bool {
         let read = self.channels.messages;
-        source.examined.bytes = self.used;
+        source.examined.bytes = stopped.as_ref().map_or(self.used, |stop| stop.at);
         source.examined.messages = Some(read);
         let whole = Place::whole(source.id);
         let mut missing = false;
@@ -334,44 +389,6 @@ impl Pass<'_, '_> {
             source.detail = Some("no messages".to_owned());
         }
         missing
-    }
-}
-
-enum Fault {
-    /// The bytes ended inside a record or a compressed block.
-    Ended,
-    /// Something is wrong with the bytes.
-    Wrong(String),
-}
-
-/// Feeds one chunk record to the mcap crate and hands on the records inside.
-fn feed(mut reader: LinearReader, input: &mut dyn Read, channels: &mut Channels<'_>) -> Result<(), Fault> {
-    loop {
-        // The crate is built to fail with errors; a panic inside it must cost this file only.
-        let lent = &mut reader;
-        let next = AssertUnwindSafe(move || {
-            let reader = lent;
-            reader.next_event()
-        });
-        let event =
-            catch_unwind(next).map_err(|_| Fault::Wrong("the mcap library broke down on this chunk".to_owned()))?;
-        match event {
-            None => return Ok(()),
-            Some(Ok(LinearReadEvent::Record { data, opcode })) => {
-                channels.record(opcode, data).map_err(Fault::Wrong)?;
-            }
-            Some(Ok(LinearReadEvent::ReadRequest(wanted))) => {
-                let read = loop {
-                    match input.read(reader.insert(wanted)) {
-                        Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
-                        result => break result,
-                    }
-                };
-                reader.notify_read(read.map_err(|error| Fault::Wrong(error.to_string()))?);
-            }
-            Some(Err(::mcap::McapError::UnexpectedEof)) => return Err(Fault::Ended),
-            Some(Err(error)) => return Err(Fault::Wrong(format!("a chunk is damaged: {error}"))),
-        }
     }
 }
 

@@ -1,0 +1,197 @@
+//! How much of a recording is read: what the rules ask for at first, and more where that did not suffice.
+//!
+//! Owns the numbers of sampling and the decision to widen. Must not read anything.
+
+use std::collections::BTreeSet;
+use std::time::{Duration, Instant};
+
+use crate::read::bag::Sampling;
+use crate::rules::Evidence;
+use crate::verdict::{NotEvaluated, Outcome, Row, Verdict};
+use crate::world::World;
+use crate::world::bag::TopicEvidence;
+
+use super::plan::Enabled;
+
+/// Bytes of messages that a recording is sampled with at first. A recording that holds less is read wholly. Zstandard
+/// gives about a gigabyte a second: a tenth of a second for every recording, whatever its length.
+const FIRST_BYTES: u64 = 80 << 20;
+/// What one widening multiplies the bytes and the windows by.
+const WIDENING: u32 = 4;
+/// Time that a run may take before it is no longer widened.
+const BUDGET: Duration = Duration::from_secs(30);
+
+/// What the user says of sampling.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Extent {
+    /// Read everything.
+    pub full: bool,
+    /// Number of windows, instead of what the rules ask for; the sampling is not widened then.
+    pub windows: Option<u32>,
+    /// Time until which the sampling is widened.
+    pub budget: Option<Duration>,
+}
+
+/// The sampling of one run, wider from round to round.
+pub(super) struct Plan {
+    asked: Extent,
+    current: Option<Sampling>,
+    begin: Instant,
+    /// Rows that lacked evidence in the round before.
+    lacking: Option<usize>,
+}
+
+impl Plan {
+    /// The sampling that the enabled rules need at first.
+    pub(super) fn new(asked: Extent, rules: &[Enabled]) -> Self {
+        let needed = rules
+            .iter()
+            .map(|rule| rule.entry.evidence)
+            .fold(Evidence::LEAST, Evidence::max);
+        let first = Sampling {
+            windows: asked.windows.unwrap_or(needed.windows).max(1),
+            seconds: needed.seconds,
+            bytes: FIRST_BYTES,
+        };
+        Self {
+            asked,
+            current: (!asked.full).then_some(first),
+            begin: Instant::now(),
+            lacking: None,
+        }
+    }
+
+    /// What is read in this round; everything where `None`.
+    pub(super) fn sampling(&self) -> Option<Sampling> {
+        self.current
+    }
+
+    /// Whether another round is worth its time: some rule lacked evidence that a recording still holds, the round before
+    /// brought something, and the time suffices.
+    pub(super) fn widen(&mut self, worlds: &[World], verdicts: &[Verdict]) -> bool {
+        let Some(sampling) = &mut self.current else {
+            return false;
+        };
+        let lacking: usize = worlds
+            .iter()
+            .zip(verdicts)
+            .map(|(world, verdict)| lacking(world, verdict))
+            .sum();
+        let is_stuck = self.lacking.is_some_and(|before| lacking >= before);
+        let spent = self.begin.elapsed();
+        // The next round reads so many times more.
+        let left = spent.saturating_mul(WIDENING) < self.asked.budget.unwrap_or(BUDGET).saturating_sub(spent);
+        if lacking == 0 || is_stuck || !left || self.asked.windows.is_some() {
+            return false;
+        }
+        self.lacking = Some(lacking);
+        sampling.windows = sampling.windows.saturating_mul(WIDENING);
+        sampling.bytes = sampling.bytes.saturating_mul(u64::from(WIDENING));
+        true
+    }
+}
+
+/// Judgements that lacked evidence which a recording of the world still holds.
+fn lacking(world: &World, verdict: &Verdict) -> usize {
+    let sampled: Vec<_> = world.bags.iter().filter(|bag| !bag.share.whole).collect();
+    if sampled.is_empty() {
+        return 0;
+    }
+    let topics = || sampled.iter().flat_map(|bag| bag.topics.values());
+    let read_up: BTreeSet<&str> = topics()
+        .filter(|topic| topic.total.is_some() && !topic.has_more())
+        .map(|topic: &TopicEvidence| topic.topic.as_str())
+        .collect();
+    verdict.rows.iter().filter(|row| may_gain(row, &read_up)).count()
+}
+
+/// Whether a row lacks evidence, and its subject is not a topic that was read wholly.
+fn may_gain(row: &Row, read_up: &BTreeSet<&str>) -> bool {
+    let lacks = row.outcome == Outcome::NotEvaluated
+        && row
+            .reason
+            .as_deref()
+            .is_some_and(|reason| reason.starts_with(NotEvaluated::TooLittleEvidence.word()));
+    lacks && !row.subject.split('`').any(|word| read_up.contains(word))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::source::SourceId;
+    use crate::world::BagEvidence;
+
+    fn row(subject: &str, why: NotEvaluated) -> Row {
+        Row {
+            rule: "TEST01".to_owned(),
+            name: "test".to_owned(),
+            subject: subject.to_owned(),
+            outcome: Outcome::NotEvaluated,
+            reason: Some(format!("{}: 3 messages", why.word())),
+            measured: Vec::new(),
+        }
+    }
+
+    /// A sampled recording: `/imu` has more to give, `/gps` was read up.
+    fn world() -> World {
+        let mut bag = BagEvidence::new(SourceId(0));
+        bag.share.whole = false;
+        for (name, count, total) in [("/imu", 3, 100), ("/gps", 3, 3)] {
+            let topic = TopicEvidence {
+                topic: name.to_owned(),
+                count,
+                total: Some(total),
+                ..TopicEvidence::default()
+            };
+            bag.topics.insert(name.to_owned(), topic);
+        }
+        let mut world = World::default();
+        world.bags.push(bag);
+        world
+    }
+
+    fn widens(rows: Vec<Row>, world: World) -> bool {
+        let mut plan = Plan::new(Extent::default(), &[]);
+        let verdict = Verdict {
+            rows,
+            ..Verdict::default()
+        };
+        plan.widen(&[world], &[verdict])
+    }
+
+    #[test]
+    fn more_is_read_where_a_rule_lacks_what_the_recording_holds() {
+        let lacking = |subject| vec![row(subject, NotEvaluated::TooLittleEvidence)];
+        assert!(widens(lacking("topic `/imu`"), world()));
+        assert!(widens(lacking("platform"), world()));
+        assert!(!widens(lacking("topic `/gps`"), world()), "read up");
+        assert!(!widens(vec![row("topic `/imu`", NotEvaluated::MissingInput)], world()));
+        let mut whole = world();
+        whole.bags[0].share.whole = true;
+        assert!(!widens(lacking("topic `/imu`"), whole));
+    }
+
+    #[test]
+    fn it_ends_where_a_round_brought_nothing() {
+        let mut plan = Plan::new(Extent::default(), &[]);
+        let verdict = Verdict {
+            rows: vec![row("platform", NotEvaluated::TooLittleEvidence)],
+            ..Verdict::default()
+        };
+        let before = plan.sampling().unwrap();
+        assert!(plan.widen(&[world()], std::slice::from_ref(&verdict)));
+        assert_eq!(plan.sampling().unwrap().bytes, before.bytes * u64::from(WIDENING));
+        assert!(!plan.widen(&[world()], &[verdict]));
+    }
+
+    #[test]
+    fn nothing_is_wider_than_everything() {
+        let full = Extent {
+            full: true,
+            ..Extent::default()
+        };
+        let mut plan = Plan::new(full, &[]);
+        assert!(plan.sampling().is_none());
+        assert!(!plan.widen(&[], &[]));
+    }
+}

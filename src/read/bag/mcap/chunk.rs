@@ -1,0 +1,231 @@
+//! Chunks of an MCAP: their heads, and the way of their records to the visitor.
+//!
+//! Owns the bounds on what a chunk may claim. Must not know in what order chunks are read.
+
+use std::io::Read;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+use ::mcap::records::op;
+use ::mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
+
+use super::super::inflate::{Compression, Damage, Packed, Unpacked};
+use super::channels::Channels;
+use super::{MAX_CHUNK, MAX_RECORD, MAX_WHOLE_CHUNK, Pass, Stop};
+
+/// The head of a chunk record, held against what is there.
+pub(super) struct ChunkHead {
+    /// The bytes of the head as they stand, behind the frame.
+    bytes: Vec<u8>,
+    /// Bytes when decompressed.
+    pub(super) size: u64,
+    /// Compressed bytes.
+    pub(super) packed: u64,
+    checksum: u32,
+    /// `None` for one that is not known here.
+    pub(super) compression: Option<Compression>,
+}
+
+impl Pass<'_, '_> {
+    /// Reads one chunk, whose frame was just read.
+    pub(super) fn chunk(&mut self, len: u64, available: u64) -> Result<(), Stop> {
+        let start = self.used;
+        let head = self.chunk_head(len, available)?;
+        let is_whole = len <= available && head.size.max(head.packed) <= MAX_WHOLE_CHUNK;
+        if is_whole && head.compression.is_some() {
+            self.pack(&head, start, false)?;
+            // Bytes behind the compressed ones belong to the chunk as well.
+            return self.skip(len - head.bytes.len() as u64 - head.packed);
+        }
+        let at = self.at;
+        self.flush()?;
+        (self.at, self.used) = (at, start);
+        self.stream(&head, len, available)
+    }
+
+    /// Reads the head of a chunk of `len` bytes, of which `available` are there.
+    pub(super) fn chunk_head(&mut self, len: u64, available: u64) -> Result<ChunkHead, Stop> {
+        let complete = len <= available;
+        // start, end, uncompressed size (8 bytes each), CRC, length of the name of the compression (4 bytes each)
+        let mut head = [0; 32];
+        if len.min(available) < 40 {
+            return Err(self.stop(if complete {
+                format!("a chunk of {len} bytes is too short to be one")
+            } else {
+                cut(len)
+            }));
+        }
+        self.read_exact(&mut head)?;
+        let [.., s0, s1, s2, s3, s4, s5, s6, s7, c0, c1, c2, c3, n0, n1, n2, n3] = head;
+        let size = u64::from_le_bytes([s0, s1, s2, s3, s4, s5, s6, s7]);
+        let checksum = u32::from_le_bytes([c0, c1, c2, c3]);
+        let name_len = u64::from(u32::from_le_bytes([n0, n1, n2, n3]));
+        if size > MAX_CHUNK {
+            return Err(self.stop(format!(
+                "a chunk claims {size} bytes of messages, above the limit of {MAX_CHUNK}"
+            )));
+        }
+        if name_len > 64 {
+            return Err(self.stop(format!("a chunk names its compression with {name_len} bytes")));
+        }
+        if len.min(available) < 40 + name_len {
+            return Err(self.stop(if complete {
+                "a chunk's header does not fit into it".to_owned()
+            } else {
+                cut(len)
+            }));
+        }
+        let mut tail = vec![0; usize::try_from(name_len + 8).unwrap_or(8)];
+        self.read_exact(&mut tail)?;
+        let packed = tail.last_chunk().map_or(0, |size| u64::from_le_bytes(*size));
+        if packed > len - 40 - name_len {
+            return Err(self.stop(format!("a chunk of {len} bytes claims to hold {packed}")));
+        }
+        let compression = match tail.split_last_chunk::<8>() {
+            Some((b"", _)) => Some(Compression::None),
+            Some((b"zstd", _)) => Some(Compression::Zstd),
+            Some((b"lz4", _)) => Some(Compression::Lz4),
+            _ => None,
+        };
+        Ok(ChunkHead {
+            bytes: [head.as_slice(), tail.as_slice()].concat(),
+            size,
+            packed,
+            checksum,
+            compression,
+        })
+    }
+
+    /// Reads the bytes of a chunk whose head was just read, and gives them to the inflater.
+    pub(super) fn pack(&mut self, head: &ChunkHead, start: u64, seam: bool) -> Result<(), Stop> {
+        let mut data = self.inflater.buffer();
+        data.resize(usize::try_from(head.packed).unwrap_or(0), 0);
+        self.read_exact(&mut data)?;
+        let chunk = Packed {
+            at: start,
+            compression: head.compression.unwrap_or(Compression::None),
+            size: head.size,
+            checksum: head.checksum,
+            seam,
+            data,
+        };
+        let (channels, faults) = (&mut self.channels, self.faults.as_mut());
+        self.inflater.push(chunk, &mut look(channels, faults))
+    }
+
+    /// Uses every chunk that was taken in.
+    pub(super) fn flush(&mut self) -> Result<(), Stop> {
+        let (channels, faults) = (&mut self.channels, self.faults.as_mut());
+        self.inflater.finish(&mut look(channels, faults))
+    }
+
+    /// Reads a chunk, whose head was just read, through the mcap crate, piece by piece.
+    fn stream(&mut self, head: &ChunkHead, len: u64, available: u64) -> Result<(), Stop> {
+        let complete = len <= available;
+        let mut start = vec![op::CHUNK];
+        start.extend_from_slice(&len.to_le_bytes());
+        start.extend_from_slice(&head.bytes);
+        let limit = usize::try_from(head.size.max(head.packed).min(MAX_RECORD)).unwrap_or(usize::MAX);
+        let options = LinearReaderOptions::default()
+            .with_skip_start_magic(true)
+            .with_skip_end_magic(true)
+            .with_validate_chunk_crcs(true)
+            .with_record_length_limit(limit);
+        let fed = len.min(available) - head.bytes.len() as u64;
+        let result = feed(
+            LinearReader::new_with_options(options),
+            &mut start.as_slice().chain((&mut self.file).take(fed)),
+            &mut self.channels,
+        );
+        match result {
+            Ok(()) if complete => {
+                self.at += fed;
+                Ok(())
+            }
+            // What stood before the cut was used.
+            Ok(()) | Err(Fault::Ended) if !complete => {
+                self.used = self.total;
+                Err(self.stop(cut(len)))
+            }
+            Ok(()) | Err(Fault::Ended) => Err(self.stop("a chunk ends inside a record")),
+            Err(Fault::Wrong(why)) => Err(self.stop(why)),
+        }
+    }
+}
+
+fn cut(len: u64) -> String {
+    format!("the file ends inside a chunk of {len} bytes: the recording was cut off or not closed")
+}
+
+/// Hands on the records of chunks, and those before the damage of a damaged one. Damage is kept in `faults` where there
+/// is a list, else it ends the reading.
+fn look<'a, 'v>(
+    channels: &'a mut Channels<'v>,
+    mut faults: Option<&'a mut Vec<Stop>>,
+) -> impl FnMut(&Unpacked) -> Result<(), Stop> + use<'a, 'v> {
+    move |chunk| {
+        if chunk.seam {
+            channels.seam();
+        }
+        let result = match &chunk.data {
+            Ok(bytes) => channels.chunk(bytes),
+            Err(Damage { why, before }) => {
+                // That the records end early is known already.
+                let _ = channels.chunk(before);
+                Err(why.clone())
+            }
+        };
+        let Err(why) = result else { return Ok(()) };
+        let stop = Stop {
+            at: chunk.at,
+            why,
+            loses_messages: true,
+        };
+        match &mut faults {
+            Some(faults) => {
+                faults.push(stop);
+                // The next chunk does not follow what was read of this one.
+                channels.seam();
+                Ok(())
+            }
+            None => Err(stop),
+        }
+    }
+}
+
+enum Fault {
+    /// The bytes ended inside a record or a compressed block.
+    Ended,
+    /// Something is wrong with the bytes.
+    Wrong(String),
+}
+
+/// Feeds one chunk record to the mcap crate and hands on the records inside.
+fn feed(mut reader: LinearReader, input: &mut dyn Read, channels: &mut Channels<'_>) -> Result<(), Fault> {
+    loop {
+        // The crate is built to fail with errors; a panic inside it must cost this file only.
+        let lent = &mut reader;
+        let next = AssertUnwindSafe(move || {
+            let reader = lent;
+            reader.next_event()
+        });
+        let event =
+            catch_unwind(next).map_err(|_| Fault::Wrong("the mcap library broke down on this chunk".to_owned()))?;
+        match event {
+            None => return Ok(()),
+            Some(Ok(LinearReadEvent::Record { data, opcode })) => {
+                channels.record(opcode, data).map_err(Fault::Wrong)?;
+            }
+            Some(Ok(LinearReadEvent::ReadRequest(wanted))) => {
+                let read = loop {
+                    match input.read(reader.insert(wanted)) {
+                        Err(error) if error.kind() == std::io::ErrorKind::Interrupted => {}
+                        result => break result,
+                    }
+                };
+                reader.notify_read(read.map_err(|error| Fault::Wrong(error.to_string()))?);
+            }
+            Some(Err(::mcap::McapError::UnexpectedEof)) => return Err(Fault::Ended),
+            Some(Err(error)) => return Err(Fault::Wrong(format!("a chunk is damaged: {error}"))),
+        }
+    }
+}

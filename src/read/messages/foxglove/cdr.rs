@@ -1,0 +1,65 @@
+//! `foxglove_msgs` over CDR: the same types as ROS 2 packages them.
+//!
+//! Source: `foxglove_msgs/msg/*.msg` (foxglove/foxglove-sdk, ros/src/foxglove_msgs).
+
+use super::wanted::Kind;
+use crate::read::messages::content::{Body, Content};
+use crate::read::messages::decoder::Format;
+use crate::read::messages::header::Header;
+use crate::read::messages::tf::Transform;
+use crate::read::messages::{Cursor, DecodeError};
+
+/// Whether a type is read here: transforms by their published layout, others by a definition that begins with a time and
+/// a frame.
+pub(super) fn is_read(format: &Format<'_>, kind: Kind) -> bool {
+    let is_ours = format.message_type.starts_with("foxglove_msgs/");
+    let is_transform = matches!(kind, Kind::Transform | Kind::Transforms);
+    is_ours && (is_transform || begins_with_frame(format))
+}
+
+/// Whether the first two fields are `builtin_interfaces/Time timestamp` and `string frame_id`.
+fn begins_with_frame(format: &Format<'_>) -> bool {
+    let text = std::str::from_utf8(format.schema).unwrap_or_default();
+    let mut fields = text
+        .lines()
+        .take_while(|line| !line.starts_with("==="))
+        .map(|line| line.split('#').next().unwrap_or_default().trim())
+        .filter(|line| !line.is_empty() && !line.contains('='));
+    let mut is = |types: &[&str], name: &str| {
+        let mut words = fields.next().unwrap_or_default().split_whitespace();
+        words.next().is_some_and(|word| types.contains(&word)) && words.next() == Some(name)
+    };
+    format.schema_encoding == "ros2msg"
+        && is(&["builtin_interfaces/Time", "builtin_interfaces/msg/Time"], "timestamp")
+        && is(&["string"], "frame_id")
+}
+
+/// Reads one message.
+pub(super) fn decode(kind: Kind, message: &[u8]) -> Result<Content<'_>, DecodeError> {
+    let mut cdr = Cursor::cdr(message)?;
+    let count = match kind {
+        Kind::Transform => 1,
+        Kind::Transforms => cdr.u32()?,
+        _ => {
+            let (header, body) = (Some(Header::read(&mut cdr)?), Body::Nothing);
+            return Ok(Content { header, body });
+        }
+    };
+    // Nothing is set aside for the number that a message claims.
+    let mut transforms = Vec::new();
+    for _ in 0..count {
+        // A time and a name come first, as in a header.
+        let parent = Header::read(&mut cdr)?;
+        transforms.push(Transform {
+            stamp_ns: parent.stamp_ns,
+            parent: parent.frame_id,
+            child: cdr.name()?.into(),
+            translation: cdr.f64s()?,
+            rotation: cdr.f64s()?,
+        });
+    }
+    Ok(Content {
+        header: None,
+        body: Body::Transforms(transforms),
+    })
+}

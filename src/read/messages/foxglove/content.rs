@@ -1,0 +1,249 @@
+//! Wanted values become content.
+
+use std::borrow::Cow;
+
+use super::time;
+use super::value::{Object, Value};
+use super::wanted::Kind;
+use crate::read::messages::content::{Body, Content, Fix, Odometry, Pose};
+use crate::read::messages::header::Header;
+use crate::read::messages::tf::Transform;
+use crate::read::messages::{DecodeError, MAX_NAME};
+
+/// The content of a message of a kind.
+pub(super) fn of(kind: Kind, value: Value<'_>) -> Result<Content<'_>, DecodeError> {
+    let nothing = |header| Content {
+        header,
+        body: Body::Nothing,
+    };
+    let mut object = match value {
+        Value::Object(object) => object,
+        _ if kind == Kind::Unknown => return Ok(nothing(None)),
+        other => return Err(DecodeError(format!("is {}, not a message", other.noun()))),
+    };
+    let object = &mut object;
+    Ok(match kind {
+        Kind::Transform => Content {
+            header: None,
+            body: Body::Transforms(vec![transform(object)?]),
+        },
+        Kind::Transforms => Content {
+            header: None,
+            body: Body::Transforms(
+                elements(object, "transforms")?
+                    .map(|element| transform(&mut element?))
+                    .collect::<Result<_, _>>()?,
+            ),
+        },
+        Kind::Fix => located(object)?,
+        Kind::Fixes => match elements(object, "fixes")?.next() {
+            Some(first) => located(&mut first?)?,
+            None => nothing(None),
+        },
+        Kind::Pose => Content {
+            header: None,
+            body: Body::Pose(Box::new(pose(object)?)),
+        },
+        Kind::PoseInFrame => Content {
+            header: header(object)?,
+            body: Body::Pose(Box::new(pose(&mut nested(object, "pose")?)?)),
+        },
+        Kind::Odometry => Content {
+            header: header(object)?,
+            body: Body::Odometry(Box::new(odometry(object)?)),
+        },
+        Kind::Scene => scene(object)?,
+        Kind::Header => nothing(header(object)?),
+        Kind::Unknown => nothing(header(object).ok().flatten()),
+    })
+}
+
+/// The header of a message, where it has one: `timestamp` and `frame_id`, or the same inside `header`.
+fn header<'m>(object: &mut Object<'m>) -> Result<Option<Header<'m>>, DecodeError> {
+    if let (Some(stamp), true) = (object.get("timestamp"), object.get("frame_id").is_some()) {
+        let stamp_ns = stamp_of("timestamp", stamp)?;
+        let frame_id = name(object, "frame_id")?;
+        return Ok(Some(Header { stamp_ns, frame_id }));
+    }
+    let Some(Value::Object(mut inner)) = object.take("header") else {
+        return Ok(None);
+    };
+    let stamp = inner.get("stamp").or_else(|| inner.get("timestamp"));
+    let (Some(stamp), true) = (stamp, inner.get("frame_id").is_some()) else {
+        return Ok(None);
+    };
+    let stamp_ns = stamp_of("header.stamp", stamp)?;
+    let frame_id = name(&mut inner, "frame_id")?;
+    Ok(Some(Header { stamp_ns, frame_id }))
+}
+
+/// A transform as Foxglove writes it, or nested as ROS does.
+fn transform<'m>(object: &mut Object<'m>) -> Result<Transform<'m>, DecodeError> {
+    let child = name(object, "child_frame_id")?;
+    let (stamp_ns, parent, mut numbers) = if object.get("parent_frame_id").is_some() {
+        let stamp = object.get("timestamp").ok_or_else(|| lacks("timestamp"))?;
+        let stamp_ns = stamp_of("timestamp", stamp)?;
+        (stamp_ns, name(object, "parent_frame_id")?, std::mem::take(object))
+    } else {
+        let Some(Header { stamp_ns, frame_id }) = header(object)? else {
+            return Err(lacks("parent_frame_id"));
+        };
+        (stamp_ns, frame_id, nested(object, "transform")?)
+    };
+    Ok(Transform {
+        stamp_ns,
+        parent,
+        child,
+        translation: vector(&mut numbers, "translation")?,
+        rotation: quaternion(&mut numbers, "rotation")?,
+    })
+}
+
+fn located<'m>(object: &mut Object<'m>) -> Result<Content<'m>, DecodeError> {
+    let fix = Fix {
+        status: 0,
+        latitude: number(object, "latitude")?,
+        longitude: number(object, "longitude")?,
+        altitude: number(object, "altitude")?,
+        covariance: matrix(object, "position_covariance")?,
+    };
+    Ok(Content {
+        header: header(object)?,
+        body: Body::Fix(fix),
+    })
+}
+
+fn odometry<'m>(object: &mut Object<'m>) -> Result<Odometry<'m>, DecodeError> {
+    let Pose {
+        position, orientation, ..
+    } = pose(&mut nested(object, "pose")?)?;
+    Ok(Odometry {
+        child: name(object, "body_frame_id")?,
+        position,
+        orientation,
+        pose_covariance: matrix(object, "pose_covariance")?,
+        linear: vector(object, "linear_velocity")?,
+        angular: vector(object, "angular_velocity")?,
+        twist_covariance: matrix(object, "velocity_covariance")?,
+    })
+}
+
+/// The frames of a scene's entities. Its stamp is that of the first one.
+fn scene<'m>(object: &mut Object<'m>) -> Result<Content<'m>, DecodeError> {
+    let header = match elements(object, "entities")?.next() {
+        Some(first) => header(&mut first?)?,
+        None => None,
+    };
+    Ok(Content {
+        header,
+        body: Body::Nothing,
+    })
+}
+
+fn pose(object: &mut Object<'_>) -> Result<Pose, DecodeError> {
+    Ok(Pose {
+        position: vector(object, "position")?,
+        orientation: quaternion(object, "orientation")?,
+        covariance: None,
+    })
+}
+
+/// The messages of a list.
+fn elements<'m>(
+    object: &mut Object<'m>,
+    field: &'static str,
+) -> Result<impl Iterator<Item = Result<Object<'m>, DecodeError>>, DecodeError> {
+    let list = match object.take(field) {
+        Some(Value::List(list)) => list,
+        found => return Err(not_a(field, "a list", found.as_ref())),
+    };
+    Ok(list.into_iter().map(move |element| match element {
+        Value::Object(object) => Ok(object),
+        other => Err(not_a(field, "a list of messages", Some(&other))),
+    }))
+}
+
+fn nested<'m>(object: &mut Object<'m>, field: &str) -> Result<Object<'m>, DecodeError> {
+    match object.take(field) {
+        Some(Value::Object(inner)) => Ok(inner),
+        found => Err(not_a(field, "a message", found.as_ref())),
+    }
+}
+
+/// A frame name.
+fn name<'m>(object: &mut Object<'m>, field: &str) -> Result<Cow<'m, str>, DecodeError> {
+    match object.take(field) {
+        Some(Value::Text(text)) if text.len() <= MAX_NAME => Ok(text),
+        Some(Value::Text(text)) => {
+            let length = text.len();
+            Err(DecodeError(format!("the frame name `{field}` has {length} bytes")))
+        }
+        found => Err(not_a(field, "a text", found.as_ref())),
+    }
+}
+
+fn vector(object: &mut Object<'_>, field: &str) -> Result<[f64; 3], DecodeError> {
+    let inner = nested(object, field)?;
+    Ok([number(&inner, "x")?, number(&inner, "y")?, number(&inner, "z")?])
+}
+
+fn quaternion(object: &mut Object<'_>, field: &str) -> Result<[f64; 4], DecodeError> {
+    let inner = nested(object, field)?;
+    Ok([
+        number(&inner, "x")?,
+        number(&inner, "y")?,
+        number(&inner, "z")?,
+        number(&inner, "w")?,
+    ])
+}
+
+fn number(object: &Object<'_>, field: &str) -> Result<f64, DecodeError> {
+    let found = object.get(field);
+    found.and_then(as_number).ok_or_else(|| not_a(field, "a number", found))
+}
+
+/// JSON has no word for numbers that are not finite: JavaScript writes `null`, Protocol Buffers write text.
+fn as_number(value: &Value<'_>) -> Option<f64> {
+    match value {
+        Value::Number(number) => Some(*number),
+        Value::Integer(number) => Some(*number as f64),
+        Value::Null => Some(f64::NAN),
+        Value::Text(text) => match text.as_ref() {
+            "NaN" => Some(f64::NAN),
+            "Infinity" => Some(f64::INFINITY),
+            "-Infinity" => Some(f64::NEG_INFINITY),
+            digits => digits.parse().ok(),
+        },
+        _ => None,
+    }
+}
+
+/// A matrix, row by row; zeros where it is left out or empty, which is how these schemas say that it is unknown.
+fn matrix<const N: usize>(object: &Object<'_>, field: &str) -> Result<[f64; N], DecodeError> {
+    let list = match object.get(field) {
+        None | Some(Value::Null) => return Ok([0.0; N]),
+        Some(Value::List(list)) if list.is_empty() => return Ok([0.0; N]),
+        Some(Value::List(list)) => list,
+        found => return Err(not_a(field, "a list", found)),
+    };
+    let numbers: Option<Vec<f64>> = list.iter().map(as_number).collect();
+    let numbers = numbers.ok_or_else(|| not_a(field, "a list of numbers", None))?;
+    numbers
+        .try_into()
+        .map_err(|_| DecodeError(format!("`{field}` does not hold {N} numbers")))
+}
+
+fn stamp_of(field: &str, value: &Value<'_>) -> Result<i64, DecodeError> {
+    time::nanoseconds(value).map_err(|why| DecodeError(format!("`{field}` {why}")))
+}
+
+fn lacks(field: &str) -> DecodeError {
+    DecodeError(format!("lacks `{field}`"))
+}
+
+fn not_a(field: &str, wanted: &str, found: Option<&Value<'_>>) -> DecodeError {
+    match found {
+        None => lacks(field),
+        Some(found) => DecodeError(format!("`{field}` is {}, not {wanted}", found.noun())),
+    }
+}

@@ -1,0 +1,138 @@
+//! Which fields of which types are wanted.
+//!
+//! A type that is not known may still carry `timestamp` and `frame_id`, or a `header` in the way of ROS: these are wanted of
+//! every message.
+
+/// The names wanted in a message, each with what is wanted inside it. Finite, which bounds how deep a message is read.
+#[derive(Debug)]
+pub(super) struct Wanted(pub(super) &'static [(&'static str, &'static Wanted)]);
+
+impl Wanted {
+    /// What is wanted of a field, with its name as a word of ours.
+    pub(super) fn field(&self, name: &str) -> Option<(&'static str, &'static Wanted)> {
+        self.0.iter().find(|(known, _)| *known == name).copied()
+    }
+
+    /// Whether nothing is wanted inside: a number, a text, or a list of these.
+    pub(super) fn is_plain(&self) -> bool {
+        self.0.is_empty()
+    }
+}
+
+static PLAIN: Wanted = Wanted(&[]);
+/// Protocol Buffers, Foxglove's JSON, ROS 1, ROS 2.
+static TIME: Wanted = Wanted(&[
+    ("seconds", &PLAIN),
+    ("nanos", &PLAIN),
+    ("sec", &PLAIN),
+    ("nsec", &PLAIN),
+    ("secs", &PLAIN),
+    ("nsecs", &PLAIN),
+    ("nanosec", &PLAIN),
+]);
+static ROS_HEADER: Wanted = Wanted(&[("stamp", &TIME), ("timestamp", &TIME), ("frame_id", &PLAIN)]);
+static VECTOR: Wanted = Wanted(&[("x", &PLAIN), ("y", &PLAIN), ("z", &PLAIN)]);
+static QUATERNION: Wanted = Wanted(&[("x", &PLAIN), ("y", &PLAIN), ("z", &PLAIN), ("w", &PLAIN)]);
+static POSE: Wanted = Wanted(&[("position", &VECTOR), ("orientation", &QUATERNION)]);
+static ROS_TRANSFORM: Wanted = Wanted(&[("translation", &VECTOR), ("rotation", &QUATERNION)]);
+
+static HEADER: Wanted = Wanted(&[("timestamp", &TIME), ("frame_id", &PLAIN), ("header", &ROS_HEADER)]);
+static TRANSFORM: Wanted = Wanted(&[
+    ("timestamp", &TIME),
+    ("parent_frame_id", &PLAIN),
+    ("child_frame_id", &PLAIN),
+    ("translation", &VECTOR),
+    ("rotation", &QUATERNION),
+    // As ROS nests the same.
+    ("header", &ROS_HEADER),
+    ("transform", &ROS_TRANSFORM),
+]);
+static TRANSFORMS: Wanted = Wanted(&[("transforms", &TRANSFORM)]);
+static FIX: Wanted = Wanted(&[
+    ("timestamp", &TIME),
+    ("frame_id", &PLAIN),
+    ("latitude", &PLAIN),
+    ("longitude", &PLAIN),
+    ("altitude", &PLAIN),
+    ("position_covariance", &PLAIN),
+]);
+static FIXES: Wanted = Wanted(&[("fixes", &FIX)]);
+static POSE_IN_FRAME: Wanted = Wanted(&[("timestamp", &TIME), ("frame_id", &PLAIN), ("pose", &POSE)]);
+static ODOMETRY: Wanted = Wanted(&[
+    ("timestamp", &TIME),
+    ("frame_id", &PLAIN),
+    ("body_frame_id", &PLAIN),
+    ("pose", &POSE),
+    ("linear_velocity", &VECTOR),
+    ("angular_velocity", &VECTOR),
+    ("pose_covariance", &PLAIN),
+    ("velocity_covariance", &PLAIN),
+]);
+static ENTITY: Wanted = Wanted(&[("timestamp", &TIME), ("frame_id", &PLAIN)]);
+static SCENE: Wanted = Wanted(&[("entities", &ENTITY)]);
+
+/// What a type says about frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Kind {
+    /// `FrameTransform`, `geometry_msgs/TransformStamped`.
+    Transform,
+    /// `FrameTransforms`, `tf2_msgs/TFMessage`.
+    Transforms,
+    /// `LocationFix`.
+    Fix,
+    /// `LocationFixes`.
+    Fixes,
+    /// `Pose`: in no frame.
+    Pose,
+    /// `PoseInFrame`.
+    PoseInFrame,
+    /// `Odometry`.
+    Odometry,
+    /// `SceneUpdate`.
+    Scene,
+    /// Another type of Foxglove's: a header, where it has one, spelled as the schemas say.
+    Header,
+    /// A type of somebody else's: a header, where it has what looks like one.
+    Unknown,
+}
+
+impl Kind {
+    /// By the name of the type: `foxglove.Grid`, `foxglove_msgs/msg/Grid`.
+    pub(super) fn of(message_type: &str) -> Self {
+        let (package, _) = message_type.split_once(['.', '/']).unwrap_or_default();
+        let name = message_type.rsplit(['.', '/']).next().unwrap_or_default();
+        if !matches!(package, "foxglove" | "foxglove_msgs") {
+            return match name {
+                "TransformStamped" => Self::Transform,
+                "TFMessage" => Self::Transforms,
+                _ => Self::Unknown,
+            };
+        }
+        match name {
+            "FrameTransform" => Self::Transform,
+            "FrameTransforms" => Self::Transforms,
+            "LocationFix" => Self::Fix,
+            "LocationFixes" => Self::Fixes,
+            "Pose" => Self::Pose,
+            "PoseInFrame" => Self::PoseInFrame,
+            "Odometry" => Self::Odometry,
+            "SceneUpdate" => Self::Scene,
+            _ => Self::Header,
+        }
+    }
+
+    /// The fields that are wanted of it.
+    pub(super) fn wanted(self) -> &'static Wanted {
+        match self {
+            Self::Transform => &TRANSFORM,
+            Self::Transforms => &TRANSFORMS,
+            Self::Fix => &FIX,
+            Self::Fixes => &FIXES,
+            Self::Pose => &POSE,
+            Self::PoseInFrame => &POSE_IN_FRAME,
+            Self::Odometry => &ODOMETRY,
+            Self::Scene => &SCENE,
+            Self::Header | Self::Unknown => &HEADER,
+        }
+    }
+}

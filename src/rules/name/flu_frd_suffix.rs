@@ -1,0 +1,150 @@
+//! NAME05: frames named forward-right-down or forward-left-up that are turned otherwise.
+
+use nalgebra::UnitQuaternion;
+use serde::Deserialize;
+
+use crate::math::relation::Relation;
+use crate::rules::axes::BodyAxes;
+use crate::rules::suffix::{known_turn, off_deg, place_of, relation_to, siblings};
+use crate::rules::{Judge, Need, Rule};
+use crate::source::{Confidence, Place};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::{Claim, ClaimKind, FrameId, World};
+
+/// NAME05.
+pub struct FluFrdSuffix;
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Deviation from the rotation that the names promise, degrees.
+    pub max_deg: f64,
+}
+
+impl Rule for FluFrdSuffix {
+    const PAGE: &'static str = include_str!("../../../rules/name/flu-frd-suffix.md");
+    const NEEDS: &'static [Need] = &[Need::Transforms];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for frame in &world.graph().frames {
+            if let Some(axes) = BodyAxes::of(frame) {
+                judge_frame(world, frame, axes, limits, out);
+            }
+        }
+        for claim in &world.claims {
+            if matches!(claim.kind, ClaimKind::File { .. }) && claim.has_rotation {
+                judge_claim(world, claim, limits, out);
+            }
+        }
+    }
+}
+
+/// Two frames of one name, and the rotation between them.
+struct Pair<'a> {
+    subject: String,
+    frame: &'a FrameId,
+    axes: BodyAxes,
+    other: &'a FrameId,
+    other_axes: BodyAxes,
+    other_from_frame: UnitQuaternion<f64>,
+    reading: Confidence,
+}
+
+fn judge_frame(world: &World, frame: &FrameId, axes: BodyAxes, limits: &Limits, out: &mut Judge) {
+    let subject = format!("frame `{frame}`");
+    // A pair of both words is judged once, as the frame that is forward-right-down.
+    let instead = (axes == BodyAxes::Frd).then_some(BodyAxes::Flu.word());
+    let found = siblings(world, frame, axes.word(), instead)
+        .into_iter()
+        .find_map(|other| Some((other, relation_to(world, other, frame)?.rotation)));
+    let Some(((other, other_from_frame), place)) = found.zip(place_of(world, frame)) else {
+        let of_both =
+            axes == BodyAxes::Flu && !siblings(world, frame, axes.word(), Some(BodyAxes::Frd.word())).is_empty();
+        if !of_both {
+            let reason = format!("no transform to a frame of the same name without `{}`", axes.word());
+            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
+        }
+        return;
+    };
+    let other_axes = BodyAxes::of(other).unwrap_or(BodyAxes::Plain);
+    let pair = Pair {
+        subject,
+        frame,
+        axes,
+        other,
+        other_axes,
+        other_from_frame,
+        reading: Confidence::Certain,
+    };
+    judge_pair(&pair, place, limits, out);
+}
+
+fn judge_claim(world: &World, claim: &Claim, limits: &Limits, out: &mut Judge) {
+    let Some(((target, source), pose)) = claim.frames.as_ref().zip(claim.pose.as_ref()) else {
+        return;
+    };
+    let ((target_axes, target_stem), (source_axes, source_stem)) = (BodyAxes::split(target), BodyAxes::split(source));
+    if target_stem != source_stem || target_axes == source_axes {
+        return;
+    }
+    let rotation = pose.isometry().rotation;
+    let subject = format!("{} in {}", claim.name(), world.path(claim.place.source));
+    let reading = claim.reading;
+    let source_is_marked = source_axes == BodyAxes::Frd || target_axes == BodyAxes::Plain;
+    let pair = if source_is_marked {
+        Pair {
+            subject,
+            frame: source,
+            axes: source_axes,
+            other: target,
+            other_axes: target_axes,
+            other_from_frame: rotation,
+            reading,
+        }
+    } else {
+        let other_from_frame = rotation.inverse();
+        Pair {
+            subject,
+            frame: target,
+            axes: target_axes,
+            other: source,
+            other_axes: source_axes,
+            other_from_frame,
+            reading,
+        }
+    };
+    judge_pair(&pair, claim.place.clone(), limits, out);
+}
+
+fn judge_pair(pair: &Pair, place: Place, limits: &Limits, out: &mut Judge) {
+    let Pair { frame, other, .. } = pair;
+    let expected = pair.axes.turn(pair.other_axes);
+    let deg = off_deg(expected, &pair.other_from_frame);
+    let off = Measured::new(format!("rotation off {}", pair.axes.word()), deg, "deg").limit(limits.max_deg);
+    if deg <= limits.max_deg {
+        out.pass(pair.subject.as_str(), [off]);
+        return;
+    }
+    let relation = known_turn(&pair.other_from_frame, limits.max_deg);
+    let message = format!(
+        "`{frame}` is not {} of `{other}`: its rotation is {deg:.1} deg off{}",
+        pair.axes.word(),
+        relation.map_or_else(String::new, |relation| format!(" ({})", relation.describe())),
+    );
+    let help = match expected {
+        Some(_) => "forward-right-down of a forward-left-up frame is half a turn about x: rpy = (pi, 0, 0)",
+        None => "a frame without a suffix is forward-left-up already (REP-103): the rotation between the two is none",
+    };
+    // The unmarked frame may be the one of other axes, or a sensor as it is built in: the names disagree, no more.
+    let is_open = relation.is_none() || (pair.axes == BodyAxes::Flu && relation == Some(Relation::FluFrd));
+    let finding = if is_open {
+        Finding::warning(pair.subject.as_str(), message, place).likely()
+    } else {
+        Finding::error(pair.subject.as_str(), message, place)
+    };
+    let mut finding = finding.confidence(pair.reading).measured(off).help(help);
+    finding.relation = relation.map(|relation| relation.word().to_owned());
+    out.fail(finding);
+}

@@ -1,0 +1,136 @@
+//! SENSOR07: the fixed frames of mavros: `map_ned`, `odom_ned`, `base_link_frd`.
+
+use serde::Deserialize;
+
+use crate::math::constants::AxisTurn;
+use crate::rules::suffix::{off_deg, place_of};
+use crate::rules::{Judge, Need, Rule, places};
+use crate::verdict::{Finding, Measured, NotEvaluated, Safety};
+use crate::world::{FrameId, World};
+
+/// SENSOR07.
+pub struct MavrosFrames;
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Deviation from the fixed rotation, degrees.
+    pub max_deg: f64,
+    /// Distance between the two origins, metres.
+    pub max_m: f64,
+    /// Deviation from which NAME04 and NAME05 speak, degrees.
+    pub named_deg: f64,
+}
+
+/// A frame that mavros publishes: its name, what it hangs under, the rotation between the two, as URDF text too.
+struct Fixed {
+    name: &'static str,
+    parent: &'static str,
+    turn: AxisTurn,
+    rpy: &'static str,
+    judged_by: &'static str,
+}
+
+const P_RPY: &str = "3.141592653589793 0 1.5707963267948966";
+const F_RPY: &str = "3.141592653589793 0 0";
+
+const FIXED: &[Fixed] = &[
+    Fixed {
+        name: "map_ned",
+        parent: "map",
+        turn: AxisTurn::NedEnu,
+        rpy: P_RPY,
+        judged_by: "NAME04",
+    },
+    Fixed {
+        name: "odom_ned",
+        parent: "odom",
+        turn: AxisTurn::NedEnu,
+        rpy: P_RPY,
+        judged_by: "NAME04",
+    },
+    Fixed {
+        name: "base_link_frd",
+        parent: "base_link",
+        turn: AxisTurn::FluFrd,
+        rpy: F_RPY,
+        judged_by: "NAME05",
+    },
+];
+
+impl Rule for MavrosFrames {
+    const PAGE: &'static str = include_str!("../../../rules/sensor/mavros-frames.md");
+    const NEEDS: &'static [Need] = &[Need::RobotOrTf];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for frame in &world.graph().frames {
+            let name = frame.as_str();
+            let (namespace, last) = name.rfind('/').map_or(("", name), |slash| name.split_at(slash + 1));
+            if let Some(fixed) = FIXED.iter().find(|fixed| fixed.name == last) {
+                let parent = FrameId::new(format!("{namespace}{}", fixed.parent));
+                judge_frame(world, frame, &parent, fixed, limits, out);
+            }
+        }
+    }
+}
+
+fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, fixed: &Fixed, limits: &Limits, out: &mut Judge) {
+    let graph = world.graph();
+    let subject = format!("frame `{frame}`");
+    let chain = graph.chain(parent, frame, |edge| edge.is_rigid);
+    let above = graph.parents_of(frame);
+    let stranger = above.iter().find(|above| **above != parent);
+    let (Some(place), true) = (place_of(world, frame), graph.frames.contains(parent)) else {
+        let reason = format!("`{parent}` is not in the tree");
+        out.not_evaluated(subject, NotEvaluated::MissingInput, reason);
+        return;
+    };
+    if let Some(stranger) = stranger.filter(|_| chain.is_none()) {
+        let message = format!("`{frame}` hangs under `{stranger}` and not under `{parent}`: it does not stay with it");
+        let finding = Finding::warning(subject, message, place).likely();
+        let finding = finding.help(format!(
+            "publish `{parent}` -> `{frame}` with rpy = ({}), as mavros does",
+            fixed.rpy
+        ));
+        out.fail(finding.measured(Measured::count("rigid transforms between the two", 0).limit(1.0)));
+        return;
+    }
+    let Some((parent_from_frame, steps)) = chain else {
+        let reason = format!("no rigid transform between `{parent}` and `{frame}`");
+        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
+        return;
+    };
+    let deg = off_deg(Some(fixed.turn), &parent_from_frame.rotation);
+    let m = parent_from_frame.translation.vector.norm();
+    let turn = Measured::new(format!("rotation off {}", fixed.turn.word()), deg, "deg").limit(limits.max_deg);
+    let shift = Measured::new("distance of the origins", m, "m").limit(limits.max_m);
+    if deg > limits.named_deg {
+        let reason = format!(
+            "it is {deg:.1} deg off, another frame altogether; see {}",
+            fixed.judged_by
+        );
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
+    } else if deg <= limits.max_deg && m <= limits.max_m {
+        out.pass(subject, [turn, shift]);
+    } else {
+        let what = if deg > limits.max_deg {
+            format!("turned {deg:.2} deg off the fixed rotation")
+        } else {
+            format!("shifted by {m:.3} m")
+        };
+        let message = format!("`{frame}` is {what} against `{parent}`: mavros converts its data with none of that");
+        let finding = Finding::warning(subject, message, place).measured(turn).measured(shift);
+        let finding = finding.help(format!(
+            "`{parent}` -> `{frame}` is xyz = (0, 0, 0), rpy = ({})",
+            fixed.rpy
+        ));
+        let edge = steps.first().filter(|_| steps.len() == 1 && deg > limits.max_deg);
+        let edit = edge.and_then(|step| places::rpy_edit(world, graph.edges.get(step.edge)?, fixed.rpy));
+        out.fail(match edit {
+            Some(edit) => finding.fix("write the fixed rotation in full", Safety::ChangesBehaviour, vec![edit]),
+            None => finding,
+        });
+    }
+}

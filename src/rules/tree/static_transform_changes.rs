@@ -1,0 +1,111 @@
+//! TREE11: latched transforms with more than one value, in one recording or from one to another.
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, NotEvaluated, Severity};
+use crate::world::bag::{TfEdge, TfSample};
+use crate::world::{BagEvidence, World};
+
+use super::latched::{Calm, Change, Key, change, difference, latched};
+use super::latched_across::{Across, judge_across};
+
+/// TREE11.
+pub struct StaticTransformChanges;
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Rotation up to which two values are one, degrees.
+    pub same_deg: f64,
+    /// Translation up to which two values are one, metres.
+    pub same_m: f64,
+    /// Rotation from which the change is an error, degrees.
+    pub error_deg: f64,
+    /// Translation from which the change is an error, metres.
+    pub error_m: f64,
+}
+
+impl Rule for StaticTransformChanges {
+    const PAGE: &'static str = include_str!("../../../rules/tree/static-transform-changes.md");
+    const NEEDS: &'static [Need] = &[Need::Tf];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let mut across = Across::new();
+        let mut bags: Vec<&BagEvidence> = world.bags.iter().filter(|bag| !bag.tf.is_empty()).collect();
+        bags.sort_by_key(|bag| (bag.start_ns, bag.source));
+        for bag in bags {
+            let subject = format!("latched transforms of {}", world.path(bag.source));
+            let latched = latched(bag);
+            if latched.is_empty() {
+                out.not_evaluated(subject, NotEvaluated::NotApplicable, "it has no latched transforms");
+                continue;
+            }
+            let mut calm = Calm::default();
+            for (key, edges) in &latched {
+                let Some(first) = edges.iter().find_map(|edge| edge.first()) else {
+                    continue;
+                };
+                across.entry(key.clone()).or_default().push((bag, first));
+                let others = edges
+                    .iter()
+                    .flat_map(|edge| edge.first().into_iter().chain(edge.extreme.as_ref().map(|e| &e.0)));
+                let Some((other, change)) = others.map(|other| (other, change(first, other))).max_by(Change::order)
+                else {
+                    continue;
+                };
+                match change.severity(limits) {
+                    None => calm.add(&change),
+                    Some(severity) => out.fail(within(bag, key, (first, other), severity, limits, edges)),
+                }
+            }
+            calm.report(subject, limits, out);
+        }
+        judge_across(world, &across, limits, out);
+    }
+}
+
+fn within(
+    bag: &BagEvidence,
+    (topic, parent, child): &Key,
+    (first, other): (&TfSample, &TfSample),
+    severity: Severity,
+    limits: &Limits,
+    edges: &[&TfEdge],
+) -> Finding {
+    let difference = difference(first, other, limits);
+    let writers: Vec<&str> = edges
+        .iter()
+        .flat_map(|edge| edge.writers.keys())
+        .map(String::as_str)
+        .collect();
+    let by = if writers.len() > 1 {
+        format!(" (written by {})", writers.join(", "))
+    } else {
+        String::new()
+    };
+    let after_s = (other.at.log_ns - first.at.log_ns) as f64 / 1e9;
+    let message = format!(
+        "latched `{parent}` -> `{child}` on {topic} changes {after_s:.1} s after its first value{by}{}",
+        difference.words
+    );
+    let subject = format!("latched `{parent}` -> `{child}` on {topic}");
+    let count = edges.iter().map(|edge| edge.count).sum();
+    let mut finding = Finding::new(severity, subject, message, Place::message(bag.source, other.at.clone()))
+        .label("another value")
+        .help(
+            "find out which value is right and publish only that one; tf2 applies the last one to all times, past ones \
+             too. What really moves belongs on /tf",
+        )
+        .related(Place::message(bag.source, first.at.clone()), "first value");
+    finding.measured = difference
+        .measured
+        .into_iter()
+        .map(|measured| measured.samples(count))
+        .collect();
+    finding.relation = difference.relation.map(str::to_owned);
+    finding
+}
