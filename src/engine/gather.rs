@@ -140,8 +140,8 @@ impl Reader<'_> {
 
     fn read_kind(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<Emerged>) -> Facts {
         match input.kind {
-            SourceKind::Mcap => self.read_mcap(input, source, index, emerged),
-            SourceKind::Rosbag1 | SourceKind::Sqlite => {
+            SourceKind::Mcap | SourceKind::Sqlite => self.read_recording(input, source, index, emerged),
+            SourceKind::Rosbag1 => {
                 unread_recording(source);
                 Facts::default()
             }
@@ -167,7 +167,7 @@ impl Reader<'_> {
         }
     }
 
-    fn read_mcap(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<Emerged>) -> Facts {
+    fn read_recording(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<Emerged>) -> Facts {
         let task = self
             .progress
             .start(&input.display, fs::metadata(&input.path).map_or(0, |meta| meta.len()));

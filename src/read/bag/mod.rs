@@ -7,6 +7,8 @@ mod chunks;
 mod inflate;
 mod kind;
 mod mcap;
+mod metadata;
+mod sqlite;
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -137,8 +139,10 @@ pub fn read(
     source.examined.bytes_total = total;
     source.examined.messages = Some(0);
     let container = Container::of(&first_bytes(&file));
-    if container == Container::Mcap {
-        return mcap::read(file, total, wanted, source, progress, visit);
+    match container {
+        Container::Mcap => return mcap::read(file, total, wanted, source, progress, visit),
+        Container::Sqlite => return sqlite::read(path, total, None, wanted, source, progress, visit),
+        _ => {}
     }
     let (message, help) = container.refusal();
     source.problem_with_help(ReadStatus::Unreadable, whole, message, help.map(str::to_owned));

@@ -193,7 +193,7 @@ fn size(channel: &Channel) -> usize {
 }
 
 /// Whether every profile that rosbag2 noted offers durability `transient_local` (`1`), and there is one.
-pub(super) fn is_transient_local(metadata: &BTreeMap<String, String>) -> bool {
+pub(in crate::read::bag) fn is_transient_local(metadata: &BTreeMap<String, String>) -> bool {
     let profiles = metadata.get("offered_qos_profiles").map_or("", String::as_str);
     let mut durabilities = profiles
         .lines()

@@ -19,6 +19,7 @@ use ::mcap::records::{Record, op};
 use crate::source::{Place, ReadStatus, Source};
 
 use self::channels::Channels;
+pub(super) use self::channels::is_transient_local;
 use self::chunk::ChunkHead;
 use self::index::{ChunkAt, Index};
 use super::inflate::Inflater;
@@ -119,6 +120,11 @@ pub(super) fn read(
     }
     extent.messages_total = extent.messages_total.or(pass.promised);
     extent
+}
+
+/// First and last log time, nanoseconds, where the summary says.
+pub(super) fn span(file: &File, total: u64) -> Option<(i64, i64)> {
+    index::read(file, total).ok()??.span_ns
 }
 
 impl Pass<'_, '_> {

@@ -1,0 +1,156 @@
+//! rosbag2 databases (`.db3`), through SQLite.
+//!
+//! Owns the order of messages (time, then row), what is read of a large database, and the words on a damaged one. Must
+//! not know what is inside messages.
+
+mod open;
+mod pass;
+mod sample;
+mod tables;
+
+use std::path::Path;
+
+use rusqlite::Connection;
+
+use crate::source::{Place, ReadStatus, Source};
+
+use super::metadata::Metadata;
+use super::{Extent, Progress, Visit, Wanted};
+
+use pass::Pass;
+
+/// Bound on one message, bytes. The largest ones met in recordings are clouds and images of some ten megabytes.
+const MAX_MESSAGE: u64 = 128 << 20;
+
+/// Reads a database that starts with SQLite's magic; see [`super::read`]. `metadata` is what `metadata.yaml` says of the
+/// recording that the file belongs to.
+pub(super) fn read(
+    path: &Path,
+    total: u64,
+    metadata: Option<&Metadata>,
+    wanted: &Wanted<'_>,
+    source: &mut Source,
+    progress: Progress<'_>,
+    visit: &mut dyn Visit,
+) -> Extent {
+    let opened =
+        open::open(path, total, source).and_then(|connection| Ok((tables::read(&connection, metadata)?, connection)));
+    let (tables, connection) = match opened {
+        Ok(opened) => opened,
+        Err(why) => {
+            let message = missing_end(path, total).map_or_else(|| why.clone(), |missing| format!("{why}; {missing}"));
+            source.problem(ReadStatus::Unreadable, Place::whole(source.id), message);
+            return Extent {
+                truncated: true,
+                ..Extent::default()
+            };
+        }
+    };
+    let mut pass = Pass::new(&connection, tables, total, progress, visit);
+    let sampling = wanted
+        .sampling
+        .filter(|sampling| total > sampling.bytes && pass.tables.indexed);
+    let extent = if let Some(sampling) = sampling {
+        sample::read(&mut pass, &sampling, wanted)
+    } else {
+        pass.tell_channels();
+        pass.whole();
+        Extent {
+            whole: true,
+            ..Extent::default()
+        }
+    };
+    let truncated = report(&pass, path, extent.whole, source);
+    (pass.progress)(total, total);
+    Extent {
+        truncated,
+        indexed: pass.tables.indexed,
+        ..extent
+    }
+}
+
+/// First and last log time of a database, nanoseconds, where its index says.
+#[allow(dead_code)]
+pub(super) fn span(path: &Path, total: u64) -> Option<(i64, i64)> {
+    let mut nobody = Source::new(crate::source::SourceId(0), "", crate::source::SourceKind::Sqlite);
+    let connection = open::open(path, total, &mut nobody).ok()?;
+    let tables = tables::read(&connection, None).ok()?;
+    tables.indexed.then(|| sample::span(&connection))?
+}
+
+/// Writes down how far reading went; returns whether messages may be missing.
+fn report(pass: &Pass<'_, '_>, path: &Path, whole: bool, source: &mut Source) -> bool {
+    let place = Place::whole(source.id);
+    source.examined.messages = Some(pass.messages);
+    source.examined.bytes = if whole && pass.stopped.is_none() {
+        pass.total
+    } else {
+        pass.bytes.min(pass.total)
+    };
+    let mut missing = false;
+    let status = if pass.messages == 0 {
+        ReadStatus::Unreadable
+    } else {
+        ReadStatus::Partial
+    };
+    let help = "`sqlite3 damaged.db3 .recover | sqlite3 repaired.db3` rescues what can be found; record again if the \
+                rest matters";
+    if let Some(why) = &pass.stopped {
+        missing = true;
+        let after = pass.messages;
+        let message = match missing_end(path, pass.total) {
+            Some(end) => format!("{end}: {after} messages were read, then: {why}"),
+            None => format!("damaged: {after} messages were read, then: {why}"),
+        };
+        source.problem_with_help(status, place.clone(), message, Some(help.to_owned()));
+    } else if let Some(end) = missing_end(path, pass.total) {
+        missing = true;
+        let message = format!("{end}: {} messages were read", pass.messages);
+        source.problem_with_help(status, place.clone(), message, Some(help.to_owned()));
+    }
+    if let Some(why) = &pass.tables.fault {
+        missing = true;
+        let message = format!("its topics or definitions could not all be read: {why}");
+        source.problem(ReadStatus::Partial, place.clone(), message);
+    }
+    for (count, what) in [
+        (
+            pass.orphans,
+            "messages belong to topics that the database does not define",
+        ),
+        (pass.too_large, "messages are larger than 128 MB and were left out"),
+        (pass.unfit, "messages have no time or no bytes and were left out"),
+    ] {
+        if count > 0 {
+            missing = true;
+            source.problem(ReadStatus::Partial, place.clone(), format!("{count} {what}"));
+        }
+    }
+    missing
+}
+
+/// Says that the file ends before its header's last page, where it does.
+fn missing_end(path: &Path, total: u64) -> Option<String> {
+    let claimed = claimed_size(path)?;
+    let percent = 100.0 * total as f64 / claimed as f64;
+    (claimed > total).then(|| format!("the file ends at byte {total} of {claimed} ({percent:.1} %), it was cut off"))
+}
+
+/// Size that a database's header claims, bytes.
+fn claimed_size(path: &Path) -> Option<u64> {
+    let mut head = [0; 32];
+    std::io::Read::read_exact(&mut std::fs::File::open(path).ok()?, &mut head).ok()?;
+    // Page size at byte 16, version of the last change at 24, number of pages at 28.
+    let [.., p1, p0, _, _, _, _, _, _, _, _, _, _, n3, n2, n1, n0] = head;
+    let page = match u64::from(u16::from_be_bytes([p1, p0])) {
+        1 => 65_536,
+        size => size,
+    };
+    let pages = u64::from(u32::from_be_bytes([n3, n2, n1, n0]));
+    (page >= 512 && page.is_power_of_two()).then_some(page * pages)
+}
+
+/// The one row of a query of ours that gives a number.
+fn number(connection: &Connection, sql: &str) -> Option<i64> {
+    connection.query_row(sql, [], |row| row.get::<_, i64>(0)).ok()
+}

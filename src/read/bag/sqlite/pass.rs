@@ -1,0 +1,216 @@
+//! One pass over the messages of a database.
+//!
+//! Owns how rows become messages, and that none is delivered twice. Must not know which rows are wanted.
+
+use rusqlite::types::ValueRef;
+use rusqlite::{Connection, Params, Row};
+
+use super::super::{Message, Progress, Visit};
+use super::MAX_MESSAGE;
+use super::tables::Tables;
+
+/// Bytes of messages between two calls of the progress function.
+const PROGRESS_STEP: u64 = 4 << 20;
+
+/// What every query for messages selects. Of a message that is too large not a byte is loaded.
+pub(super) fn select(rest: &str) -> String {
+    format!(
+        "SELECT rowid, topic_id, timestamp, octet_length(data), \
+         CASE WHEN octet_length(data) <= {MAX_MESSAGE} THEN data END FROM messages {rest}"
+    )
+}
+
+/// Whether a query goes on after a row.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Next {
+    /// The next row is wanted.
+    Go,
+    /// No further row is wanted.
+    Enough,
+}
+
+/// The messages of a database on their way to the visitor.
+pub(super) struct Pass<'c, 'v> {
+    pub(super) connection: &'c Connection,
+    pub(super) tables: Tables,
+    pub(super) total: u64,
+    pub(super) progress: Progress<'v>,
+    visit: &'v mut dyn Visit,
+    /// Time and row of the last message delivered.
+    pub(super) last: Option<(i64, i64)>,
+    /// The largest row delivered.
+    largest_row: i64,
+    pub(super) messages: u64,
+    /// Bytes of messages delivered.
+    pub(super) bytes: u64,
+    told: u64,
+    pub(super) orphans: u64,
+    pub(super) too_large: u64,
+    pub(super) unfit: u64,
+    /// Why reading ended early.
+    pub(super) stopped: Option<String>,
+}
+
+impl<'c, 'v> Pass<'c, 'v> {
+    pub(super) fn new(
+        connection: &'c Connection,
+        tables: Tables,
+        total: u64,
+        progress: Progress<'v>,
+        visit: &'v mut dyn Visit,
+    ) -> Self {
+        Self {
+            connection,
+            tables,
+            total,
+            progress,
+            visit,
+            last: None,
+            largest_row: i64::MIN,
+            messages: 0,
+            bytes: 0,
+            told: 0,
+            orphans: 0,
+            too_large: 0,
+            unfit: 0,
+            stopped: None,
+        }
+    }
+
+    pub(super) fn tell_channels(&mut self) {
+        for channel in self.tables.channels.values() {
+            self.visit.channel(channel);
+        }
+    }
+
+    pub(super) fn seam(&mut self) {
+        self.visit.seam();
+    }
+
+    /// Reads every message, in order of time.
+    pub(super) fn whole(&mut self) {
+        let result = if self.tables.indexed {
+            let sql = select("ORDER BY timestamp, rowid");
+            self.run(&sql, [], Self::in_order)
+        } else {
+            self.sorted()
+        };
+        let Err(why) = result else { return };
+        self.stopped = Some(why);
+        // The index may be what is damaged, and the messages behind it whole.
+        let after = self.largest_row;
+        let sql = select("WHERE rowid > ?1 ORDER BY rowid");
+        let _ = self.run(&sql, [after], |pass, row| {
+            let at = row_number(row)?;
+            if at <= pass.largest_row {
+                return Err("its rows are out of order".to_owned());
+            }
+            pass.deliver(row)
+        });
+    }
+
+    /// Reads every message of a database without an index: sorts the row numbers, then fetches row by row. To sort the
+    /// messages themselves would write them all to a temporary file.
+    fn sorted(&mut self) -> Result<(), String> {
+        let words = |error: rusqlite::Error| error.to_string();
+        let connection = self.connection;
+        let mut fetch = connection.prepare(&select("WHERE rowid = ?1")).map_err(words)?;
+        let mut order = connection
+            .prepare("SELECT rowid FROM messages ORDER BY timestamp, rowid")
+            .map_err(words)?;
+        let mut rows = order.query([]).map_err(words)?;
+        while let Some(row) = rows.next().map_err(words)? {
+            let mut found = fetch.query([row_number(row)?]).map_err(words)?;
+            if let Some(row) = found.next().map_err(words)? {
+                self.in_order(row)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Runs a query and hands over its rows one by one.
+    pub(super) fn run(
+        &mut self,
+        sql: &str,
+        parameters: impl Params,
+        mut take: impl FnMut(&mut Self, &Row<'_>) -> Result<Next, String>,
+    ) -> Result<(), String> {
+        let words = |error: rusqlite::Error| error.to_string();
+        let connection = self.connection;
+        let mut statement = connection.prepare(sql).map_err(words)?;
+        let mut rows = statement.query(parameters).map_err(words)?;
+        while let Some(row) = rows.next().map_err(words)? {
+            if take(self, row)? == Next::Enough {
+                return Ok(());
+            }
+        }
+        Ok(())
+    }
+
+    /// Delivers a row that must come after the last one. A damaged index may lead round in a circle.
+    pub(super) fn in_order(&mut self, row: &Row<'_>) -> Result<Next, String> {
+        let key = (time(row).unwrap_or(i64::MIN), row_number(row)?);
+        if time(row).is_some() && self.last.is_some_and(|last| key <= last) {
+            return Err("its messages are out of order".to_owned());
+        }
+        self.deliver(row)
+    }
+
+    /// Delivers a row as [`select`] gives it.
+    pub(super) fn deliver(&mut self, row: &Row<'_>) -> Result<Next, String> {
+        let at = row_number(row)?;
+        self.largest_row = self.largest_row.max(at);
+        let size = match row.get_ref(3) {
+            Ok(ValueRef::Integer(size)) => u64::try_from(size).unwrap_or(0),
+            _ => 0,
+        };
+        let Some(log_ns) = time(row) else {
+            self.unfit += 1;
+            return Ok(Next::Go);
+        };
+        self.last = Some((log_ns, at));
+        if size > MAX_MESSAGE {
+            self.too_large += 1;
+            return Ok(Next::Go);
+        }
+        let data = match row.get_ref(4) {
+            Ok(ValueRef::Blob(data) | ValueRef::Text(data)) => data,
+            Ok(_) => {
+                self.unfit += 1;
+                return Ok(Next::Go);
+            }
+            Err(error) => return Err(error.to_string()),
+        };
+        let topic = match row.get_ref(1) {
+            Ok(ValueRef::Integer(topic)) => self.tables.channels.get(&topic),
+            _ => None,
+        };
+        let Some(channel) = topic else {
+            self.orphans += 1;
+            return Ok(Next::Go);
+        };
+        self.messages += 1;
+        self.bytes += size;
+        self.visit.message(channel, &Message { log_ns, data });
+        if self.bytes >= self.told + PROGRESS_STEP {
+            self.told = self.bytes;
+            (self.progress)(self.bytes.min(self.total), self.total);
+        }
+        Ok(Next::Go)
+    }
+}
+
+pub(super) fn row_number(row: &Row<'_>) -> Result<i64, String> {
+    match row.get_ref(0) {
+        Ok(ValueRef::Integer(number)) => Ok(number),
+        _ => Err("a row without a number".to_owned()),
+    }
+}
+
+/// The time of a row, nanoseconds.
+pub(super) fn time(row: &Row<'_>) -> Option<i64> {
+    match row.get_ref(2) {
+        Ok(ValueRef::Integer(time)) => Some(time),
+        _ => None,
+    }
+}
