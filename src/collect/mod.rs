@@ -2,6 +2,8 @@
 //!
 //! Owns what is kept of a recording. Must not know container formats, nor judge what it keeps.
 
+mod annotations;
+mod content;
 mod descriptions;
 mod edge;
 mod point;
@@ -9,8 +11,9 @@ mod stamps;
 mod tf;
 mod thin;
 mod topic;
+mod writers;
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::Path;
 
 use crate::read::bag::{self, Channel, Extent, Message, Progress, Sampling, Visit, Wanted};
@@ -20,10 +23,12 @@ use crate::source::{MessageRef, Place, ReadStatus, Source};
 use crate::world::bag::Share as Examined;
 use crate::world::{BagEvidence, Facts};
 
+use annotations::Annotations;
 use descriptions::{Descriptions, MAX_DESCRIPTIONS};
 use tf::{MAX_EDGES, Tf};
 use thin::Share;
 use topic::{Topic, last_segment};
+use writers::{Writer, Writers};
 
 /// Bound on topics; large systems have some hundred.
 const MAX_TOPICS: usize = 10_000;
@@ -73,7 +78,7 @@ struct Told {
     /// Its topic's number.
     topic: usize,
     decoder: Decoder,
-    writer: Option<String>,
+    writer: Option<Writer>,
 }
 
 #[derive(Default)]
@@ -83,7 +88,9 @@ struct Collector {
     topics: Vec<Topic>,
     topic_of: HashMap<String, usize>,
     tf: Tf,
+    writers: Writers,
     descriptions: Descriptions,
+    annotations: Annotations,
     log_ns: Option<(i64, i64)>,
     /// First and last log time of each unbroken stretch.
     stretches_ns: Vec<(i64, i64)>,
@@ -121,9 +128,7 @@ impl Visit for Collector {
             return;
         };
         let point = topic.next_point(message);
-        if let Some(writer) = &told.writer {
-            topic.written_by(writer);
-        }
+        topic.written_by(told.writer);
         let Content { header, body } = match told.decoder.decode(message.data) {
             Ok(content) => content,
             Err(error) => return topic.malformed(point, error),
@@ -137,10 +142,17 @@ impl Visit for Collector {
                     topic.child(point, &transform.child);
                 }
             }
-            Body::Transforms(transforms) => self.tf.message(told.topic, point, &transforms),
-            Body::Odometry(odometry) => topic.child(point, &odometry.child),
+            Body::Transforms(transforms) => self.tf.message(told.topic, point, told.writer, &transforms),
+            Body::Odometry(odometry) => {
+                topic.child(point, &odometry.child);
+                topic.contents.odometry(point, &odometry);
+            }
+            Body::Imu(imu) => topic.contents.imu(point, &imu),
+            Body::Fix(fix) => topic.contents.fix(point, &fix),
+            Body::Pose(pose) => topic.contents.pose(point, &pose),
+            Body::Twist(twist) => topic.contents.twist(point, &twist),
             Body::Description(text) => self.descriptions.push(point, &topic.name, &text),
-            Body::Nothing | Body::Imu(_) | Body::Fix(_) | Body::Pose(_) | Body::Twist(_) | Body::Clock(_) => {}
+            Body::Nothing | Body::Clock(_) => {}
         }
     }
 
@@ -150,6 +162,10 @@ impl Visit for Collector {
             topic.seam();
         }
         self.tf.seam();
+    }
+
+    fn annotation(&mut self, name: &str, fields: &BTreeMap<String, String>) {
+        self.annotations.push(name, fields);
     }
 }
 
@@ -182,7 +198,7 @@ impl Collector {
         Some(Told {
             topic: number,
             decoder,
-            writer: channel.writer.clone(),
+            writer: channel.writer.as_deref().and_then(|writer| self.writers.number(writer)),
         })
     }
 
@@ -198,7 +214,7 @@ impl Collector {
         self.problems(source);
         self.examined(source, extent);
         self.nothing_to_judge(source, extent.truncated);
-        let (edges, parent_switches, mut frames) = self.tf.finish(source.id);
+        let (edges, parent_switches, mut frames) = self.tf.finish(source.id, &self.writers);
         for topic in &self.topics {
             frames.extend(topic.frame_uses(source.id));
         }
@@ -210,7 +226,7 @@ impl Collector {
             topics: self
                 .topics
                 .into_iter()
-                .map(|topic| (topic.name.clone(), topic.finish()))
+                .map(|topic| (topic.name.clone(), topic.finish(&self.writers)))
                 .collect(),
             tf: edges,
             parent_switches,
@@ -221,6 +237,7 @@ impl Collector {
                 span_ns: extent.span_ns.or(self.log_ns),
                 stretches_ns: self.stretches_ns,
             },
+            annotations: self.annotations.kept,
             ..BagEvidence::new(source.id)
         };
         Collected {
@@ -312,6 +329,10 @@ impl Collector {
             (
                 self.descriptions.refused,
                 format!("robot descriptions beyond the first {MAX_DESCRIPTIONS}"),
+            ),
+            (
+                self.annotations.refused,
+                "fields of metadata records beyond the first megabyte".to_owned(),
             ),
         ];
         for (count, what) in left_out.into_iter().filter(|(count, _)| *count > 0) {

@@ -65,6 +65,9 @@ pub trait Visit {
     fn message(&mut self, channel: &Channel, message: &Message<'_>);
     /// Messages were left out here: the next one does not follow the last one.
     fn seam(&mut self);
+    /// Something that the recording holds beside messages: a metadata record with its fields, or under the name
+    /// `attachments` the name of an attachment with its media type. A name may come several times.
+    fn annotation(&mut self, _name: &str, _fields: &BTreeMap<String, String>) {}
 }
 
 /// How a recording is sampled: runs of neighbouring chunks (or stretches of time, where a format has no chunks) spread
