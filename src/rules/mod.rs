@@ -150,6 +150,7 @@ pub static RULES: &[Entry] = &[
     entry::<time::stamp_vs_log::StampVsLog>(),
     entry::<time::stamp_monotonic::StampMonotonic>(),
     entry::<time::clock_domain::ClockDomain>(),
+    entry::<time::tf_vs_sensor_time::TfVsSensorTime>(),
     entry::<time::leap_table_expiry::LeapTableExpiry>(),
     entry::<sensor::mavros_frames::MavrosFrames>(),
     entry::<auth::calibration_missing_default::CalibrationMissingDefault>(),

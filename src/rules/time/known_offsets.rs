@@ -35,6 +35,11 @@ pub(super) struct Named {
 }
 
 impl Named {
+    /// Whether latency has this size.
+    pub(super) fn is_fine(&self) -> bool {
+        self.fine
+    }
+
     /// Whether plain latency has this size and sign.
     pub(super) fn is_latency(&self) -> bool {
         self.fine && self.offset_s < 0.0

@@ -38,8 +38,9 @@ pub(super) fn faults(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits) 
         return Vec::new();
     }
     let drifting = steady.and_then(|drift| drifting(stream, drift, limits));
-    let others = [step(stream, limits), offset(stream, naming, limits)];
-    drifting.into_iter().chain(others.into_iter().flatten()).collect()
+    // The offset of a clock that drifts is whatever it has drifted to.
+    let offset = offset(stream, naming, limits).filter(|_| drifting.is_none());
+    [drifting, step(stream, limits), offset].into_iter().flatten().collect()
 }
 
 fn rate(stream: &Stream<'_>, drift: Drift, limits: &Limits) -> Option<Fault> {

@@ -11,6 +11,7 @@ mod simulated;
 pub mod stamp_monotonic;
 pub mod stamp_vs_log;
 mod streams;
+pub mod tf_vs_sensor_time;
 mod together;
 mod trend;
 mod units;

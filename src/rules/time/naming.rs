@@ -7,16 +7,14 @@ use crate::page::Front;
 use crate::rules::Rule;
 use crate::world::BagEvidence;
 
-use super::epoch_offset::{EpochOffset, Limits};
+use super::epoch_offset::Limits;
 use super::known_offsets::{Explanation, Tolerance, explain};
-use super::streams::{Clock, Stream, is_simulated, log_clock, log_start_s};
+use super::streams::{Clock, Of, Stream, is_simulated, log_clock, log_start_s};
 use super::units::unit_error;
 
-impl Limits {
-    /// As the page of TIME01 has them.
-    pub(super) fn of_page() -> Option<Self> {
-        Front::parse_limits(EpochOffset::PAGE).ok()?.limits().ok()
-    }
+/// The limits of another rule, as its page has them.
+pub(super) fn limits_of<R: Rule>() -> Option<R::Limits> {
+    Front::parse_limits(R::PAGE).ok()?.limits().ok()
 }
 
 /// What the offsets of a recording's streams are held against.
@@ -81,6 +79,8 @@ impl<'l> Naming<'l> {
             .is_none_or(|step| step as f64 / 1e9 > limits.slow_s);
         let believed = |found: Explanation| match found {
             Explanation::One(named) if named.is_latency() && (slow || stream.is_gnss()) => Explanation::Unknown,
+            // Localisation stamps a second ahead by intent.
+            Explanation::One(named) if named.is_fine() && matches!(stream.of, Of::Edge(_)) => Explanation::Unknown,
             found => found,
         };
         let against_log = believed(explain(offset, tolerance, self.log_s));

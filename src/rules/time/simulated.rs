@@ -9,7 +9,7 @@ use super::streams::{Clock, Of, Stream, UPTIME_BELOW_S};
 /// Whether these streams, which count from one start, are a simulation that was recorded in wall time: all streams of
 /// the recording do so, and they are either `enough` or transforms, which no sensor's own clock stamps.
 pub(super) fn is_simulation(from_one_start: usize, streams: &[Stream<'_>], enough: usize) -> bool {
-    let has_tf = streams.iter().any(|stream| matches!(stream.of, Of::Edge));
+    let has_tf = streams.iter().any(|stream| matches!(stream.of, Of::Edge(_)));
     from_one_start == streams.len() && (from_one_start >= enough || has_tf)
 }
 

@@ -7,10 +7,11 @@ use crate::source::Confidence;
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::{BagEvidence, World};
 
-use super::epoch_offset;
+use super::epoch_offset::EpochOffset;
 use super::lateness::{Fault, faults};
-use super::naming::Naming;
+use super::naming::{Naming, limits_of};
 use super::streams::{Clock, Of, Stream, is_simulated, log_clock, streams};
+use super::tf_vs_sensor_time::{self, TfVsSensorTime};
 use super::together::tell_once;
 
 /// TIME02.
@@ -44,7 +45,7 @@ impl Rule for StampVsLog {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        let Some(names) = epoch_offset::Limits::of_page() else {
+        let (Some(names), Some(reused)) = (limits_of::<EpochOffset>(), limits_of::<TfVsSensorTime>()) else {
             return;
         };
         for bag in &world.bags {
@@ -52,7 +53,9 @@ impl Rule for StampVsLog {
             let naming = Naming::new(bag, &streams, &names);
             let judged: Vec<&Stream<'_>> = streams
                 .iter()
-                .filter(|stream| matches!(stream.of, Of::Topic(_)) && is_judged(bag, stream, &streams, limits, out))
+                .filter(|stream| {
+                    matches!(stream.of, Of::Topic(_)) && is_judged(bag, stream, &streams, (limits, &reused), out)
+                })
                 .collect();
             let found = judged
                 .iter()
@@ -63,7 +66,13 @@ impl Rule for StampVsLog {
 }
 
 /// Whether the stream's stamps are the time of measuring and can be held against the log clock.
-fn is_judged(bag: &BagEvidence, stream: &Stream<'_>, all: &[Stream<'_>], limits: &Limits, out: &mut Judge) -> bool {
+fn is_judged(
+    bag: &BagEvidence,
+    stream: &Stream<'_>,
+    all: &[Stream<'_>],
+    (limits, reused): (&Limits, &tf_vs_sensor_time::Limits),
+    out: &mut Judge,
+) -> bool {
     let n = stream.stamps.count - stream.stamps.zero;
     let (why, reason) = if n < limits.min_messages {
         let why = format!("{n} stamps that are not zero, {} are needed", limits.min_messages);
@@ -71,7 +80,7 @@ fn is_judged(bag: &BagEvidence, stream: &Stream<'_>, all: &[Stream<'_>], limits:
     } else if !stream.is_live() {
         let why = "messages of this type may carry the time of what they were made from";
         (NotEvaluated::NotApplicable, why.to_owned())
-    } else if stream.is_reused() {
+    } else if stream.is_reused(reused) {
         let why = "stamps hardly change; see TIME10";
         (NotEvaluated::NotApplicable, why.to_owned())
     } else if stream.clock() == Some(log_clock(bag)) || runs_apart(bag, stream, all) {

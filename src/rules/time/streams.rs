@@ -6,7 +6,9 @@ use crate::math::stats::{mad, median};
 use crate::rules::tf::{HeaderUse, header_use};
 use crate::source::{Place, SourceId};
 use crate::world::BagEvidence;
-use crate::world::bag::{StampEvidence, TopicEvidence};
+use crate::world::bag::{StampEvidence, TfEdge, TopicEvidence};
+
+use super::tf_vs_sensor_time;
 
 /// Stamps below this are no calendar time: a clock that counts from power-up, or the time of day (1973-03-03).
 pub(super) const UPTIME_BELOW_S: f64 = 1e8;
@@ -31,7 +33,7 @@ pub(super) enum Of<'w> {
     /// The messages of a topic.
     Topic(&'w TopicEvidence),
     /// A TF edge that is not latched.
-    Edge,
+    Edge(&'w TfEdge),
 }
 
 /// What kind of clock made a stamp or a log time.
@@ -97,10 +99,19 @@ impl Stream<'_> {
             || name.to_ascii_lowercase().contains("imu")
     }
 
-    /// Whether many messages share each stamp: one of a measurement of each cannot be.
-    pub(super) fn is_reused(&self) -> bool {
-        const SHARE: f64 = 0.95;
-        self.repeated_share() > SHARE
+    /// Whether many messages share each stamp, though what they say is measured or moves.
+    pub(super) fn is_reused(&self, limits: &tf_vs_sensor_time::Limits) -> bool {
+        self.stamps.count - self.stamps.zero >= limits.min_messages
+            && 1.0 - self.repeated_share() < limits.unique_share
+            && (self.is_live() || self.moves(limits))
+    }
+
+    /// Whether it is an edge whose pose changes.
+    pub(super) fn moves(&self, limits: &tf_vs_sensor_time::Limits) -> bool {
+        let Of::Edge(edge) = self.of else { return false };
+        edge.extreme.as_ref().is_some_and(|(_, angle_rad, distance_m)| {
+            angle_rad.to_degrees() > limits.moves_deg || *distance_m > limits.moves_m
+        })
     }
 
     /// Share of the stamps that equal the one before, among those that have one before.
@@ -113,7 +124,7 @@ impl Stream<'_> {
     pub(super) fn message_type(&self) -> &str {
         match self.of {
             Of::Topic(topic) => &topic.message_type,
-            Of::Edge => "",
+            Of::Edge(_) => "",
         }
     }
 
@@ -191,7 +202,7 @@ pub(super) fn streams(bag: &BagEvidence) -> Vec<Stream<'_>> {
         subject: format!("TF `{}` from `{}` on `{}`", edge.parent, edge.child, edge.topic),
         stamps: &edge.stamps,
         single_frame: true,
-        of: Of::Edge,
+        of: Of::Edge(edge),
     }));
     streams
 }
