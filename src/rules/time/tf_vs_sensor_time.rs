@@ -75,13 +75,12 @@ fn judge_bag(streams: &[Stream<'_>], naming: &Naming<'_>, limits: &Limits, out: 
                 );
             }
         } else {
-            let why = "no sensor and no log clock of the same kind to hold it against";
+            let why = "no clock of the same kind to hold it against";
             out.not_evaluated(stream.subject.clone(), NotEvaluated::MissingInput, why);
         }
     }
-    for findings in [ahead, behind] {
-        tell_once(findings, "run likewise", out);
-    }
+    tell_once(ahead, "run likewise", out);
+    tell_once(behind, "run likewise", out);
     tell_once(reused, "share stamps likewise", out);
 }
 
