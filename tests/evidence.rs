@@ -393,9 +393,9 @@ fn altered_documents_are_judged_or_refused() {
                 .wrapping_add(1_442_695_040_888_963_407);
             let at = (random >> 33) as usize % bytes.len();
             if bytes[at].is_ascii_digit() {
-                bytes[at] = b'0' + (random >> 20) as u8 % 10;
+                bytes[at] = b'0' + random.to_be_bytes()[2] % 10;
             } else if round % 3 == 0 {
-                bytes[at] = (random >> 25) as u8;
+                bytes[at] = random.to_be_bytes()[1];
             }
         }
         fs::write(&file, bytes).unwrap();
