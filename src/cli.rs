@@ -159,6 +159,7 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
         select: check.select,
         ignore: check.ignore,
         xacro_args: check.reading.xacro_args,
+        msg_paths: check.reading.msg_paths,
         progress: surroundings.progress,
     })?);
     let fail_on = check.fail_on.into();
@@ -209,6 +210,7 @@ fn run_collect(collect: Collect, stdin: &mut dyn Read, surroundings: Surrounding
         extent: collect.input.reading.extent(),
         paths: paths(collect.input.paths, stdin)?,
         xacro_args: collect.input.reading.xacro_args,
+        msg_paths: collect.input.reading.msg_paths,
         progress: surroundings.progress,
         ..engine::Options::default()
     })?;
@@ -233,6 +235,7 @@ fn run_tree(tree: Tree, stdin: &mut dyn Read, surroundings: Surroundings) -> Res
         extent: tree.input.reading.extent(),
         paths: paths(tree.input.paths, stdin)?,
         xacro_args: tree.input.reading.xacro_args,
+        msg_paths: tree.input.reading.msg_paths,
         progress: surroundings.progress,
         ..engine::Options::default()
     })?;

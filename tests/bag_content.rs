@@ -384,6 +384,7 @@ fn metadata_is_found_by_the_index_too() {
         &path,
         &How {
             sampling: Some(sampling),
+            ..How::default()
         },
         &mut source,
         &|_, _| {},

@@ -16,6 +16,7 @@ use std::sync::Arc;
 use crate::collect::How;
 use crate::progress::Progress;
 use crate::read::discover::{Inputs, discover};
+use crate::read::messages::definition::Definitions;
 use crate::run::{RuleInfo, Run};
 use crate::source::Source;
 use crate::verdict::Verdict;
@@ -41,6 +42,8 @@ pub struct Options {
     pub xacro_args: Vec<String>,
     /// How much of recordings is read.
     pub extent: Extent,
+    /// Folders with definitions of messages, for recordings that carry none.
+    pub msg_paths: Vec<PathBuf>,
     /// Whether to draw a progress bar on a terminal.
     pub progress: bool,
 }
@@ -68,7 +71,7 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;
     let saved: Vec<Saved> = options.evidence.iter().map(|path| evidence::read(path)).collect();
     let others = saved.iter().map(|saved| saved.worlds.len()).sum();
-    let (mut worlds, verdicts) = settle(&inputs, options, &rules, others);
+    let (mut worlds, verdicts) = settle(&inputs, options, &rules, others)?;
     let mut verdict = merged(verdicts);
     let several = worlds.len() + others > 1;
     let mut sources = take_sources(&mut worlds);
@@ -104,7 +107,7 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
 /// Reads the inputs as far as [`check`] with every rule would, and keeps no judgement.
 pub fn collect(options: &Options) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;
-    let (mut worlds, _) = settle(&inputs, options, &plan::all()?, 0);
+    let (mut worlds, _) = settle(&inputs, options, &plan::all()?, 0)?;
     Ok(Run {
         sources: take_sources(&mut worlds),
         verdict: Verdict::default(),
@@ -115,13 +118,19 @@ pub fn collect(options: &Options) -> Result<Run, UsageError> {
 }
 
 /// Reads and judges until no rule lacks evidence that may still be had. `others` worlds are judged beside these.
-fn settle(inputs: &Inputs, options: &Options, rules: &[Enabled], others: usize) -> (Vec<World>, Vec<Verdict>) {
+fn settle(
+    inputs: &Inputs,
+    options: &Options,
+    rules: &[Enabled],
+    others: usize,
+) -> Result<(Vec<World>, Vec<Verdict>), UsageError> {
+    let definitions = definitions(options)?;
     let mut plan = sampling::Plan::new(options.extent, rules);
     loop {
-        let worlds = worlds(inputs, options, &plan);
+        let worlds = worlds(inputs, options, &definitions, &plan);
         let verdicts = judge_all(&worlds, rules, worlds.len() + others > 1);
         if !plan.widen(&worlds, &verdicts) {
-            return (worlds, verdicts);
+            return Ok((worlds, verdicts));
         }
     }
 }
@@ -145,7 +154,13 @@ fn merged(verdicts: Vec<Verdict>) -> Verdict {
 /// Reads the inputs and judges nothing.
 pub fn read(options: &Options) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;
-    let worlds = worlds(&inputs, options, &sampling::Plan::new(options.extent, &[]));
+    let definitions = definitions(options)?;
+    let worlds = worlds(
+        &inputs,
+        options,
+        &definitions,
+        &sampling::Plan::new(options.extent, &[]),
+    );
     Ok(Run {
         sources: worlds.first().map(|world| world.sources.to_vec()).unwrap_or_default(),
         verdict: Verdict::default(),
@@ -162,10 +177,22 @@ fn inputs(options: &Options) -> Result<Inputs, UsageError> {
     Ok(discover(&options.paths))
 }
 
-fn worlds(inputs: &Inputs, options: &Options, plan: &sampling::Plan) -> Vec<World> {
+fn definitions(options: &Options) -> Result<Arc<Definitions>, UsageError> {
+    let mut definitions = Definitions::builtin();
+    for folder in &options.msg_paths {
+        definitions
+            .add_folder(folder)
+            .map_err(|what| UsageError(format!("--msg-path: {what}")))?;
+    }
+    Ok(Arc::new(definitions))
+}
+
+fn worlds(inputs: &Inputs, options: &Options, definitions: &Arc<Definitions>, plan: &sampling::Plan) -> Vec<World> {
     let progress = Progress::new(options.progress);
     let how = How {
         sampling: plan.sampling(),
+        definitions: Arc::clone(definitions),
+        ..How::default()
     };
     let readings = gather::gather(inputs, &options.xacro_args, &how, &progress);
     platform::platforms(readings, inputs)

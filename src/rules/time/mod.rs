@@ -7,3 +7,5 @@ mod known_offsets;
 pub mod stamp_monotonic;
 mod streams;
 mod together;
+
+pub(crate) use together::tell_once;
