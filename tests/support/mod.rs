@@ -18,6 +18,7 @@ pub mod encode;
 pub mod program;
 pub mod raw;
 pub mod recipe;
+pub mod rosbag2;
 pub mod schemas;
 
 use std::path::{Path, PathBuf};
