@@ -17,6 +17,7 @@
 pub mod encode;
 pub mod program;
 pub mod raw;
+pub mod reading;
 pub mod recipe;
 pub mod rosbag2;
 pub mod schemas;

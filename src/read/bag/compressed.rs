@@ -217,7 +217,7 @@ mod tests {
 
     #[test]
     fn a_file_that_unpacks_without_end_is_left_at_the_bound() {
-        let packed = zstd::encode_all([0; 5 << 20].as_slice(), 3).unwrap();
+        let packed = zstd::encode_all(vec![0; 5 << 20].as_slice(), 3).unwrap();
         let whole = unpacked(5 << 20, &packed);
         assert_eq!((whole.size, whole.fault.clone()), (5 << 20, None));
         let bounded = unpacked(3 << 20, &packed);
