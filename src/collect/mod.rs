@@ -132,6 +132,7 @@ impl Visit for Collector {
         match body {
             Body::Transforms(transforms) => self.tf.message(told.topic, point, &transforms),
             Body::Odometry(odometry) => topic.child(point, &odometry.child),
+            Body::Frames(names) => topic.named(point, &names),
             Body::Description(text) => self.descriptions.push(point, &topic.name, &text),
             Body::Nothing | Body::Imu(_) | Body::Fix(_) | Body::Pose(_) | Body::Twist(_) | Body::Clock(_) => {}
         }
