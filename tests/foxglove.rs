@@ -235,7 +235,7 @@ fn a_cloud_in_a_frame_that_nobody_publishes_is_found() {
         assert_eq!(findings.len(), expected, "{findings:?}");
         for finding in findings {
             assert_eq!(
-                (finding["code"].as_str(), finding["severity"].as_str()),
+                (finding["rule"].as_str(), finding["severity"].as_str()),
                 (Some("TREE07"), Some("error"))
             );
             assert!(finding["message"].as_str().unwrap().contains("`lidaar`"));
