@@ -72,13 +72,23 @@ static READERS: LazyLock<Vec<Reader>> = LazyLock::new(|| {
     let xyzw = [double("x", 1), double("y", 2), double("z", 3), double("w", 4)];
     let (vector, quaternion) = (".foxglove.Vector3", ".foxglove.Quaternion");
     let covariance = many("position_covariance", 4, "");
-    let fix = [double("latitude", 3), double("longitude", 5), double("altitude", 6), time, frame, covariance];
+    let fix = [
+        double("latitude", 3),
+        double("longitude", 5),
+        double("altitude", 6),
+        time,
+        frame,
+        covariance,
+    ];
     let types = [
         nested(2, b"foxglove"),
         declared("Time", &[("seconds", 1, 3, "", false), ("nanos", 2, 17, "", false)]),
         declared("Vector3", &xyzw[..3]),
         declared("Quaternion", &xyzw),
-        declared("Pose", &[message("position", 1, vector), message("orientation", 2, quaternion)]),
+        declared(
+            "Pose",
+            &[message("position", 1, vector), message("orientation", 2, quaternion)],
+        ),
         declared(
             "FrameTransform",
             &[
@@ -110,7 +120,11 @@ static READERS: LazyLock<Vec<Reader>> = LazyLock::new(|| {
         declared("PointCloud", &[time, frame]),
     ]
     .concat();
-    let other = [nested(2, b"acme"), declared("Thing", &[message("header", 1, ".foxglove.PointCloud")])].concat();
+    let other = [
+        nested(2, b"acme"),
+        declared("Thing", &[message("header", 1, ".foxglove.PointCloud")]),
+    ]
+    .concat();
     let descriptor = [nested(1, &types), nested(1, &other)].concat();
     let reader = |message_type| reader("protobuf", message_type, &descriptor).expect("the descriptor is sound");
     TYPES.into_iter().map(reader).collect()
