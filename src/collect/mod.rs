@@ -172,6 +172,7 @@ impl Visit for Collector {
             Body::Fix(fix) => topic.contents.fix(point, &fix),
             Body::Pose(pose) => topic.contents.pose(point, &pose),
             Body::Twist(twist) => topic.contents.twist(point, &twist),
+            Body::Frames(names) => topic.named(point, &names),
             Body::Description(text) => self.descriptions.push(point, &topic.name, &text),
             Body::Nothing | Body::Clock(_) => {}
         }
