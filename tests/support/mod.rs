@@ -22,6 +22,7 @@ pub mod program;
 pub mod raw;
 pub mod recipe;
 pub mod rosbag1;
+pub mod rosbag1_drive;
 pub mod schemas;
 pub mod topic;
 
