@@ -113,12 +113,12 @@ fn a_file_cut_at_any_percent_gives_what_stands_before_the_cut() {
     }
 }
 
-/// What the summary alone tells is left out.
-fn without_totals(bag: &BagEvidence) -> BagEvidence {
+/// All evidence as text, in which a NaN equals itself. What the summary alone tells is left out.
+fn without_totals(bag: &BagEvidence) -> String {
     let mut bag = bag.clone();
     bag.share = Share::WHOLE;
     bag.topics.values_mut().for_each(|topic| topic.total = None);
-    bag
+    format!("{bag:#?}")
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn a_missing_summary_costs_no_data() {
         );
         assert!(!bag(&collected).truncated);
         let (_, whole) = support::collected(&bytes);
-        assert_eq!(without_totals(bag(&collected)), without_totals(bag(&whole)), "{name}");
+        assert!(without_totals(bag(&collected)) == without_totals(bag(&whole)), "{name}");
     }
 }
 

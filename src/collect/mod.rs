@@ -2,28 +2,38 @@
 //!
 //! Owns what is kept of a recording. Must not know container formats, nor judge what it keeps.
 
+mod annotations;
+mod content;
 mod descriptions;
 mod edge;
+mod parts;
 mod point;
 mod stamps;
 mod tf;
 mod thin;
 mod topic;
+mod unread;
+mod writers;
 
-use std::collections::HashMap;
-use std::path::Path;
+use std::collections::{BTreeMap, HashMap};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use crate::read::bag::{self, Channel, Extent, Message, Progress, Sampling, Visit, Wanted};
+use crate::read::bag::{self, Channel, Extent, Message, Progress, Recording, Sampling, Visit, Wanted};
 use crate::read::messages::content::{Body, Content};
 use crate::read::messages::decoder::{Decoder, Format};
+use crate::read::messages::definition::Definitions;
 use crate::source::{MessageRef, Place, ReadStatus, Source};
 use crate::world::bag::Share as Examined;
 use crate::world::{BagEvidence, Facts};
 
+use annotations::Annotations;
 use descriptions::{Descriptions, MAX_DESCRIPTIONS};
+use parts::Parts;
 use tf::{MAX_EDGES, Tf};
 use thin::Share;
 use topic::{Topic, last_segment};
+use writers::{Writer, Writers};
 
 /// Bound on topics; large systems have some hundred.
 const MAX_TOPICS: usize = 10_000;
@@ -49,17 +59,28 @@ pub struct Collected {
 pub struct How {
     /// Which part of it; everything where `None`.
     pub sampling: Option<Sampling>,
+    /// The files of a split recording in order, where they are known to be one; empty otherwise.
+    pub parts: Vec<PathBuf>,
+    /// The definitions of messages for recordings that carry none.
+    pub definitions: Arc<Definitions>,
 }
 
 /// Reads a recording once and keeps bounded evidence of it. How far that went, and every problem, is written into
 /// `source`; what could be read before a fault is in the evidence.
 pub fn collect(path: &Path, how: &How, source: &mut Source, progress: Progress<'_>) -> Collected {
-    let mut collector = Collector::default();
+    let mut collector = Collector {
+        definitions: Arc::clone(&how.definitions),
+        ..Collector::default()
+    };
     let wanted = Wanted {
         sampling: how.sampling,
         throughout: &decides_the_tree,
     };
-    let extent = bag::read(path, &wanted, source, progress, &mut collector);
+    let recording = Recording {
+        path,
+        parts: &how.parts,
+    };
+    let extent = bag::read(&recording, &wanted, source, progress, &mut collector);
     collector.finish(source, &extent)
 }
 
@@ -73,17 +94,21 @@ struct Told {
     /// Its topic's number.
     topic: usize,
     decoder: Decoder,
-    writer: Option<String>,
+    writer: Option<Writer>,
 }
 
 #[derive(Default)]
 struct Collector {
+    definitions: Arc<Definitions>,
     /// By the channel's number; `None` where there was no room for its topic.
     channels: Vec<Option<Told>>,
     topics: Vec<Topic>,
     topic_of: HashMap<String, usize>,
     tf: Tf,
+    writers: Writers,
     descriptions: Descriptions,
+    parts: Parts,
+    annotations: Annotations,
     log_ns: Option<(i64, i64)>,
     /// First and last log time of each unbroken stretch.
     stretches_ns: Vec<(i64, i64)>,
@@ -103,6 +128,7 @@ impl Visit for Collector {
 
     fn message(&mut self, channel: &Channel, message: &Message<'_>) {
         self.messages += 1;
+        self.parts.message(channel, message.log_ns);
         let log_ns = message.log_ns;
         let (first, last) = self.log_ns.unwrap_or((log_ns, log_ns));
         self.log_ns = Some((first.min(log_ns), last.max(log_ns)));
@@ -121,9 +147,7 @@ impl Visit for Collector {
             return;
         };
         let point = topic.next_point(message);
-        if let Some(writer) = &told.writer {
-            topic.written_by(writer);
-        }
+        topic.written_by(told.writer);
         let Content { header, body } = match told.decoder.decode(message.data) {
             Ok(content) => content,
             Err(error) => return topic.malformed(point, error),
@@ -137,10 +161,18 @@ impl Visit for Collector {
                     topic.child(point, &transform.child);
                 }
             }
-            Body::Transforms(transforms) => self.tf.message(told.topic, point, &transforms),
-            Body::Odometry(odometry) => topic.child(point, &odometry.child),
+            Body::Transforms(transforms) => self.tf.message(told.topic, point, told.writer, &transforms),
+            Body::ChildFrame(child) => topic.child(point, &child),
+            Body::Odometry(odometry) => {
+                topic.child(point, &odometry.child);
+                topic.contents.odometry(point, &odometry);
+            }
+            Body::Imu(imu) => topic.contents.imu(point, &imu),
+            Body::Fix(fix) => topic.contents.fix(point, &fix),
+            Body::Pose(pose) => topic.contents.pose(point, &pose),
+            Body::Twist(twist) => topic.contents.twist(point, &twist),
             Body::Description(text) => self.descriptions.push(point, &topic.name, &text),
-            Body::Nothing | Body::Imu(_) | Body::Fix(_) | Body::Pose(_) | Body::Twist(_) | Body::Clock(_) => {}
+            Body::Nothing | Body::Clock(_) => {}
         }
     }
 
@@ -151,17 +183,26 @@ impl Visit for Collector {
         }
         self.tf.seam();
     }
+
+    fn part(&mut self, name: &str) {
+        self.parts.start(name);
+    }
+
+    fn annotation(&mut self, name: &str, fields: &BTreeMap<String, String>) {
+        self.annotations.push(name, fields);
+    }
 }
 
 impl Collector {
     fn topic(&mut self, channel: &Channel) -> Option<Told> {
-        let decoder = Decoder::of(&Format {
+        let format = Format {
             topic: &channel.topic,
             message_type: &channel.message_type,
             message_encoding: &channel.message_encoding,
             schema: &channel.schema,
             schema_encoding: &channel.schema_encoding,
-        });
+        };
+        let decoder = Decoder::of(&format, &self.definitions);
         let next = self.topics.len();
         let number = match self.topic_of.get(&channel.topic).copied() {
             Some(known) => {
@@ -182,7 +223,7 @@ impl Collector {
         Some(Told {
             topic: number,
             decoder,
-            writer: channel.writer.clone(),
+            writer: channel.writer.as_deref().and_then(|writer| self.writers.number(writer)),
         })
     }
 
@@ -198,7 +239,7 @@ impl Collector {
         self.problems(source);
         self.examined(source, extent);
         self.nothing_to_judge(source, extent.truncated);
-        let (edges, parent_switches, mut frames) = self.tf.finish(source.id);
+        let (edges, parent_switches, mut frames) = self.tf.finish(source.id, &self.writers);
         for topic in &self.topics {
             frames.extend(topic.frame_uses(source.id));
         }
@@ -210,17 +251,19 @@ impl Collector {
             topics: self
                 .topics
                 .into_iter()
-                .map(|topic| (topic.name.clone(), topic.finish()))
+                .map(|topic| (topic.name.clone(), topic.finish(&self.writers)))
                 .collect(),
             tf: edges,
             parent_switches,
             truncated: extent.truncated,
+            parts: self.parts.kept,
             share: Examined {
                 whole: extent.whole,
                 messages_total: extent.messages_total,
                 span_ns: extent.span_ns.or(self.log_ns),
                 stretches_ns: self.stretches_ns,
             },
+            annotations: self.annotations.kept,
             ..BagEvidence::new(source.id)
         };
         Collected {
@@ -257,13 +300,12 @@ impl Collector {
                 "no messages".to_owned(),
                 "was the recorder stopped too early, or did it subscribe with another QoS than was offered?",
             )
-        } else if let Some(why) = spoken().next().and_then(Topic::unread)
+        } else if let Some(first) = spoken().next()
+            && let Some(why) = first.unread()
             && spoken().all(|topic| topic.unread().is_some())
         {
-            (
-                format!("none of its messages could be looked into: {why}"),
-                "record or convert it with CDR messages, as ROS 2 writes them",
-            )
+            let help = unread::help(first).unwrap_or("record or convert it with CDR messages, as ROS 2 writes them");
+            (format!("none of its messages could be looked into: {why}"), help)
         } else {
             return;
         };
@@ -298,6 +340,7 @@ impl Collector {
             };
             source.problem(status, Place::whole(id), message);
         }
+        unread::say(&self.topics, source);
         let refused_names: u64 = self.topics.iter().map(Topic::refused_names).sum();
         let left_out = [
             (
@@ -312,6 +355,11 @@ impl Collector {
             (
                 self.descriptions.refused,
                 format!("robot descriptions beyond the first {MAX_DESCRIPTIONS}"),
+            ),
+            (self.parts.refused, "files of a split recording".to_owned()),
+            (
+                self.annotations.refused,
+                "fields of metadata records beyond the first megabyte".to_owned(),
             ),
         ];
         for (count, what) in left_out.into_iter().filter(|(count, _)| *count > 0) {

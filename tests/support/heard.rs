@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use frames_lint::read::bag::{self, Channel, Extent, Message, Visit, Wanted};
+use frames_lint::read::bag::{self, Channel, Extent, Message, Recording, Visit, Wanted};
 use frames_lint::source::{ReadStatus, Source, SourceId, SourceKind};
 
 /// A message by its topic, log time and bytes.
@@ -44,7 +44,13 @@ pub fn read_from(path: &Path) -> (Source, Extent, Heard) {
 fn wanted_from(path: &Path, wanted: &Wanted<'_>) -> (Source, Extent, Heard) {
     let mut source = Source::new(SourceId(0), path.display().to_string(), SourceKind::Rosbag1);
     let mut heard = Heard::default();
-    let extent = bag::read(path, wanted, &mut source, &|_, _| {}, &mut heard);
+    let extent = bag::read(
+        &Recording { path, parts: &[] },
+        wanted,
+        &mut source,
+        &|_, _| {},
+        &mut heard,
+    );
     assert_eq!(
         source.examined.messages,
         Some(heard.messages.len() as u64),

@@ -59,26 +59,28 @@ impl Container {
             .map_or(Self::Unknown, |(_, container)| *container)
     }
 
+    /// Whether there is a reader for it.
+    pub(super) fn is_read(self) -> bool {
+        matches!(self, Self::Mcap | Self::Rosbag1 | Self::Sqlite)
+    }
+
     /// Why such a file is not read as the recording it is taken for, and what to do. For those that are read there is
     /// nothing to refuse.
     pub(super) fn refusal(self, taken_for: SourceKind) -> (String, Option<&'static str>) {
         let not = match taken_for {
             SourceKind::Rosbag1 => "not a ROS 1 bag",
+            SourceKind::Sqlite => "not a rosbag2 database",
+            SourceKind::Rosbag2 => "not a recording",
             _ => "not an MCAP",
         };
         let is = |what: &str| format!("{not}: this is {what}");
         match self {
-            Self::Mcap | Self::Rosbag1 | Self::Unknown => (
+            Self::Mcap | Self::Rosbag1 | Self::Sqlite | Self::Zstd | Self::Unknown => (
                 format!("{not}: magic missing at byte 0"),
                 Some("give a recording; a file that should be one is damaged from its first bytes on"),
             ),
             Self::Empty => ("the file is empty".to_owned(), None),
-            Self::Sqlite => (
-                is("an SQLite database (rosbag2 `.db3`), which is not read"),
-                Some("convert it: `mcap convert in.db3 out.mcap`, or `ros2 bag convert` with `storage_id: mcap`"),
-            ),
             Self::Gzip => (is("a file compressed with gzip"), Some("decompress it first: `gunzip`")),
-            Self::Zstd => (is("a file compressed with zstd"), Some("decompress it first: `unzstd`")),
             Self::Lz4 => (is("a file compressed with lz4"), Some("decompress it first: `unlz4`")),
             Self::Bzip2 => (
                 is("a file compressed with bzip2"),
