@@ -24,6 +24,7 @@ pub mod reading;
 pub mod recipe;
 pub mod rosbag1;
 pub mod rosbag2;
+pub mod rosbag1_drive;
 pub mod schemas;
 pub mod topic;
 
