@@ -153,6 +153,7 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
         select: check.select,
         ignore: check.ignore,
         xacro_args: check.input.xacro_args,
+        msg_paths: check.input.msg_paths,
         progress: surroundings.progress,
     })?);
     let fail_on = check.fail_on.into();
@@ -203,6 +204,7 @@ fn run_tree(tree: Tree, stdin: &mut dyn Read, surroundings: Surroundings) -> Res
         extent: tree.input.extent(),
         paths: paths(tree.input.paths, stdin)?,
         xacro_args: tree.input.xacro_args,
+        msg_paths: tree.input.msg_paths,
         progress: surroundings.progress,
         ..engine::Options::default()
     })?;

@@ -45,6 +45,8 @@ pub enum SourceKind {
     Rosbag1,
     /// A rosbag2 SQLite recording.
     Sqlite,
+    /// A rosbag2 folder: `metadata.yaml` and the files that it names.
+    Rosbag2,
     /// A file named by the user, or known by its name, that no reader handles.
     Unsupported,
 }
@@ -61,13 +63,14 @@ impl SourceKind {
             Self::Mcap => "mcap",
             Self::Rosbag1 => "rosbag1",
             Self::Sqlite => "sqlite",
+            Self::Rosbag2 => "rosbag2",
             Self::Unsupported => "unsupported",
         }
     }
 
     /// Whether a source of this kind is a recording.
     pub fn is_bag(self) -> bool {
-        matches!(self, Self::Mcap | Self::Rosbag1 | Self::Sqlite)
+        matches!(self, Self::Mcap | Self::Rosbag1 | Self::Sqlite | Self::Rosbag2)
     }
 }
 

@@ -338,7 +338,7 @@ fn metadata_records_and_attachments_are_kept_by_name() {
     assert_eq!(bag.annotations["run"], run);
     assert!(bag.annotations["rosbag2"].is_empty());
     let bytes = in_memory(Layout::default(), |out| {
-        out.attachment("calibration.yaml", "application/yaml", &[7; 100_000]);
+        out.attachment("calibration.yaml", "application/yaml", &vec![7; 100_000]);
         out.metadata("large", &BTreeMap::from([("key".to_owned(), "x".repeat(2 << 20))]));
         for name in 0..30 {
             out.metadata(
@@ -384,6 +384,7 @@ fn metadata_is_found_by_the_index_too() {
         &path,
         &How {
             sampling: Some(sampling),
+            ..How::default()
         },
         &mut source,
         &|_, _| {},

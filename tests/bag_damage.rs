@@ -245,7 +245,7 @@ fn what_is_no_mcap_is_told_apart() {
         (b"", "the file is empty"),
         (&[0; 4096], "not an MCAP: magic missing at byte 0"),
         (b"<robot name='x'/>", "not an MCAP: magic missing at byte 0"),
-        (b"#ROSBAG V2.0\n", "not an MCAP: this is a ROS 1 bag, which is not read"),
+        (b"BZh91AY", "not an MCAP: this is a file compressed with bzip2"),
         (
             b"SQLite format 3\0 etc",
             "not an MCAP: this is an SQLite database (rosbag2 `.db3`), which is not read",

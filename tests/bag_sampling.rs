@@ -11,9 +11,14 @@
 
 mod support;
 
+use std::collections::BTreeSet;
+use std::path::Path;
+
 use frames_lint::collect::{Collected, How, collect};
+use frames_lint::engine;
 use frames_lint::read::bag::Sampling;
-use frames_lint::source::{ReadStatus, Source, SourceId, SourceKind};
+use frames_lint::source::{Confidence, ReadStatus, Source, SourceId, SourceKind};
+use frames_lint::verdict::Severity;
 use support::{bag, build, edge, names};
 
 /// Ten minutes; a description once, a rare topic, one that speaks late, static transforms at the start.
@@ -168,4 +173,92 @@ fn a_damaged_chunk_of_the_sample_costs_no_other() {
     assert!(bag(&after).truncated);
     let (read, of) = (bag(&after).messages, bag(&before).messages);
     assert!(read < of && read > of / 2, "{read} of {of}");
+}
+
+/// Findings that gate: rule and severity of each, without those at `hint`.
+fn gating(path: &Path, bytes: Option<u64>) -> (bool, BTreeSet<(String, &'static str, String)>) {
+    let run = engine::check(&engine::Options {
+        paths: vec![path.to_owned()],
+        extent: engine::Extent {
+            full: bytes.is_none(),
+            bytes,
+            ..engine::Extent::default()
+        },
+        ..engine::Options::default()
+    })
+    .unwrap();
+    let whole = run
+        .worlds
+        .iter()
+        .flat_map(|world| &world.bags)
+        .all(|bag| bag.share.whole);
+    let findings = run.verdict.findings.iter();
+    let findings =
+        findings.filter(|finding| finding.confidence > Confidence::Hint && finding.severity > Severity::Note);
+    let named = findings.map(|finding| (finding.rule.clone(), finding.severity.word(), finding.subject.clone()));
+    (whole, named.collect())
+}
+
+#[test]
+fn a_sample_leads_to_the_verdict_of_the_whole() {
+    let faults = [
+        "",
+        "  - {topic: /points, type: sensor_msgs/msg/PointCloud2, rate_hz: 5, frame_id: Lidar}\n",
+        "  - {topic: /shifted, type: sensor_msgs/msg/Imu, rate_hz: 50, frame_id: lidar, stamp_offset_s: 18}\n",
+        "  - topic: /other/tf\n    rate_hz: 5\n    transforms:\n      - {parent: map, child: lidar, xyz: [0, 0, 1]}\n",
+        "  - {topic: /dead, type: sensor_msgs/msg/Imu, rate_hz: 20, frame_id: lidar, stamp_s: 0}\n",
+    ];
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("drive.mcap");
+    for fault in faults {
+        std::fs::write(&path, build(&format!("{DRIVE}{fault}"))).unwrap();
+        let (sampled_whole, sampled) = gating(&path, Some(SAMPLING.bytes));
+        let (whole, all) = gating(&path, None);
+        assert!(whole && !sampled_whole, "{fault}");
+        assert_eq!(sampled, all, "{fault}");
+    }
+}
+
+#[test]
+fn real_recordings_are_judged_alike_by_a_sample() {
+    let Some(folder) = support::real_bags() else { return };
+    let mut sampled_at_all = 0;
+    for path in support::files(&folder, ".") {
+        let name = path.to_string_lossy();
+        if !["bag", "mcap", "db3"].iter().any(|ending| name.ends_with(ending)) {
+            continue;
+        }
+        let (whole, sampled) = gating(&path, Some(100_000));
+        sampled_at_all += usize::from(!whole);
+        let (_, all) = gating(&path, None);
+        assert_eq!(sampled, all, "{name}");
+    }
+    assert!(sampled_at_all > 0, "nothing was sampled");
+}
+
+#[test]
+fn a_sampled_file_may_be_cut_or_damaged_anywhere() {
+    let bytes = build(DRIVE);
+    let all = bag(&read(&bytes, None).1).messages;
+    for percent in 0..100 {
+        let (source, collected) = read(&bytes[..bytes.len() * percent / 100], Some(SAMPLING));
+        assert_ne!(source.status, ReadStatus::Read, "{percent} %");
+        // Behind the data stands the summary.
+        assert!(
+            bag(&collected).truncated || bag(&collected).messages == all,
+            "{percent} %"
+        );
+        let mut flipped = bytes.clone();
+        let at = (bytes.len() - 1) * percent / 99;
+        flipped[at] ^= 1 << (percent % 8);
+        let (source, collected) = read(&flipped, Some(SAMPLING));
+        assert!(
+            source.status == ReadStatus::Read || !source.problems.is_empty(),
+            "byte {at}"
+        );
+        assert!(
+            bag(&collected).messages > 0 || source.status == ReadStatus::Unreadable,
+            "byte {at}"
+        );
+    }
 }

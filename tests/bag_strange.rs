@@ -43,7 +43,15 @@ fn a_header_is_read_by_definition_not_by_name() {
             "cdr",
             "ros2msg",
             "float32 x\nstd_msgs/Header header\n",
-            Ok(0),
+            Ok(1),
+        ),
+        ("acme_msgs/msg/Radar", "cdr", "ros2msg", "float32 x\n", Ok(0)),
+        (
+            "acme_msgs/msg/Radar",
+            "cdr",
+            "ros2idl",
+            "IDL: acme_msgs/msg/Radar\nmodule acme_msgs { module msg { struct Radar { std_msgs::msg::Header h; }; }; };",
+            Ok(1),
         ),
         (
             "acme_msgs/msg/Radar",
@@ -57,7 +65,14 @@ fn a_header_is_read_by_definition_not_by_name() {
             "cdr",
             "ros2idl",
             "struct Radar {};",
-            Err("definitions in ros2idl are not read"),
+            Err("its definition does not hold the type itself"),
+        ),
+        (
+            "acme_msgs/msg/Radar",
+            "cdr",
+            "ros2msg",
+            "wstring name\nstd_msgs/Header header\n",
+            Err("its header cannot be reached: `wstring` has no size that all writers agree on"),
         ),
         (
             "foxglove.FrameTransform",
@@ -84,7 +99,11 @@ fn a_header_is_read_by_definition_not_by_name() {
             message_encoding,
             ..RawChannel::default()
         };
-        let (source, collected) = one_topic(&channel, &[stamped(7)]);
+        let mut message = stamped(7);
+        if schema.starts_with("float32 x\nstd_msgs") {
+            message.splice(4..4, [0; 4]);
+        }
+        let (source, collected) = one_topic(&channel, &[message]);
         let topic = &bag(&collected).topics["/topic"];
         // A recording that nothing can be read of is no recording that was read.
         let status = if expected.is_ok() {

@@ -62,6 +62,9 @@ pub(super) struct Input {
     /// Argument for xacro files; may be repeated
     #[arg(long = "xacro-arg", value_name = "NAME:=VALUE", value_parser = xacro_arg)]
     pub(super) xacro_args: Vec<String>,
+    /// Folder with message definitions (package/msg/Type.msg), for recordings that carry none; may be repeated
+    #[arg(long = "msg-path", value_name = "DIR", value_hint = ValueHint::DirPath)]
+    pub(super) msg_paths: Vec<PathBuf>,
     /// Read recordings wholly, instead of windows spread over their length
     #[arg(long, conflicts_with_all = ["windows", "budget"])]
     pub(super) full: bool,
@@ -80,6 +83,7 @@ impl Input {
             full: self.full,
             windows: self.windows,
             budget: self.budget,
+            bytes: None,
         }
     }
 }

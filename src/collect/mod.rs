@@ -6,25 +6,30 @@ mod annotations;
 mod content;
 mod descriptions;
 mod edge;
+mod parts;
 mod point;
 mod stamps;
 mod tf;
 mod thin;
 mod topic;
+mod unread;
 mod writers;
 
 use std::collections::{BTreeMap, HashMap};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
-use crate::read::bag::{self, Channel, Extent, Message, Progress, Sampling, Visit, Wanted};
+use crate::read::bag::{self, Channel, Extent, Message, Progress, Recording, Sampling, Visit, Wanted};
 use crate::read::messages::content::{Body, Content};
 use crate::read::messages::decoder::{Decoder, Format};
+use crate::read::messages::definition::Definitions;
 use crate::source::{MessageRef, Place, ReadStatus, Source};
 use crate::world::bag::Share as Examined;
 use crate::world::{BagEvidence, Facts};
 
 use annotations::Annotations;
 use descriptions::{Descriptions, MAX_DESCRIPTIONS};
+use parts::Parts;
 use tf::{MAX_EDGES, Tf};
 use thin::Share;
 use topic::{Topic, last_segment};
@@ -54,17 +59,28 @@ pub struct Collected {
 pub struct How {
     /// Which part of it; everything where `None`.
     pub sampling: Option<Sampling>,
+    /// The files of a split recording in order, where they are known to be one; empty otherwise.
+    pub parts: Vec<PathBuf>,
+    /// The definitions of messages for recordings that carry none.
+    pub definitions: Arc<Definitions>,
 }
 
 /// Reads a recording once and keeps bounded evidence of it. How far that went, and every problem, is written into
 /// `source`; what could be read before a fault is in the evidence.
 pub fn collect(path: &Path, how: &How, source: &mut Source, progress: Progress<'_>) -> Collected {
-    let mut collector = Collector::default();
+    let mut collector = Collector {
+        definitions: Arc::clone(&how.definitions),
+        ..Collector::default()
+    };
     let wanted = Wanted {
         sampling: how.sampling,
         throughout: &decides_the_tree,
     };
-    let extent = bag::read(path, &wanted, source, progress, &mut collector);
+    let recording = Recording {
+        path,
+        parts: &how.parts,
+    };
+    let extent = bag::read(&recording, &wanted, source, progress, &mut collector);
     collector.finish(source, &extent)
 }
 
@@ -83,6 +99,7 @@ struct Told {
 
 #[derive(Default)]
 struct Collector {
+    definitions: Arc<Definitions>,
     /// By the channel's number; `None` where there was no room for its topic.
     channels: Vec<Option<Told>>,
     topics: Vec<Topic>,
@@ -90,6 +107,7 @@ struct Collector {
     tf: Tf,
     writers: Writers,
     descriptions: Descriptions,
+    parts: Parts,
     annotations: Annotations,
     log_ns: Option<(i64, i64)>,
     /// First and last log time of each unbroken stretch.
@@ -110,6 +128,7 @@ impl Visit for Collector {
 
     fn message(&mut self, channel: &Channel, message: &Message<'_>) {
         self.messages += 1;
+        self.parts.message(channel, message.log_ns);
         let log_ns = message.log_ns;
         let (first, last) = self.log_ns.unwrap_or((log_ns, log_ns));
         self.log_ns = Some((first.min(log_ns), last.max(log_ns)));
@@ -143,6 +162,7 @@ impl Visit for Collector {
                 }
             }
             Body::Transforms(transforms) => self.tf.message(told.topic, point, told.writer, &transforms),
+            Body::ChildFrame(child) => topic.child(point, &child),
             Body::Odometry(odometry) => {
                 topic.child(point, &odometry.child);
                 topic.contents.odometry(point, &odometry);
@@ -164,6 +184,10 @@ impl Visit for Collector {
         self.tf.seam();
     }
 
+    fn part(&mut self, name: &str) {
+        self.parts.start(name);
+    }
+
     fn annotation(&mut self, name: &str, fields: &BTreeMap<String, String>) {
         self.annotations.push(name, fields);
     }
@@ -171,13 +195,14 @@ impl Visit for Collector {
 
 impl Collector {
     fn topic(&mut self, channel: &Channel) -> Option<Told> {
-        let decoder = Decoder::of(&Format {
+        let format = Format {
             topic: &channel.topic,
             message_type: &channel.message_type,
             message_encoding: &channel.message_encoding,
             schema: &channel.schema,
             schema_encoding: &channel.schema_encoding,
-        });
+        };
+        let decoder = Decoder::of(&format, &self.definitions);
         let next = self.topics.len();
         let number = match self.topic_of.get(&channel.topic).copied() {
             Some(known) => {
@@ -231,6 +256,7 @@ impl Collector {
             tf: edges,
             parent_switches,
             truncated: extent.truncated,
+            parts: self.parts.kept,
             share: Examined {
                 whole: extent.whole,
                 messages_total: extent.messages_total,
@@ -274,13 +300,12 @@ impl Collector {
                 "no messages".to_owned(),
                 "was the recorder stopped too early, or did it subscribe with another QoS than was offered?",
             )
-        } else if let Some(why) = spoken().next().and_then(Topic::unread)
+        } else if let Some(first) = spoken().next()
+            && let Some(why) = first.unread()
             && spoken().all(|topic| topic.unread().is_some())
         {
-            (
-                format!("none of its messages could be looked into: {why}"),
-                "record or convert it with CDR messages, as ROS 2 writes them",
-            )
+            let help = unread::help(first).unwrap_or("record or convert it with CDR messages, as ROS 2 writes them");
+            (format!("none of its messages could be looked into: {why}"), help)
         } else {
             return;
         };
@@ -315,6 +340,7 @@ impl Collector {
             };
             source.problem(status, Place::whole(id), message);
         }
+        unread::say(&self.topics, source);
         let refused_names: u64 = self.topics.iter().map(Topic::refused_names).sum();
         let left_out = [
             (
@@ -330,6 +356,7 @@ impl Collector {
                 self.descriptions.refused,
                 format!("robot descriptions beyond the first {MAX_DESCRIPTIONS}"),
             ),
+            (self.parts.refused, "files of a split recording".to_owned()),
             (
                 self.annotations.refused,
                 "fields of metadata records beyond the first megabyte".to_owned(),

@@ -32,6 +32,10 @@ pub(super) struct Topic {
     written: Written,
     offered_qos_profiles: Option<String>,
     unread: Option<String>,
+    /// Whether a definition is all that is missing.
+    pub(super) lacks_definition: bool,
+    /// What is left unread beside the headers.
+    pub(super) note: Option<String>,
     malformed: u64,
     first_malformed: Option<(Point, String)>,
     frames: Names,
@@ -53,6 +57,8 @@ impl Topic {
             latched: false,
             written: Written::default(),
             unread: decoder.unread().map(str::to_owned),
+            lacks_definition: decoder.lacks_definition(),
+            note: decoder.note().map(str::to_owned),
             malformed: 0,
             first_malformed: None,
             frames: Names::new(share),
@@ -125,6 +131,11 @@ impl Topic {
     /// Why nothing inside the messages can be read.
     pub(super) fn unread(&self) -> Option<&str> {
         self.unread.as_deref()
+    }
+
+    /// Messages in the whole recording, as far as that is known.
+    pub(super) fn whole_count(&self) -> u64 {
+        self.total.unwrap_or(0).max(self.count)
     }
 
     /// The messages that did not decode, with the first one's error and place.

@@ -140,10 +140,8 @@ impl Reader<'_> {
 
     fn read_kind(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<Emerged>) -> Facts {
         match input.kind {
-            SourceKind::Mcap | SourceKind::Sqlite => self.read_recording(input, source, index, emerged),
-            SourceKind::Rosbag1 => {
-                unread_recording(source);
-                Facts::default()
+            SourceKind::Mcap | SourceKind::Rosbag1 | SourceKind::Sqlite | SourceKind::Rosbag2 => {
+                self.read_recording(input, source, index, emerged)
             }
             SourceKind::Unsupported => {
                 source.problem(
@@ -168,10 +166,19 @@ impl Reader<'_> {
     }
 
     fn read_recording(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<Emerged>) -> Facts {
-        let task = self
-            .progress
-            .start(&input.display, fs::metadata(&input.path).map_or(0, |meta| meta.len()));
-        let collected = collect(&input.path, self.how, source, &|done, _total| task.update(done));
+        let size = |path: &PathBuf| fs::metadata(path).map_or(0, |meta| meta.len());
+        let parts = if input.parts.is_empty() {
+            std::slice::from_ref(&input.path)
+        } else {
+            &input.parts
+        };
+        let task = self.progress.start(&input.display, parts.iter().map(size).sum());
+        let mut how = self.how.clone();
+        // A rosbag2 folder's metadata names its files again, with what it says of them.
+        if input.kind != SourceKind::Rosbag2 {
+            how.parts.clone_from(&input.parts);
+        }
+        let collected = collect(&input.path, &how, source, &|done, _total| task.update(done));
         emerged.extend(
             collected
                 .descriptions
@@ -226,19 +233,6 @@ fn with_references(mut facts: Facts, input: &Input) -> Facts {
         references::resolve(&mut facts.references, folder);
     }
     facts
-}
-
-fn unread_recording(source: &mut Source) {
-    let what = match source.kind {
-        SourceKind::Rosbag1 => "ROS 1 bags are not read yet",
-        _ => "rosbag2 SQLite recordings are not read yet",
-    };
-    source.problem_with_help(
-        ReadStatus::Unreadable,
-        Place::whole(source.id),
-        what,
-        Some("convert it to MCAP (`mcap convert`, or `ros2 bag convert`) and check that".to_owned()),
-    );
 }
 
 /// Fills the source's text. False where there is no text to read; the source then says why.

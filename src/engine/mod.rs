@@ -15,6 +15,7 @@ use std::sync::Arc;
 use crate::collect::How;
 use crate::progress::Progress;
 use crate::read::discover::{Inputs, discover};
+use crate::read::messages::definition::Definitions;
 use crate::run::{RuleInfo, Run};
 use crate::source::Source;
 use crate::verdict::Verdict;
@@ -35,6 +36,8 @@ pub struct Options {
     pub xacro_args: Vec<String>,
     /// How much of recordings is read.
     pub extent: Extent,
+    /// Folders with definitions of messages, for recordings that carry none.
+    pub msg_paths: Vec<PathBuf>,
     /// Whether to draw a progress bar on a terminal.
     pub progress: bool,
 }
@@ -60,9 +63,10 @@ pub fn rules() -> Result<Vec<RuleInfo>, UsageError> {
 pub fn check(options: &Options) -> Result<Run, UsageError> {
     let rules = plan::enabled(&options.select, &options.ignore)?;
     let inputs = inputs(options)?;
+    let definitions = definitions(options)?;
     let mut plan = sampling::Plan::new(options.extent, &rules);
     let (mut worlds, verdicts) = loop {
-        let worlds = worlds(&inputs, options, &plan);
+        let worlds = worlds(&inputs, options, &definitions, &plan);
         let several = worlds.len() > 1;
         let verdicts = parallel::map(worlds.iter().collect(), |world| {
             judge::judge(world, &rules, several.then_some(world.label.as_str()))
@@ -90,7 +94,13 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
 /// Reads the inputs and judges nothing.
 pub fn read(options: &Options) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;
-    let worlds = worlds(&inputs, options, &sampling::Plan::new(options.extent, &[]));
+    let definitions = definitions(options)?;
+    let worlds = worlds(
+        &inputs,
+        options,
+        &definitions,
+        &sampling::Plan::new(options.extent, &[]),
+    );
     Ok(Run {
         sources: worlds.first().map(|world| world.sources.to_vec()).unwrap_or_default(),
         verdict: Verdict::default(),
@@ -107,10 +117,22 @@ fn inputs(options: &Options) -> Result<Inputs, UsageError> {
     Ok(discover(&options.paths))
 }
 
-fn worlds(inputs: &Inputs, options: &Options, plan: &sampling::Plan) -> Vec<World> {
+fn definitions(options: &Options) -> Result<Arc<Definitions>, UsageError> {
+    let mut definitions = Definitions::builtin();
+    for folder in &options.msg_paths {
+        definitions
+            .add_folder(folder)
+            .map_err(|what| UsageError(format!("--msg-path: {what}")))?;
+    }
+    Ok(Arc::new(definitions))
+}
+
+fn worlds(inputs: &Inputs, options: &Options, definitions: &Arc<Definitions>, plan: &sampling::Plan) -> Vec<World> {
     let progress = Progress::new(options.progress);
     let how = How {
         sampling: plan.sampling(),
+        definitions: Arc::clone(definitions),
+        ..How::default()
     };
     let readings = gather::gather(inputs, &options.xacro_args, &how, &progress);
     platform::platforms(readings, inputs)

@@ -30,6 +30,8 @@ pub struct Extent {
     pub windows: Option<u32>,
     /// Time until which the sampling is widened.
     pub budget: Option<Duration>,
+    /// Bytes of messages that a recording is sampled with at first, instead of the usual.
+    pub bytes: Option<u64>,
 }
 
 /// The sampling of one run, wider from round to round.
@@ -51,7 +53,7 @@ impl Plan {
         let first = Sampling {
             windows: asked.windows.unwrap_or(needed.windows).max(1),
             seconds: needed.seconds,
-            bytes: FIRST_BYTES,
+            bytes: asked.bytes.unwrap_or(FIRST_BYTES),
         };
         Self {
             asked,

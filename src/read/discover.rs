@@ -11,6 +11,9 @@ use ignore::WalkBuilder;
 
 use crate::source::SourceKind;
 
+use super::bag::metadata;
+use super::recordings;
+
 /// One file of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Input {
@@ -20,6 +23,9 @@ pub struct Input {
     pub display: String,
     /// What it was recognised as.
     pub kind: SourceKind,
+    /// The files of a recording that has several, in order, `path` among them; for a rosbag2 folder, of which `path` is the
+    /// `metadata.yaml`, the files that it names.
+    pub parts: Vec<PathBuf>,
     /// Why it cannot be read at all, if that is known before reading.
     pub refusal: Option<String>,
     /// Which argument it came from: files of one folder belong together; loose files share a group.
@@ -74,6 +80,7 @@ pub fn discover(paths: &[PathBuf]) -> Inputs {
         }
     }
     once(&mut inputs.files);
+    recordings::join(&mut inputs.files);
     inputs
 }
 
@@ -107,6 +114,7 @@ fn named_file(path: &Path) -> Input {
         path: path.to_path_buf(),
         display: display(path),
         kind: SourceKind::Unsupported,
+        parts: Vec::new(),
         refusal: None,
         group: LOOSE,
         root,
@@ -181,6 +189,7 @@ fn met_file(path: &Path, root: &Path, group: usize, inputs: &mut Inputs) {
         path: path.to_path_buf(),
         display: display(path),
         kind: SourceKind::Unsupported,
+        parts: Vec::new(),
         refusal: None,
         group,
         root: root.to_path_buf(),
@@ -216,6 +225,7 @@ fn unusable(root: &Path, group: usize, refusal: String) -> Input {
         path: root.to_path_buf(),
         display: display(root),
         kind: SourceKind::Unsupported,
+        parts: Vec::new(),
         refusal: Some(refusal),
         group,
         root: root.to_path_buf(),
@@ -228,13 +238,23 @@ fn display(path: &Path) -> String {
     text.strip_prefix("./").unwrap_or(&text).to_owned()
 }
 
-/// The ending of a file's name, in lower case; `launch.py` and `launch.xml` count as one.
+/// The ending of a file's name, in lower case; `launch.py`, `launch.xml` and `bag.active` count as one.
 fn ending(path: &Path) -> String {
     let name = path
         .file_name()
         .map(|name| name.to_string_lossy().to_lowercase())
         .unwrap_or_default();
-    for double in ["launch.py", "launch.xml"] {
+    for double in [
+        "launch.py",
+        "launch.xml",
+        "bag.active",
+        "mcap.zstd",
+        "db3.zstd",
+        "bag.zstd",
+        "mcap.zst",
+        "db3.zst",
+        "bag.zst",
+    ] {
         if name.ends_with(&format!(".{double}")) {
             return double.to_owned();
         }
@@ -257,9 +277,9 @@ fn kind_of_name(path: &Path) -> Option<SourceKind> {
         "xacro" => SourceKind::Xacro,
         "yaml" | "yml" => SourceKind::Yaml,
         "json" => SourceKind::Json,
-        "mcap" => SourceKind::Mcap,
-        "bag" => SourceKind::Rosbag1,
-        "db3" => SourceKind::Sqlite,
+        "mcap" | "mcap.zstd" | "mcap.zst" => SourceKind::Mcap,
+        "bag" | "bag.active" | "bag.zstd" | "bag.zst" => SourceKind::Rosbag1,
+        "db3" | "db3.zstd" | "db3.zst" => SourceKind::Sqlite,
         _ => return None,
     })
 }
@@ -269,13 +289,18 @@ fn recognise(path: &Path, head: &[u8]) -> Option<SourceKind> {
     if head.starts_with(b"\x89MCAP") {
         return Some(SourceKind::Mcap);
     }
-    if head.starts_with(b"#ROSBAG V") {
+    if head.starts_with(b"#ROSBAG V") || head.starts_with(b"#ROSRECORD V") {
         return Some(SourceKind::Rosbag1);
     }
     if head.starts_with(b"SQLite format 3\0") && ending(path) == "db3" {
         return Some(SourceKind::Sqlite);
     }
     let text = String::from_utf8_lossy(head);
+    if path.file_name().is_some_and(|name| name == metadata::NAME)
+        && text.lines().any(|line| line.starts_with(metadata::ROOT))
+    {
+        return Some(SourceKind::Rosbag2);
+    }
     // Expanded files keep the declaration of the namespace: only an element of xacro makes a file a xacro.
     let xacro = || text.contains("<xacro:");
     match kind_of_name(path) {

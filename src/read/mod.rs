@@ -6,6 +6,7 @@ pub mod bag;
 pub mod calibration;
 pub mod discover;
 pub mod messages;
+mod recordings;
 pub mod text;
 pub mod urdf;
 pub mod xacro;

@@ -4,7 +4,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::rules::names;
+use crate::rules::names::{self, Standard};
 use crate::source::MessageRef;
 use crate::world::bag::{HeaderFrame, TfEdge, TopicEvidence};
 use crate::world::robot::Joint;
@@ -229,6 +229,35 @@ pub(crate) fn is_volatile(topic: &TopicEvidence) -> bool {
         .lines()
         .filter_map(|line| line.trim().trim_start_matches("- ").strip_prefix("durability:"))
         .any(|value| matches!(value.trim().trim_matches(['"', '\'']), "2" | "volatile"))
+}
+
+/// The standard `odom` frames that a recording's TF moves something in, by name.
+pub(crate) fn moving_odoms(bag: &BagEvidence) -> BTreeSet<FrameId> {
+    let moving = bag.tf.iter().filter(|edge| !edge.is_static);
+    let parents = moving.map(|edge| edge.parent.canonical());
+    parents.filter(|frame| is_standard(frame, Standard::Odom)).collect()
+}
+
+/// Whether the last part of a name is the one of this frame of REP-105.
+pub(crate) fn is_standard(frame: &FrameId, kind: Standard) -> bool {
+    names::standard(frame).is_some_and(|(_, of)| of == kind)
+}
+
+/// The `map` frames that messages name, while TF moves `odom` and has nothing that ties a `map` to it; with their uses.
+pub(crate) fn without_correction<'a>(bag: &'a BagEvidence, odom: &FrameId) -> BTreeMap<FrameId, Vec<Used<'a>>> {
+    let space = |frame: &FrameId| names::standard(frame).map_or("", |(space, _)| space).to_owned();
+    let known = frames(bag);
+    let corrects =
+        |edge: &TfEdge| edge.child.canonical() == *odom && is_standard(&edge.parent.canonical(), Standard::Map);
+    if bag.tf.iter().any(corrects) {
+        return BTreeMap::new();
+    }
+    let mut named = header_frames(bag);
+    named.retain(|frame, _| {
+        let is_near = space(frame).is_empty() || space(frame) == space(odom);
+        is_near && is_standard(frame, Standard::Map) && !known.contains(frame)
+    });
+    named
 }
 
 /// A list of names for a message: the first few in backticks, then how many more.

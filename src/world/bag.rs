@@ -189,6 +189,21 @@ pub struct ParentSwitch {
     pub at: MessageRef,
 }
 
+/// One file of a split recording.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Part {
+    /// The file's name.
+    pub path: String,
+    /// Earliest log time read of it, nanoseconds.
+    pub start_ns: Option<i64>,
+    /// Latest log time read of it, nanoseconds.
+    pub end_ns: Option<i64>,
+    /// Messages read of it.
+    pub messages: u64,
+    /// Whether a message on a `tf_static` topic was read of it. Where the recording was sampled, its absence proves little.
+    pub static_transforms: bool,
+}
+
 /// What one recording showed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct BagEvidence {
@@ -208,6 +223,9 @@ pub struct BagEvidence {
     pub parent_switches: Vec<ParentSwitch>,
     /// Whether the end of the recording could not be read: absence proves nothing.
     pub truncated: bool,
+    /// The files of a split recording, in order; empty where the recording is one file.
+    #[serde(default)]
+    pub parts: Vec<Part>,
     /// How much of the recording was examined.
     pub share: Share,
     /// Names and keys of what the recording holds beside messages: metadata records and attachments.
@@ -249,6 +267,7 @@ impl BagEvidence {
             tf: Vec::new(),
             parent_switches: Vec::new(),
             truncated: false,
+            parts: Vec::new(),
             share: Share::WHOLE,
             annotations: BTreeMap::new(),
         }

@@ -12,6 +12,7 @@ pub mod graph;
 pub mod number;
 pub mod reference;
 pub mod robot;
+pub mod tf2;
 pub mod transform_name;
 
 use std::sync::{Arc, OnceLock};

@@ -16,10 +16,12 @@
 
 pub mod contents;
 pub mod encode;
+pub mod heard;
 pub mod motion;
 pub mod program;
 pub mod raw;
 pub mod recipe;
+pub mod rosbag1;
 pub mod schemas;
 pub mod topic;
 

@@ -2,6 +2,8 @@
 //!
 //! Owns the magics of recordings and of what is mistaken for one, and the words of refusal.
 
+use crate::source::SourceKind;
+
 /// How many bytes decide.
 pub(super) const SNIFFED: u64 = 64;
 
@@ -35,9 +37,11 @@ pub enum Container {
 impl Container {
     /// Judges the first bytes; 64 are enough.
     pub fn of(first: &[u8]) -> Self {
-        let magics: [(&[u8], Self); 9] = [
+        let magics: [(&[u8], Self); 10] = [
             (::mcap::MAGIC, Self::Mcap),
             (b"#ROSBAG V", Self::Rosbag1),
+            // Before version 1.2 was followed by 2.0 they were called so.
+            (b"#ROSRECORD V", Self::Rosbag1),
             (b"SQLite format 3\0", Self::Sqlite),
             (&[0x1f, 0x8b], Self::Gzip),
             (&[0x28, 0xb5, 0x2f, 0xfd], Self::Zstd),
@@ -55,25 +59,28 @@ impl Container {
             .map_or(Self::Unknown, |(_, container)| *container)
     }
 
-    /// Why such a file is not read as a recording, and what to do. For an MCAP there is nothing to refuse.
-    pub(super) fn refusal(self) -> (String, Option<&'static str>) {
-        let is = |what: &str| format!("not an MCAP: this is {what}");
+    /// Whether there is a reader for it.
+    pub(super) fn is_read(self) -> bool {
+        matches!(self, Self::Mcap | Self::Rosbag1 | Self::Sqlite)
+    }
+
+    /// Why such a file is not read as the recording it is taken for, and what to do. For those that are read there is
+    /// nothing to refuse.
+    pub(super) fn refusal(self, taken_for: SourceKind) -> (String, Option<&'static str>) {
+        let not = match taken_for {
+            SourceKind::Rosbag1 => "not a ROS 1 bag",
+            SourceKind::Sqlite => "not a rosbag2 database",
+            SourceKind::Rosbag2 => "not a recording",
+            _ => "not an MCAP",
+        };
+        let is = |what: &str| format!("{not}: this is {what}");
         match self {
-            Self::Mcap | Self::Unknown => (
-                "not an MCAP: magic missing at byte 0".to_owned(),
-                Some("give an MCAP recording; a file that should be one is damaged from its first bytes on"),
+            Self::Mcap | Self::Rosbag1 | Self::Sqlite | Self::Zstd | Self::Unknown => (
+                format!("{not}: magic missing at byte 0"),
+                Some("give a recording; a file that should be one is damaged from its first bytes on"),
             ),
             Self::Empty => ("the file is empty".to_owned(), None),
-            Self::Rosbag1 => (
-                is("a ROS 1 bag, which is not read"),
-                Some("convert it: `mcap convert in.bag out.mcap`"),
-            ),
-            Self::Sqlite => (
-                is("an SQLite database (rosbag2 `.db3`), which is not read"),
-                Some("convert it: `mcap convert in.db3 out.mcap`, or `ros2 bag convert` with `storage_id: mcap`"),
-            ),
             Self::Gzip => (is("a file compressed with gzip"), Some("decompress it first: `gunzip`")),
-            Self::Zstd => (is("a file compressed with zstd"), Some("decompress it first: `unzstd`")),
             Self::Lz4 => (is("a file compressed with lz4"), Some("decompress it first: `unlz4`")),
             Self::Bzip2 => (
                 is("a file compressed with bzip2"),

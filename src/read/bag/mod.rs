@@ -4,19 +4,27 @@
 //! is inside the messages, nor keep any of them.
 
 mod chunks;
+mod compressed;
 mod inflate;
 mod kind;
 mod mcap;
-mod metadata;
+pub(in crate::read) mod metadata;
+mod parts;
+mod rosbag1;
+pub(in crate::read) mod rosbag2;
+pub(in crate::read) mod split;
 mod sqlite;
 
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::source::{Place, ReadStatus, Source};
+
+use compressed::Inflate;
+use metadata::Metadata;
 
 pub use kind::Container;
 
@@ -65,6 +73,8 @@ pub trait Visit {
     fn message(&mut self, channel: &Channel, message: &Message<'_>);
     /// Messages were left out here: the next one does not follow the last one.
     fn seam(&mut self);
+    /// What follows stands in this file of a recording that has several.
+    fn part(&mut self, _name: &str) {}
     /// Something that the recording holds beside messages: a metadata record with its fields, or under the name
     /// `attachments` the name of an attachment with its media type. A name may come several times.
     fn annotation(&mut self, _name: &str, _fields: &BTreeMap<String, String>) {}
@@ -115,41 +125,172 @@ pub struct Extent {
     pub span_ns: Option<(i64, i64)>,
 }
 
+/// What is read as one recording.
+#[derive(Clone, Copy, Debug)]
+pub struct Recording<'a> {
+    /// A file, a rosbag2 folder or its `metadata.yaml`.
+    pub path: &'a Path,
+    /// The files of a split recording in order, where that is known from their names; empty otherwise.
+    pub parts: &'a [PathBuf],
+}
+
+/// Of a file that could not be read at all.
+const NOTHING: Extent = Extent {
+    truncated: true,
+    whole: false,
+    indexed: false,
+    messages_total: None,
+    span_ns: None,
+};
+
 /// Reads a recording once, whatever its format, and says in `source` how far that went: its status, its detail, what
 /// was examined and every problem.
 pub fn read(
-    path: &Path,
+    recording: &Recording<'_>,
     wanted: &Wanted<'_>,
     source: &mut Source,
     progress: Progress<'_>,
     visit: &mut dyn Visit,
 ) -> Extent {
-    const NOTHING: Extent = Extent {
-        truncated: true,
-        whole: false,
-        indexed: false,
-        messages_total: None,
-        span_ns: None,
-    };
-    let whole = Place::whole(source.id);
+    let path = recording.path;
+    if !recording.parts.is_empty() {
+        return split::read(recording.parts, wanted, source, progress, visit);
+    }
+    let is_metadata = path.file_name().is_some_and(|name| name == metadata::NAME);
+    if is_metadata || path.is_dir() {
+        return rosbag2::read(path, wanted, source, progress, visit);
+    }
+    let metadata = Metadata::beside(path);
+    let extent = file(path, metadata.as_ref(), wanted, source, progress, visit);
+    if let Some(files) = metadata.map(|metadata| metadata.files.len()).filter(|files| *files > 1) {
+        let detail = format!("one of the {files} files that `metadata.yaml` beside it names; the others were not read");
+        source.detail.get_or_insert(detail);
+    }
+    extent
+}
+
+/// Reads one file. `metadata` is what the recording's `metadata.yaml` says, where there is one.
+fn file(
+    path: &Path,
+    metadata: Option<&Metadata>,
+    wanted: &Wanted<'_>,
+    source: &mut Source,
+    progress: Progress<'_>,
+    visit: &mut dyn Visit,
+) -> Extent {
     let (file, total) = match open(path) {
         Ok(opened) => opened,
         Err(message) => {
-            source.problem(ReadStatus::Unreadable, whole, message);
+            source.problem(ReadStatus::Unreadable, Place::whole(source.id), message);
             return NOTHING;
         }
     };
+    let mut inflate = Inflate::new(visit);
+    let mut extent = if Container::of(&first_bytes(&file)) == Container::Zstd {
+        packed(file, total, metadata, wanted, source, progress, &mut inflate)
+    } else {
+        plain(path, (file, total), metadata, wanted, source, progress, &mut inflate)
+    };
+    extent.truncated |= inflate.report(source);
+    extent
+}
+
+/// Reads a file that is compressed as a whole: through a temporary file, since formats are read by their index.
+fn packed(
+    file: File,
+    total: u64,
+    metadata: Option<&Metadata>,
+    wanted: &Wanted<'_>,
+    source: &mut Source,
+    progress: Progress<'_>,
+    visit: &mut dyn Visit,
+) -> Extent {
+    let whole = Place::whole(source.id);
     source.examined.bytes_total = total;
     source.examined.messages = Some(0);
-    let container = Container::of(&first_bytes(&file));
+    let opened =
+        compressed::unpack(file, total, progress).and_then(|unpacked| Ok((open(unpacked.file.path())?, unpacked)));
+    let (inner, unpacked) = match opened {
+        Ok(opened) => opened,
+        Err(why) => {
+            source.problem(ReadStatus::Unreadable, whole, why);
+            return NOTHING;
+        }
+    };
+    let truncated = unpacked.fault.is_some();
+    if let Some(fault) = &unpacked.fault {
+        source.problem(ReadStatus::Partial, whole.clone(), fault.clone());
+    }
+    let container = Container::of(&first_bytes(&inner.0));
+    if !container.is_read() {
+        let why = "the file is compressed with zstd and holds no recording".to_owned();
+        source.problem(ReadStatus::Unreadable, whole, why);
+        return NOTHING;
+    }
+    let extent = plain(unpacked.file.path(), inner, metadata, wanted, source, &|_, _| {}, visit);
+    // What was examined counts in bytes of the file that the user knows.
+    let share = source.examined.bytes as f64 / unpacked.size.max(1) as f64;
+    source.examined.bytes_total = total;
+    source.examined.bytes = if share >= 1.0 && !truncated {
+        total
+    } else {
+        portion(total, share.min(1.0))
+    };
+    Extent {
+        truncated: extent.truncated || truncated,
+        ..extent
+    }
+}
+
+/// This share of a number of bytes.
+#[allow(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "a share of a size is no larger than the size, and not negative"
+)]
+fn portion(bytes: u64, share: f64) -> u64 {
+    (bytes as f64 * share.clamp(0.0, 1.0)) as u64
+}
+
+/// Reads a file by its first bytes.
+fn plain(
+    path: &Path,
+    (file, total): (File, u64),
+    metadata: Option<&Metadata>,
+    wanted: &Wanted<'_>,
+    source: &mut Source,
+    progress: Progress<'_>,
+    visit: &mut dyn Visit,
+) -> Extent {
+    source.examined.bytes_total = total;
+    source.examined.messages = Some(0);
+    let first = first_bytes(&file);
+    let container = Container::of(&first);
     match container {
         Container::Mcap => return mcap::read(file, total, wanted, source, progress, visit),
-        Container::Sqlite => return sqlite::read(path, total, None, wanted, source, progress, visit),
+        Container::Rosbag1 => return rosbag1::read(file, total, &first, wanted, source, progress, visit),
+        Container::Sqlite => return sqlite::read(path, total, metadata, wanted, source, progress, visit),
         _ => {}
     }
-    let (message, help) = container.refusal();
-    source.problem_with_help(ReadStatus::Unreadable, whole, message, help.map(str::to_owned));
+    let (message, help) = container.refusal(source.kind);
+    source.problem_with_help(
+        ReadStatus::Unreadable,
+        Place::whole(source.id),
+        message,
+        help.map(str::to_owned),
+    );
     NOTHING
+}
+
+/// First and last log time of a file, nanoseconds, where its index says. `Err` where it is no recording.
+fn span(path: &Path) -> Result<Option<(i64, i64)>, String> {
+    let (file, total) = open(path)?;
+    match Container::of(&first_bytes(&file)) {
+        Container::Mcap => Ok(mcap::span(&file, total)),
+        Container::Sqlite => Ok(sqlite::span(path, total)),
+        Container::Rosbag1 => Ok(split::rosbag1_span(&file, total)),
+        _ => Err("no recording".to_owned()),
+    }
 }
 
 /// Opens a regular file. Pipes and devices are refused before opening: they may block for ever or never end.

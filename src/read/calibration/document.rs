@@ -6,20 +6,20 @@ use crate::source::Span;
 
 /// A value of a document and where it stands.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Node {
+pub(in crate::read) struct Node {
     /// From the first to the last byte of the value in the source's text.
-    pub(super) span: Span,
+    pub(in crate::read) span: Span,
     /// What it is.
-    pub(super) kind: Kind,
+    pub(in crate::read) kind: Kind,
     /// Its explicit tag without the namespace (`opencv-matrix`).
-    pub(super) tag: Option<Box<str>>,
+    pub(in crate::read) tag: Option<Box<str>>,
     /// Whether a fault cut it off: what it holds is true, but not all of it.
-    pub(super) cut: bool,
+    pub(in crate::read) cut: bool,
 }
 
 /// What a node is.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Kind {
+pub(in crate::read) enum Kind {
     /// A scalar; its type is not decided here.
     Scalar {
         /// The text after escapes.
@@ -35,7 +35,7 @@ pub(super) enum Kind {
 
 impl Node {
     /// A whole, untagged value.
-    pub(super) fn new(span: Span, kind: Kind) -> Self {
+    pub(in crate::read) fn new(span: Span, kind: Kind) -> Self {
         Self {
             span,
             kind,
@@ -45,7 +45,7 @@ impl Node {
     }
 
     /// The text of a scalar.
-    pub(super) fn text(&self) -> Option<&str> {
+    pub(in crate::read) fn text(&self) -> Option<&str> {
         match &self.kind {
             Kind::Scalar { text, .. } => Some(text),
             _ => None,
@@ -53,7 +53,7 @@ impl Node {
     }
 
     /// The items of a list.
-    pub(super) fn items(&self) -> Option<&[Node]> {
+    pub(in crate::read) fn items(&self) -> Option<&[Node]> {
         match &self.kind {
             Kind::Sequence(items) => Some(items),
             _ => None,
@@ -61,7 +61,7 @@ impl Node {
     }
 
     /// The pairs of a mapping, none for anything else.
-    pub(super) fn pairs(&self) -> &[(Node, Node)] {
+    pub(in crate::read) fn pairs(&self) -> &[(Node, Node)] {
         match &self.kind {
             Kind::Mapping(pairs) => pairs,
             _ => &[],
@@ -69,40 +69,40 @@ impl Node {
     }
 
     /// Whether it is a mapping.
-    pub(super) fn is_mapping(&self) -> bool {
+    pub(in crate::read) fn is_mapping(&self) -> bool {
         matches!(self.kind, Kind::Mapping(_))
     }
 
     /// The pair with this key; of repeated keys the last, as most readers take it.
-    pub(super) fn pair(&self, key: &str) -> Option<(&Node, &Node)> {
+    pub(in crate::read) fn pair(&self, key: &str) -> Option<(&Node, &Node)> {
         let mut pairs = self.pairs().iter().rev();
         pairs.find(|(k, _)| k.text() == Some(key)).map(|(k, v)| (k, v))
     }
 
     /// The value under a key.
-    pub(super) fn get(&self, key: &str) -> Option<&Node> {
+    pub(in crate::read) fn get(&self, key: &str) -> Option<&Node> {
         self.pair(key).map(|(_, value)| value)
     }
 }
 
 /// Where reading stopped, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Fault {
+pub(in crate::read) struct Fault {
     /// The place, in the source's text.
-    pub(super) at: usize,
+    pub(in crate::read) at: usize,
     /// What is wrong, in plain words.
-    pub(super) message: String,
+    pub(in crate::read) message: String,
 }
 
 /// All documents of a text.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Documents {
+pub(in crate::read) struct Documents {
     /// The root of each document.
-    pub(super) roots: Vec<Node>,
+    pub(in crate::read) roots: Vec<Node>,
     /// Keys that stand twice in one mapping, with the place of the later one.
-    pub(super) repeated: Vec<(String, Span)>,
+    pub(in crate::read) repeated: Vec<(String, Span)>,
     /// Braces of a template engine (`{{ name }}`).
-    pub(super) templates: Vec<Span>,
+    pub(in crate::read) templates: Vec<Span>,
     /// Why reading stopped early.
-    pub(super) fault: Option<Fault>,
+    pub(in crate::read) fault: Option<Fault>,
 }

@@ -4,13 +4,13 @@
 //! `names` and `numbers` recognise, `shapes` spells, `walk` and `generic` make claims, `dialect` knows formats.
 
 mod dialect;
-mod document;
-mod events;
+pub(super) mod document;
+pub(super) mod events;
 mod generic;
 mod names;
 mod numbers;
 mod references;
-mod repair;
+pub(super) mod repair;
 mod shapes;
 mod walk;
 

@@ -19,7 +19,9 @@ pub struct Content<'m> {
 pub enum Body<'m> {
     /// Nothing that is read.
     Nothing,
-    /// Transforms.
+    /// Nothing but a child frame: the field `child_frame_id` of a type that is read by its definition.
+    ChildFrame(Cow<'m, str>),
+    /// Transforms. Beside a header they are a message of one transform, not TF.
     Transforms(Vec<Transform<'m>>),
     /// Pose and twist of a body.
     Odometry(Box<Odometry<'m>>),

@@ -3,9 +3,12 @@
 //! Owns the choice by type, definition and encoding. Must not know recordings.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use super::content::{Body, Content};
-use super::header::{self, Header};
+use super::definition::{Carried, Definitions, Layout, Schema, plain_name};
+use super::header::Header;
+use super::walk::Route;
 use super::{Cursor, DecodeError, Wire, bodies, foxglove, tf};
 
 /// What is known of the messages of a channel before the first one.
@@ -27,16 +30,23 @@ pub struct Format<'a> {
 #[derive(Clone, Debug)]
 pub struct Decoder {
     way: Way,
+    note: Option<String>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
 enum Way {
     /// By its published layout.
     Standard(Wire, Standard),
+    /// A header and no more.
     Header(Wire),
     Foxglove(Box<foxglove::Reader>),
+    /// By its definition.
+    Route(Wire, Arc<Route>),
     Nothing,
-    Unread(String),
+    Unread {
+        why: String,
+        lacks_definition: bool,
+    },
 }
 
 /// The types whose content is read.
@@ -54,17 +64,86 @@ enum Standard {
 }
 
 impl Decoder {
-    /// Decides how the messages of a channel are read.
-    pub fn of(format: &Format<'_>) -> Self {
-        Self { way: Way::of(format) }
+    /// Decides how the messages of a channel are read: the standard types by their published layout, where the
+    /// recording's definition does not say otherwise; any other by its definition, for its header. The definition is
+    /// the recording's own; else one of `definitions`.
+    pub fn of(format: &Format<'_>, definitions: &Definitions) -> Self {
+        if let Some(reader) = foxglove::Reader::of(format) {
+            return Self::new(reader.map_or_else(Way::unread, |reader| Way::Foxglove(Box::new(reader))));
+        }
+        let Some(wire) = Wire::named(format.message_encoding) else {
+            let encoding = named(format.message_encoding, "unnamed");
+            return Self::new(Way::unread(format!("{encoding} messages are not read")));
+        };
+        let name = plain_name(format.message_type);
+        let carried = Carried::read(&name, format.schema, format.schema_encoding);
+        let types = match &carried {
+            Carried::Types(types) => Some(types),
+            Carried::Nothing | Carried::Unread(_) => None,
+        };
+        let schema = Schema::link(&name, types, definitions);
+        if let Some(standard) = Standard::of(&name, format.topic) {
+            let is_defined = types.is_some() || definitions.adds(&name);
+            let differs = |schema: &Schema| {
+                Schema::published(&name).is_some_and(|published| schema.layout(&published, wire) == Layout::Different)
+            };
+            return match schema.filter(|schema| is_defined && differs(schema)) {
+                None => Self::new(Way::Standard(wire, standard)),
+                Some(schema) => Self::otherwise(&name, wire, schema),
+            };
+        }
+        let Some(schema) = schema else {
+            let of = named(format.message_type, "the type");
+            return Self::new(match carried {
+                Carried::Unread(why) => Way::unread(why),
+                Carried::Types(_) | Carried::Nothing => Way::Unread {
+                    why: format!("the recording holds no definition of {of}"),
+                    lacks_definition: true,
+                },
+            });
+        };
+        Self::new(Way::by_definition(wire, schema))
+    }
+
+    /// A standard type that is defined otherwise than published: its header can still be read, its content cannot.
+    fn otherwise(name: &str, wire: Wire, schema: Schema) -> Self {
+        let differs = format!("its definition of {name} is not the published one");
+        match Way::by_definition(wire, schema) {
+            Way::Nothing => Self::new(Way::unread(differs)),
+            Way::Unread { why, .. } => Self::new(Way::unread(format!("{differs}, and {why}"))),
+            way => Self {
+                way,
+                note: Some(format!("{differs}: only headers are read")),
+            },
+        }
+    }
+
+    fn new(way: Way) -> Self {
+        Self { way, note: None }
     }
 
     /// Why nothing inside the messages can be read; `None` where they can, or hold nothing that is.
     pub fn unread(&self) -> Option<&str> {
         match &self.way {
-            Way::Unread(why) => Some(why),
+            Way::Unread { why, .. } => Some(why),
             _ => None,
         }
+    }
+
+    /// Whether the messages could be read if the package that defines them were at hand.
+    pub fn lacks_definition(&self) -> bool {
+        matches!(
+            self.way,
+            Way::Unread {
+                lacks_definition: true,
+                ..
+            }
+        )
+    }
+
+    /// What is left unread of messages whose header is read, where other messages of the type hold more.
+    pub fn note(&self) -> Option<&str> {
+        self.note.as_deref()
     }
 
     /// Reads one message.
@@ -76,7 +155,8 @@ impl Decoder {
                 body: Body::Nothing,
             }),
             Way::Foxglove(reader) => reader.decode(message),
-            Way::Nothing | Way::Unread(_) => Ok(Content {
+            Way::Route(wire, route) => route.read(wire.open(message)?),
+            Way::Nothing | Way::Unread { .. } => Ok(Content {
                 header: None,
                 body: Body::Nothing,
             }),
@@ -85,38 +165,27 @@ impl Decoder {
 }
 
 impl Way {
-    fn of(format: &Format<'_>) -> Self {
-        if let Some(reader) = foxglove::Reader::of(format) {
-            return reader.map_or_else(Self::Unread, |reader| Self::Foxglove(Box::new(reader)));
+    fn by_definition(wire: Wire, schema: Schema) -> Self {
+        match Route::of(schema) {
+            Ok(None) => Self::Nothing,
+            Ok(Some(route)) if route.is_header_alone(wire) => Self::Header(wire),
+            Ok(Some(route)) => Self::Route(wire, Arc::new(route)),
+            Err(why) => Self::unread(why),
         }
-        let Some(wire) = Wire::named(format.message_encoding) else {
-            let encoding = named(format.message_encoding, "unnamed");
-            return Self::Unread(format!("{encoding} messages are not read"));
-        };
-        // These are read by their published layout, so a missing definition does no harm.
-        if let Some(standard) = Standard::of(format) {
-            return Self::Standard(wire, standard);
-        }
-        let text = std::str::from_utf8(format.schema).unwrap_or_default();
-        if text.trim().is_empty() {
-            let name = named(format.message_type, "the type");
-            return Self::Unread(format!("the recording holds no definition of {name}"));
-        }
-        match format.schema_encoding {
-            "ros2msg" | "ros1msg" if header::comes_first(text) => Self::Header(wire),
-            "ros2msg" | "ros1msg" => Self::Nothing,
-            other => Self::Unread(format!(
-                "definitions in {} are not read",
-                named(other, "an unnamed encoding")
-            )),
+    }
+
+    fn unread(why: String) -> Self {
+        Self::Unread {
+            why,
+            lacks_definition: false,
         }
     }
 }
 
 impl Standard {
-    fn of(format: &Format<'_>) -> Option<Self> {
-        // ROS 1, and some writers of ROS 2, leave the `msg` out of the name.
-        Some(match format.message_type.replacen("/msg/", "/", 1).as_str() {
+    /// The type `name` (`package/Type`), if its content is read on this topic.
+    fn of(name: &str, topic: &str) -> Option<Self> {
+        Some(match name {
             "tf2_msgs/TFMessage" | "tf/tfMessage" => Self::Tf,
             "geometry_msgs/TransformStamped" => Self::Transform,
             "nav_msgs/Odometry" => Self::Odometry,
@@ -127,7 +196,7 @@ impl Standard {
             "geometry_msgs/TwistStamped" => Self::Twist { covariance: false },
             "geometry_msgs/TwistWithCovarianceStamped" => Self::Twist { covariance: true },
             "rosgraph_msgs/Clock" => Self::Clock,
-            "std_msgs/String" if format.topic.rsplit('/').next() == Some("robot_description") => Self::Description,
+            "std_msgs/String" if topic.rsplit('/').next() == Some("robot_description") => Self::Description,
             _ => return None,
         })
     }

@@ -6,9 +6,13 @@ mod bodies;
 pub mod content;
 mod cursor;
 pub mod decoder;
+pub mod definition;
 pub mod foxglove;
 pub mod header;
+#[cfg(test)]
+mod tests;
 pub mod tf;
+pub mod walk;
 
 use std::fmt;
 

@@ -15,3 +15,5 @@ pub mod tf_vs_sensor_time;
 mod together;
 mod trend;
 mod units;
+
+pub(crate) use together::tell_once;

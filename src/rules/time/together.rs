@@ -10,7 +10,7 @@ const NAMED: usize = 3;
 
 /// Gives findings of different streams that have one cause as one: the first, which names the others and points at them.
 /// `more` says what the others do ("run the same way"); where it is empty, the message speaks of all already. The others get a row that points to the first.
-pub(super) fn tell_once(findings: Vec<Finding>, more: &str, out: &mut Judge) {
+pub(crate) fn tell_once(findings: Vec<Finding>, more: &str, out: &mut Judge) {
     let mut findings = findings.into_iter();
     let Some(mut first) = findings.next() else { return };
     let others: Vec<Finding> = findings.collect();

@@ -70,7 +70,6 @@ pub(super) fn read(
 }
 
 /// First and last log time of a database, nanoseconds, where its index says.
-#[allow(dead_code)]
 pub(super) fn span(path: &Path, total: u64) -> Option<(i64, i64)> {
     let mut nobody = Source::new(crate::source::SourceId(0), "", crate::source::SourceKind::Sqlite);
     let connection = open::open(path, total, &mut nobody).ok()?;

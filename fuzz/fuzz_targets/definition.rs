@@ -1,0 +1,55 @@
+//! Any bytes as a definition in every encoding, and any bytes as a message of its type: no panic, bounded work.
+//!
+//! The input is a definition up to the first byte 0xff, which no text holds, and a message behind it.
+#![no_main]
+
+use frames_lint::read::messages::MAX_NAME;
+use frames_lint::read::messages::content::Body;
+use frames_lint::read::messages::decoder::{Decoder, Format};
+use frames_lint::read::messages::definition::{Carried, Definitions, Schema};
+use libfuzzer_sys::fuzz_target;
+
+const TYPES: [&str; 4] = [
+    "acme_msgs/msg/Top",
+    "nav_msgs/Odometry",
+    "tf2_msgs::msg::dds_::TFMessage_",
+    "sensor_msgs/msg/NavSatFix",
+];
+
+fuzz_target!(|bytes: &[u8]| {
+    let definitions = Definitions::builtin();
+    let end = bytes.iter().position(|byte| *byte == 0xff).unwrap_or(bytes.len());
+    let (schema, rest) = bytes.split_at(end);
+    let message = rest.get(1..).unwrap_or_default();
+    for schema_encoding in ["ros2msg", "ros1msg", "ros2idl"] {
+        for message_type in TYPES {
+            if let Carried::Types(types) = Carried::read(message_type, schema, schema_encoding)
+                && let Some(linked) = Schema::link(message_type, Some(&types), &definitions)
+            {
+                // Every type stands in the text or in the standard packages; none is made twice.
+                let mut names: Vec<&str> = linked.types.iter().map(|one| one.name.as_str()).collect();
+                names.sort_unstable();
+                names.dedup();
+                assert_eq!(names.len(), linked.types.len());
+            }
+            for message_encoding in ["cdr", "ros1"] {
+                let format = Format {
+                    topic: "/topic",
+                    message_type,
+                    message_encoding,
+                    schema,
+                    schema_encoding,
+                };
+                let Ok(content) = Decoder::of(&format, &definitions).decode(message) else {
+                    continue;
+                };
+                if let Some(header) = &content.header {
+                    assert!(header.frame_id.len() <= MAX_NAME);
+                }
+                if let Body::ChildFrame(child) = &content.body {
+                    assert!(child.len() <= MAX_NAME);
+                }
+            }
+        }
+    }
+});

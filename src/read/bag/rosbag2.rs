@@ -1,0 +1,328 @@
+//! rosbag2 folders: `metadata.yaml` and the files that it names, as one recording.
+//!
+//! Owns finding the files, and the words where the metadata says other than they do. Must not know their formats.
+
+use std::collections::BTreeSet;
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+
+use crate::source::{Place, ReadStatus, Source, Span};
+
+use super::kind::Container;
+use super::metadata::{self, Metadata};
+use super::parts::{self, Outcome};
+use super::{Extent, NOTHING, Progress, Visit, Wanted, split};
+
+/// How much the metadata's times may differ from those of the messages, nanoseconds. Recorders note the time of arrival
+/// and of writing.
+const MAX_TIME_DIFFERENCE_NS: u64 = 1_000_000_000;
+/// The last version of the metadata that is known.
+const LAST_VERSION: u64 = 9;
+/// Topics that are named where counts differ.
+const MAX_NAMED: usize = 3;
+
+/// Files of a recording as far as they are there, and those that are missing.
+struct Files {
+    present: Vec<PathBuf>,
+    missing: Vec<(String, Span)>,
+    repeated: Vec<(String, Span)>,
+}
+
+/// Reads the recording in a folder, or the one whose `metadata.yaml` is given.
+pub(super) fn read(
+    path: &Path,
+    wanted: &Wanted<'_>,
+    source: &mut Source,
+    progress: Progress<'_>,
+    visit: &mut dyn Visit,
+) -> Extent {
+    let folder = folder(path);
+    let file = folder.join(metadata::NAME);
+    let metadata = match Metadata::read(&file) {
+        Ok(Some(metadata)) => Some(metadata),
+        Ok(None) => None,
+        Err(_) if path.is_dir() && !file.exists() => None,
+        Err(why) => {
+            let message = format!("{}: {why}", metadata::NAME);
+            source.problem(ReadStatus::Partial, Place::whole(source.id), message);
+            None
+        }
+    };
+    let mut metadata = metadata.unwrap_or_default();
+    source.text = std::mem::take(&mut metadata.text);
+    let mut files = resolve(&folder, &metadata);
+    before(&metadata, &files, &folder, source);
+    if files.present.is_empty() && files.missing.is_empty() {
+        files.present = by_name(&folder);
+    }
+    if files.present.is_empty() {
+        let message = if files.missing.is_empty() {
+            "the folder holds no recording"
+        } else {
+            "none of the files that `metadata.yaml` names is there"
+        };
+        source.problem(ReadStatus::Unreadable, Place::whole(source.id), message);
+        return NOTHING;
+    }
+    let mut beside = metadata.custom_data.clone();
+    if let Some(distro) = &metadata.ros_distro {
+        beside.insert("ros_distro".to_owned(), distro.clone());
+    }
+    if !beside.is_empty() {
+        visit.annotation(metadata::ROOT, &beside);
+    }
+    let outcome = parts::read(&files.present, Some(&metadata), wanted, source, progress, visit);
+    let lost = !files.missing.is_empty();
+    if outcome.extent.whole && !outcome.extent.truncated && !lost {
+        after(&metadata, &outcome, source);
+    }
+    describe(&files, &metadata, source);
+    Extent {
+        truncated: outcome.extent.truncated || lost,
+        ..outcome.extent
+    }
+}
+
+/// The files that the recording of a `metadata.yaml` (or a folder) consists of, as far as they are there.
+pub(in crate::read) fn files_of(path: &Path) -> Vec<PathBuf> {
+    let folder = folder(path);
+    let metadata = Metadata::read(&folder.join(metadata::NAME)).ok().flatten();
+    let files = resolve(&folder, &metadata.unwrap_or_default());
+    if files.present.is_empty() && files.missing.is_empty() {
+        return by_name(&folder);
+    }
+    files.present
+}
+
+fn folder(path: &Path) -> PathBuf {
+    if path.is_dir() {
+        return path.to_path_buf();
+    }
+    match path.parent() {
+        Some(parent) if parent != Path::new("") => parent.to_path_buf(),
+        _ => PathBuf::from("."),
+    }
+}
+
+/// Finds the files that the metadata names. Up to version 2 the names begin with the folder's own; folders are renamed, and
+/// files are compressed and decompressed by hand.
+fn resolve(folder: &Path, metadata: &Metadata) -> Files {
+    let mut files = Files {
+        present: Vec::new(),
+        missing: Vec::new(),
+        repeated: Vec::new(),
+    };
+    let mut known = BTreeSet::new();
+    for (said, span) in &metadata.files {
+        let name = Path::new(said);
+        let base = Path::new(name.file_name().unwrap_or(OsStr::new("")));
+        let mut packed = base.as_os_str().to_owned();
+        packed.push(".zstd");
+        let unpacked = base
+            .extension()
+            .filter(|ending| *ending == "zstd")
+            .and(base.file_stem());
+        let candidates = [
+            Some(folder.join(name)),
+            folder.parent().map(|above| above.join(name)),
+            Some(folder.join(base)),
+            Some(folder.join(packed)),
+            unpacked.map(|unpacked| folder.join(unpacked)),
+        ];
+        let found = candidates.into_iter().flatten().find(|candidate| candidate.is_file());
+        match found {
+            None => files.missing.push((said.clone(), *span)),
+            Some(found) => {
+                let identity = std::fs::canonicalize(&found).unwrap_or_else(|_| found.clone());
+                if known.insert(identity) {
+                    files.present.push(found);
+                } else {
+                    files.repeated.push((said.clone(), *span));
+                }
+            }
+        }
+    }
+    files
+}
+
+/// The recordings in a folder whose metadata name none: those of one name, in the order of their numbers.
+fn by_name(folder: &Path) -> Vec<PathBuf> {
+    let Ok(entries) = std::fs::read_dir(folder) else {
+        return Vec::new();
+    };
+    let paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
+    let mut numbered: Vec<_> = paths
+        .iter()
+        .filter_map(|path| split::numbered(path).map(|(stem, ending, number)| (stem, ending, number, path.clone())))
+        .filter(|(_, ending, ..)| ending != ".bag")
+        .collect();
+    numbered.sort();
+    let first = numbered
+        .first()
+        .map(|(stem, ending, ..)| (stem.clone(), ending.clone()));
+    numbered.retain(|(stem, ending, ..)| {
+        first
+            .as_ref()
+            .is_some_and(|first| (stem, ending) == (&first.0, &first.1))
+    });
+    if !numbered.is_empty() {
+        return numbered.into_iter().map(|(.., path)| path).collect();
+    }
+    let is_one = |path: &PathBuf| {
+        path.extension()
+            .is_some_and(|ending| ending == "mcap" || ending == "db3")
+    };
+    let mut others: Vec<PathBuf> = paths.into_iter().filter(is_one).collect();
+    others.sort();
+    others.truncate(1);
+    others
+}
+
+/// Says what is wrong with the metadata by itself and beside the folder.
+fn before(metadata: &Metadata, files: &Files, folder: &Path, source: &mut Source) {
+    let id = source.id;
+    let at = |span: Span| Place::text(id, span);
+    if let Some((byte, why)) = &metadata.fault {
+        let place = at(Span::new(*byte, *byte));
+        source.problem(
+            ReadStatus::Partial,
+            place,
+            format!("`metadata.yaml` could not be read further: {why}"),
+        );
+    }
+    if let Some((version, span)) = metadata.version.filter(|(version, _)| *version > LAST_VERSION) {
+        let message = format!("version {version} of the metadata is newer than the last one known ({LAST_VERSION})");
+        source.problem(ReadStatus::Read, at(span), message);
+    }
+    for (name, span) in &files.missing {
+        source.problem_with_help(
+            ReadStatus::Partial,
+            at(*span),
+            format!("the recording names `{name}`, which is not there"),
+            Some("copy it into the folder; `ros2 bag reindex` rewrites the metadata without it".to_owned()),
+        );
+    }
+    for (name, span) in &files.repeated {
+        source.problem(
+            ReadStatus::Read,
+            at(*span),
+            format!("`{name}` is named twice; it was read once"),
+        );
+    }
+    if let Some((storage, span)) = &metadata.storage {
+        let differing = files.present.iter().find_map(|file| contradicts(storage, file));
+        if let Some((name, is)) = differing {
+            let message = format!("the metadata says the files are `{storage}`, but `{name}` is {is}");
+            source.problem(ReadStatus::Read, at(*span), message);
+        }
+    }
+    let known: BTreeSet<_> = files.present.iter().filter_map(|file| file.file_name()).collect();
+    let stems: BTreeSet<_> = files
+        .present
+        .iter()
+        .filter_map(|file| split::numbered(file).map(|(stem, ending, _)| (stem, ending)))
+        .collect();
+    let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
+    let mut unnamed: Vec<String> = entries
+        .map(|entry| entry.path())
+        .filter(|path| path.file_name().is_some_and(|name| !known.contains(name)))
+        .filter(|path| split::numbered(path).is_some_and(|(stem, ending, _)| stems.contains(&(stem, ending))))
+        .map(|path| parts::name(&path))
+        .collect();
+    unnamed.sort();
+    if let Some((_, span)) = metadata.files.last().filter(|_| !unnamed.is_empty()) {
+        let message = format!(
+            "`{}` lies beside the files that are named here, and was not read with them",
+            unnamed.join("`, `")
+        );
+        let help = "`ros2 bag reindex` writes the metadata again";
+        source.problem_with_help(ReadStatus::Read, at(*span), message, Some(help.to_owned()));
+    }
+}
+
+/// What a file is, where that is another kind of storage than the metadata says.
+fn contradicts(storage: &str, file: &Path) -> Option<(String, &'static str)> {
+    let (opened, _) = super::open(file).ok()?;
+    let is = match Container::of(&super::first_bytes(&opened)) {
+        Container::Mcap if storage == "sqlite3" => "an MCAP",
+        Container::Sqlite if storage == "mcap" => "an SQLite database",
+        Container::Rosbag1 => "a ROS 1 bag",
+        _ => return None,
+    };
+    Some((parts::name(file), is))
+}
+
+/// Says where the metadata differs from what the files hold, all of which was read.
+fn after(metadata: &Metadata, outcome: &Outcome, source: &mut Source) {
+    let id = source.id;
+    let mut say = |status, span, message: String| source.problem(status, Place::text(id, span), message);
+    for (name, said) in &metadata.topics {
+        let Some((is, _)) = outcome.topics.get(name) else {
+            if said.messages.is_some_and(|(count, _)| count > 0) {
+                let message = format!("the metadata names `{name}` with messages, the files do not hold the topic");
+                say(ReadStatus::Partial, said.name_at, message);
+            }
+            continue;
+        };
+        if !is.is_empty() && !said.message_type.is_empty() && *is != said.message_type {
+            let message = format!(
+                "the metadata gives `{name}` the type `{}`, the files `{is}`",
+                said.message_type
+            );
+            say(ReadStatus::Read, said.name_at, message);
+        }
+    }
+    if let Some((count, span)) = metadata.messages.filter(|(count, _)| *count != outcome.messages) {
+        let read = outcome.messages;
+        let differing: Vec<String> = metadata
+            .topics
+            .iter()
+            .filter_map(|(name, said)| Some((name, said.messages?.0, outcome.topics.get(name)?.1)))
+            .filter(|(_, said, read)| said != read)
+            .take(MAX_NAMED)
+            .map(|(name, said, read)| format!("`{name}`: {read} of {said}"))
+            .collect();
+        let mut message = format!("the metadata counts {count} messages, the files hold {read}");
+        if !differing.is_empty() {
+            message = format!("{message} ({})", differing.join(", "));
+        }
+        let status = if count > read {
+            ReadStatus::Partial
+        } else {
+            ReadStatus::Read
+        };
+        say(status, span, message);
+    }
+    let Some((first, last)) = outcome.log_ns else { return };
+    if let Some((said, span)) = metadata.start_ns.filter(|(said, _)| differs(*said, first)) {
+        let seconds = (said.saturating_sub(first)) as f64 / 1e9;
+        let message = format!("the metadata's start is {seconds:.3} s from the first message's time");
+        say(ReadStatus::Read, span, message);
+    }
+    let length = last.saturating_sub(first);
+    if let Some((said, span)) = metadata.duration_ns.filter(|(said, _)| differs(*said, length)) {
+        let (said, is) = (said as f64 / 1e9, length as f64 / 1e9);
+        let message = format!("the metadata says {said:.3} s, the messages span {is:.3} s");
+        say(ReadStatus::Read, span, message);
+    }
+}
+
+fn differs(said: i64, is: i64) -> bool {
+    said.abs_diff(is) > MAX_TIME_DIFFERENCE_NS
+}
+
+/// One line on the recording, where nothing went wrong.
+fn describe(files: &Files, metadata: &Metadata, source: &mut Source) {
+    if source.detail.is_some() {
+        return;
+    }
+    let mut words = vec![match files.present.as_slice() {
+        [only] => parts::name(only),
+        several => format!("{} files read as one recording", several.len()),
+    }];
+    if let Some((mode, _)) = metadata.compression_mode.as_ref().filter(|(mode, _)| !mode.is_empty()) {
+        let format = metadata.compression_format.as_ref().map_or("", |(format, _)| format);
+        words.push(format!("{format} by {}", mode.to_lowercase()));
+    }
+    source.detail = Some(words.join(", "));
+}

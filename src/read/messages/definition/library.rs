@@ -1,0 +1,163 @@
+//! The definitions at hand where a recording carries none: those of the standard packages, and those of `--msg-path`.
+//!
+//! Owns where definitions are looked for on disk.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::OnceLock;
+
+use super::{Bundle, MAX_DEFINITION, SpelledType, idl, msg, standard};
+
+/// Bound on the entries of the folders that are looked through.
+const MAX_ENTRIES: usize = 200_000;
+/// Bound on folders inside each other.
+const MAX_DEPTH: usize = 24;
+
+/// Definitions by the names of their types. The standard packages are always there; folders that were added come first.
+#[derive(Clone, Debug, Default)]
+pub struct Definitions {
+    added: Bundle,
+}
+
+impl Definitions {
+    /// The definitions of the standard packages.
+    pub fn builtin() -> Self {
+        Self::default()
+    }
+
+    /// Adds the definitions in a folder and below: `package/msg/Type.msg`, `package/Type.msg`, and `.idl` files; of two
+    /// for one type the first one holds, `.msg` before `.idl`, in the order of the paths. Gives how many files there
+    /// were. A file that is not understood is said where a recording needs its type, with file and line.
+    pub fn add_folder(&mut self, folder: &Path) -> Result<usize, String> {
+        let shown = folder.display();
+        let root = fs::canonicalize(folder).map_err(|error| format!("`{shown}` cannot be opened: {error}"))?;
+        if !root.is_dir() {
+            return Err(format!("`{shown}` is not a folder"));
+        }
+        let files = files(&root).map_err(|what| format!("`{shown}`: {what}"))?;
+        for file in files.iter().filter(|file| has_ending(file, "msg")) {
+            self.add_msg(file);
+        }
+        for file in files.iter().filter(|file| has_ending(file, "idl")) {
+            self.add_idl(file);
+        }
+        if files.is_empty() {
+            return Err(format!("`{shown}` holds no message definition (package/msg/Type.msg)"));
+        }
+        Ok(files.len())
+    }
+
+    fn add_msg(&mut self, file: &Path) {
+        let (Some(package), Some(name)) = (package_of(file), file.file_stem().and_then(|stem| stem.to_str())) else {
+            return;
+        };
+        let mut read = match text(file) {
+            Ok(text) => msg::one(&package, (1..).zip(text.lines())),
+            Err(what) => SpelledType {
+                fields: Vec::new(),
+                fault: Some(what),
+            },
+        };
+        read.fault = read.fault.map(|fault| format!("{}, {fault}", file.display()));
+        self.added.types.entry(format!("{package}/{name}")).or_insert(read);
+    }
+
+    fn add_idl(&mut self, file: &Path) {
+        let Ok(text) = text(file) else { return };
+        let (bundle, _) = idl::bundle(&text);
+        for (name, mut read) in bundle.types {
+            read.fault = read.fault.map(|fault| format!("{}, {fault}", file.display()));
+            self.added.types.entry(name).or_insert(read);
+        }
+        for (name, alias) in bundle.aliases {
+            self.added.aliases.entry(name).or_insert(alias);
+        }
+    }
+
+    /// Whether a folder that was added defines a type (`package/Type`).
+    pub fn adds(&self, name: &str) -> bool {
+        self.added.types.contains_key(name)
+    }
+
+    /// Where types are looked up, in this order.
+    pub(super) fn bundles(&self) -> impl Iterator<Item = &Bundle> + use<'_> {
+        [&self.added, builtin()].into_iter()
+    }
+}
+
+/// The standard packages, read once.
+fn builtin() -> &'static Bundle {
+    static BUILTIN: OnceLock<Bundle> = OnceLock::new();
+    BUILTIN.get_or_init(|| {
+        let mut all = Bundle::default();
+        for text in standard::PACKAGES {
+            all.types.extend(msg::bundle("", text).types);
+        }
+        all.types.remove("");
+        all
+    })
+}
+
+/// The definition files of a folder, sorted. Symbolic links to folders are not followed: they may lead round in a ring.
+fn files(root: &Path) -> Result<Vec<PathBuf>, String> {
+    let mut found = Vec::new();
+    let mut entries = 0;
+    let mut folders = vec![(root.to_path_buf(), 0)];
+    while let Some((folder, depth)) = folders.pop() {
+        // A folder that cannot be listed holds nothing for us; the root was opened before.
+        let Ok(listed) = fs::read_dir(&folder) else { continue };
+        for entry in listed.flatten() {
+            entries += 1;
+            if entries > MAX_ENTRIES {
+                return Err(format!("more than {MAX_ENTRIES} files; give a smaller folder"));
+            }
+            let path = entry.path();
+            let is_folder = entry.file_type().is_ok_and(|kind| kind.is_dir());
+            let is_hidden = entry.file_name().to_string_lossy().starts_with('.');
+            if is_folder && !is_hidden && depth < MAX_DEPTH {
+                folders.push((path, depth + 1));
+            } else if !is_folder && (has_ending(&path, "msg") || has_ending(&path, "idl")) {
+                found.push(path);
+            }
+        }
+    }
+    found.sort();
+    Ok(found)
+}
+
+fn has_ending(path: &Path, ending: &str) -> bool {
+    path.extension().is_some_and(|found| found == ending)
+}
+
+/// The package of a `.msg` file: the folder around `msg`, or around the file. Where that folder has a `package.xml`, the
+/// name there holds: a checkout may be called anything.
+fn package_of(file: &Path) -> Option<String> {
+    let parent = file.parent()?;
+    let folder = if parent.file_name().is_some_and(|name| name == "msg") {
+        parent.parent()?
+    } else {
+        parent
+    };
+    let named = text(&folder.join("package.xml")).ok().and_then(|manifest| {
+        let manifest = roxmltree::Document::parse(&manifest).ok()?;
+        let names = manifest
+            .root_element()
+            .children()
+            .filter(|node| node.has_tag_name("name"));
+        names
+            .filter_map(|node| node.text())
+            .map(str::trim)
+            .next()
+            .map(str::to_owned)
+    });
+    named.or_else(|| Some(folder.file_name()?.to_str()?.to_owned()))
+}
+
+fn text(file: &Path) -> Result<String, String> {
+    let cannot = |error: std::io::Error| format!("cannot be read: {error}");
+    let meta = fs::metadata(file).map_err(cannot)?;
+    if !meta.is_file() || meta.len() > MAX_DEFINITION as u64 {
+        return Err("cannot be read: it is not a file of a definition's size".to_owned());
+    }
+    fs::read_to_string(file).map_err(cannot)
+}

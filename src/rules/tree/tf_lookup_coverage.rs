@@ -1,0 +1,153 @@
+//! TREE09: sensor messages whose frame cannot be looked up at their stamp.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use crate::rules::time::tell_once;
+use crate::rules::{Judge, Need, Rule, names, tf};
+use crate::verdict::{Finding, NotEvaluated};
+use crate::world::bag::TopicEvidence;
+use crate::world::{BagEvidence, FrameId, World};
+
+use super::lookup_findings::{Case, Cause};
+use super::lookups::{Culprit, Heard, Listeners, offset_s};
+
+/// TREE09.
+pub struct TfLookupCoverage;
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    min_messages: u64,
+    pub(super) max_failing: f64,
+    pub(super) max_start_s: f64,
+    pub(super) max_end_s: f64,
+    same_clock_s: f64,
+    pub(super) cache_s: f64,
+}
+
+/// Findings by their cause.
+type Causes = BTreeMap<Cause, Vec<Finding>>;
+
+impl Rule for TfLookupCoverage {
+    const PAGE: &'static str = include_str!("../../../rules/tree/tf-lookup-coverage.md");
+    const NEEDS: &'static [Need] = &[Need::Bag, Need::Tf];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in world.bags.iter().filter(|bag| !bag.tf.is_empty()) {
+            let mut listeners = Listeners::new(bag);
+            let mut causes = Causes::new();
+            let sensors = |topic: &&TopicEvidence| tf::header_use(&topic.message_type) == tf::HeaderUse::Sensor;
+            for topic in bag
+                .topics
+                .values()
+                .filter(sensors)
+                .filter(|topic| topic.stamps.count > 0)
+            {
+                if let Err((why, reason)) = judge_topic(bag, topic, &mut listeners, limits, &mut causes, out) {
+                    out.not_evaluated(subject_of(topic), why, reason);
+                }
+            }
+            for findings in causes.into_values() {
+                tell_once(findings, "fail with it", out);
+            }
+        }
+    }
+}
+
+pub(super) fn subject_of(topic: &TopicEvidence) -> String {
+    format!("look-ups for topic `{}`", topic.topic)
+}
+
+fn judge_topic(
+    bag: &BagEvidence,
+    topic: &TopicEvidence,
+    listeners: &mut Listeners<'_>,
+    limits: &Limits,
+    causes: &mut Causes,
+    out: &mut Judge,
+) -> Result<(), (NotEvaluated, String)> {
+    let little = |reason: String| (NotEvaluated::TooLittleEvidence, reason);
+    let not_ours = |reason: String| (NotEvaluated::NotApplicable, reason);
+    let stamped = topic.stamps.count.saturating_sub(topic.stamps.zero);
+    if stamped < limits.min_messages {
+        let needed = limits.min_messages;
+        return Err(little(format!("{stamped} messages with a stamp, {needed} are needed")));
+    }
+    let mut frames: Vec<FrameId> = topic.header_frames.keys().map(FrameId::canonical).collect();
+    frames.dedup();
+    let [frame] = frames.as_slice() else {
+        return Err(not_ours(format!("its messages name {} frames", frames.len())));
+    };
+    if names::is_world(frame) {
+        return Err(not_ours(format!("its frame `{frame}` is no sensor's")));
+    }
+    let unknown = || not_ours(format!("TF does not know its frame `{frame}`: see TREE07 and TREE08"));
+    let heard = listeners.of(frame, &topic.topic).ok_or_else(unknown)?;
+    let alone = || {
+        not_ours(format!(
+            "TF connects `{frame}` with no map, odom or base frame: see TREE01"
+        ))
+    };
+    let target = heard.target(frame).ok_or_else(alone)?;
+    if let Some((apart_s, edge)) = other_clock(topic, heard, [&target, frame], limits) {
+        let reason =
+            format!("its stamps and those of {edge} are of clocks {apart_s:.1} s apart: see TIME01 and TIME04");
+        return Err(not_ours(reason));
+    }
+    let asked = heard.ask(&target, frame, topic, limits.cache_s);
+    let failing = [&asked.leading, &asked.inside, &asked.trailing];
+    let fails_at = |culprit: &Culprit| {
+        failing
+            .iter()
+            .any(|part| part.main.as_ref().is_some_and(|(at, _)| at == culprit))
+    };
+    if fails_at(&Culprit::Loop) {
+        return Err(not_ours("the tree is a loop: see TREE03".to_owned()));
+    }
+    let case = Case {
+        bag,
+        topic,
+        frame,
+        target: &target,
+        heard,
+        asked: &asked,
+        limits,
+    };
+    match case.finding() {
+        None => out.pass(subject_of(topic), [case.measured()]),
+        // The transforms may stand in the part that was not read.
+        Some(_) if !bag.share.whole => {
+            return Err(little(format!(
+                "TF from `{target}` was not read at every stamp of the topic"
+            )));
+        }
+        Some((cause, finding)) => causes.entry(cause).or_default().push(finding),
+    }
+    Ok(())
+}
+
+/// A moving edge on the way whose stamps are of another clock than the topic's, with the seconds between them.
+fn other_clock(
+    topic: &TopicEvidence,
+    heard: &Heard<'_>,
+    ends: [&FrameId; 2],
+    limits: &Limits,
+) -> Option<(f64, String)> {
+    let ours = offset_s(&topic.stamps)?;
+    heard
+        .moving_above(ends)
+        .into_iter()
+        .filter(|edge| edge.stamps.count >= limits.min_messages)
+        .filter_map(|edge| {
+            Some((
+                offset_s(&edge.stamps)? - ours,
+                format!("`{}` from `{}`", edge.parent, edge.child),
+            ))
+        })
+        .find(|(apart_s, _)| apart_s.abs() > limits.same_clock_s)
+        .map(|(apart_s, edge)| (apart_s.abs(), edge))
+}

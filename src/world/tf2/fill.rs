@@ -1,0 +1,113 @@
+//! Buffers filled from what is known of a platform: recorded TF, and the joints of its URDF.
+
+use std::collections::BTreeSet;
+
+use crate::world::World;
+use crate::world::bag::{BagEvidence, TfEdge, TfSample};
+use crate::world::claim::ClaimKind;
+use crate::world::frame::FrameId;
+use crate::world::graph::EdgeOrigin;
+
+use super::{Buffer, Incoming};
+
+/// What stands before `tf` and `tf_static` in a topic's name: `/` of `/tf`, `/robot1/` of `/robot1/tf_static`. One buffer
+/// listens to the two topics of one namespace. A topic of another name is a namespace of its own.
+pub fn namespace(topic: &str) -> &str {
+    match topic.rsplit('/').next() {
+        Some(last @ ("tf" | "tf_static")) => topic.strip_suffix(last).unwrap_or(topic),
+        _ => topic,
+    }
+}
+
+/// The namespaces of a recording's TF.
+pub fn namespaces(bag: &BagEvidence) -> BTreeSet<&str> {
+    bag.tf.iter().map(|edge| namespace(&edge.topic)).collect()
+}
+
+impl Buffer {
+    /// A buffer that heard the recorded transforms of one namespace, in the order of the recording. Tags are indices into
+    /// `bag.tf`.
+    ///
+    /// Evidence holds a thinned series of each edge: times between two kept samples are interpolated over those left out.
+    pub fn of_recording(bag: &BagEvidence, namespace: &str, cache_ns: Option<i64>) -> Self {
+        let mut buffer = Self::new(cache_ns);
+        for (tag, edge, sample) in heard(bag, namespace) {
+            buffer.hear(edge, sample, tag);
+        }
+        buffer
+    }
+
+    fn hear(&mut self, edge: &TfEdge, sample: &TfSample, tag: usize) {
+        let heard = Incoming {
+            parent: edge.parent.as_str(),
+            child: edge.child.as_str(),
+            stamp_ns: sample.at.stamp_ns.unwrap_or(sample.at.log_ns),
+            translation_m: sample.pose.translation_m,
+            rotation_xyzw: sample.pose.rotation_xyzw,
+            is_static: edge.is_static,
+            tag,
+        };
+        // What tf2 would drop is dropped; other rules say so.
+        let _ = self.insert(&heard);
+    }
+}
+
+/// The samples of a namespace in the order of the recording, with the index of their edge.
+fn heard<'a>(bag: &'a BagEvidence, of: &str) -> Vec<(usize, &'a TfEdge, &'a TfSample)> {
+    let mut heard: Vec<(usize, &TfEdge, &TfSample)> = bag
+        .tf
+        .iter()
+        .enumerate()
+        .filter(|(_, edge)| namespace(&edge.topic) == of)
+        .flat_map(|(index, edge)| edge.samples.iter().map(move |sample| (index, edge, sample)))
+        .collect();
+    heard.sort_by_key(|(index, edge, sample)| (sample.at.log_ns, &edge.topic, sample.at.index, *index));
+    heard
+}
+
+impl World {
+    /// An unlimited buffer of a whole platform, as after `robot_state_publisher` and all recordings were played back:
+    /// the joints of URDFs whose child no recording names (moving ones at their zero position), then the TF of one
+    /// namespace of every recording. Tags are indices into the list of origins.
+    pub fn tf2(&self, namespace: &str) -> (Buffer, Vec<EdgeOrigin>) {
+        let mut buffer = Buffer::new(None);
+        let mut origins: Vec<EdgeOrigin> = Vec::new();
+        let recorded: BTreeSet<FrameId> = self
+            .bags
+            .iter()
+            .flat_map(|bag| &bag.tf)
+            .filter(|edge| super::namespace(&edge.topic) == namespace)
+            .map(|edge| edge.child.canonical())
+            .collect();
+        for (index, claim) in self.claims.iter().enumerate() {
+            let (ClaimKind::Joint { .. }, Some((parent, child)), Some(pose)) =
+                (&claim.kind, &claim.frames, &claim.pose)
+            else {
+                continue;
+            };
+            if recorded.contains(&child.canonical()) {
+                continue;
+            }
+            let joint = Incoming {
+                parent: parent.as_str(),
+                child: child.as_str(),
+                stamp_ns: 0,
+                translation_m: pose.translation_m,
+                rotation_xyzw: pose.rotation_xyzw,
+                is_static: true,
+                tag: origins.len(),
+            };
+            if buffer.insert(&joint).is_ok() {
+                origins.push(EdgeOrigin::Joint(index));
+            }
+        }
+        for (number, bag) in self.bags.iter().enumerate() {
+            let first = origins.len();
+            origins.extend((0..bag.tf.len()).map(|edge| EdgeOrigin::Tf(number, edge)));
+            for (index, edge, sample) in heard(bag, namespace) {
+                buffer.hear(edge, sample, first + index);
+            }
+        }
+        (buffer, origins)
+    }
+}
