@@ -81,9 +81,71 @@ pub fn leap_seconds() -> &'static LeapSeconds {
     })
 }
 
+/// Transforms that a driver publishes inside its own device.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Driver {
+    /// The driver.
+    pub driver: String,
+    /// Where that is written.
+    pub source: String,
+    /// Patterns of parent and child; `*` stands for any text, the same in both.
+    pub edges: Vec<(String, String)>,
+}
+
+/// The table of drivers' own frames.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct DriverFrames {
+    /// Its drivers.
+    pub drivers: Vec<Driver>,
+}
+
+/// What `*` stands for where `name` fits `pattern`; empty for a pattern without one.
+fn captured<'n>(pattern: &str, name: &'n str) -> Option<&'n str> {
+    match pattern.split_once('*') {
+        Some((before, after)) => name.strip_prefix(before)?.strip_suffix(after),
+        None => (pattern == name).then_some(""),
+    }
+}
+
+impl DriverFrames {
+    /// The driver whose own edge this is.
+    pub fn driver(&self, parent: &str, child: &str) -> Option<&str> {
+        let fits = |(of_parent, of_child): &(String, String)| {
+            let stem = captured(of_parent, parent);
+            stem.is_some() && stem == captured(of_child, child)
+        };
+        let found = self.drivers.iter().find(|driver| driver.edges.iter().any(fits));
+        found.map(|driver| driver.driver.as_str())
+    }
+}
+
+/// The table of drivers' own frames.
+pub fn driver_frames() -> &'static DriverFrames {
+    static TABLE: OnceLock<DriverFrames> = OnceLock::new();
+    TABLE.get_or_init(|| serde_yaml::from_str(include_str!("../rules/tables/driver-frames.yaml")).unwrap_or_default())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_driver_knows_its_own_edges_and_no_mounting() {
+        let table = driver_frames();
+        assert_eq!(table.driver("os_sensor", "os_lidar"), Some("ouster-ros"));
+        assert_eq!(table.driver("front/os_sensor", "front/os_imu"), Some("ouster-ros"));
+        assert_eq!(
+            table.driver("camera_link", "camera_depth_frame"),
+            Some("realsense2_camera")
+        );
+        assert_eq!(table.driver("cam", "cam_optical_frame"), Some("any camera"));
+        assert_eq!(table.driver("left_link", "right_depth_frame"), None);
+        assert_eq!(table.driver("base_link", "camera_link"), None);
+        assert_eq!(table.driver("base_link", "os_sensor"), None);
+        assert!(table.drivers.iter().all(|driver| !driver.source.is_empty()));
+    }
 
     /// `leap-seconds.list` of NIST: seconds since 1900, and `TAI - UTC` from then on.
     const NIST: &[(i64, i32)] = &[
