@@ -24,5 +24,6 @@ pub mod report;
 pub mod rules;
 pub mod run;
 pub mod source;
+pub mod tables;
 pub mod verdict;
 pub mod world;

@@ -189,18 +189,20 @@ fn frames_are_used_once_for_each_name_role_and_topic() {
 
 #[test]
 fn layout_and_byte_order_make_no_difference() {
-    let expected = evidence(ROBOT);
+    // As text: a NaN equals itself.
+    let text = |recipe: &str| format!("{:#?}", evidence(recipe));
+    let expected = text(ROBOT);
     for layout in [
         "compression: none",
         "compression: lz4",
         "compression: zstd\nchunk_size_bytes: 700",
     ] {
-        assert_eq!(evidence(&format!("{layout}\n{ROBOT}")), expected, "{layout}");
+        assert!(text(&format!("{layout}\n{ROBOT}")) == expected, "{layout}");
     }
     let big = ROBOT
         .replace("rate_hz: 50", "rate_hz: 50\n    big_endian: true")
         .replace("rate_hz: 20", "rate_hz: 20, big_endian: true");
-    assert_eq!(evidence(&big), expected);
+    assert!(text(&big) == expected);
 }
 
 #[test]

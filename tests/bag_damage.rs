@@ -113,12 +113,12 @@ fn a_file_cut_at_any_percent_gives_what_stands_before_the_cut() {
     }
 }
 
-/// What the summary alone tells is left out.
-fn without_totals(bag: &BagEvidence) -> BagEvidence {
+/// All evidence as text, in which a NaN equals itself. What the summary alone tells is left out.
+fn without_totals(bag: &BagEvidence) -> String {
     let mut bag = bag.clone();
     bag.share = Share::WHOLE;
     bag.topics.values_mut().for_each(|topic| topic.total = None);
-    bag
+    format!("{bag:#?}")
 }
 
 #[test]
@@ -135,7 +135,7 @@ fn a_missing_summary_costs_no_data() {
         );
         assert!(!bag(&collected).truncated);
         let (_, whole) = support::collected(&bytes);
-        assert_eq!(without_totals(bag(&collected)), without_totals(bag(&whole)), "{name}");
+        assert!(without_totals(bag(&collected)) == without_totals(bag(&whole)), "{name}");
     }
 }
 
@@ -245,15 +245,12 @@ fn what_is_no_mcap_is_told_apart() {
         (b"", "the file is empty"),
         (&[0; 4096], "not an MCAP: magic missing at byte 0"),
         (b"<robot name='x'/>", "not an MCAP: magic missing at byte 0"),
-        (b"#ROSBAG V2.0\n", "not an MCAP: this is a ROS 1 bag, which is not read"),
-        (
-            b"SQLite format 3\0 etc",
-            "not an MCAP: this is an SQLite database (rosbag2 `.db3`), which is not read",
-        ),
+        (b"BZh91AY", "not an MCAP: this is a file compressed with bzip2"),
+        (b"SQLite format 3\0 etc", "file is not a database"),
         (&[0x1f, 0x8b, 8, 0], "not an MCAP: this is a file compressed with gzip"),
         (
             &[0x28, 0xb5, 0x2f, 0xfd, 0],
-            "not an MCAP: this is a file compressed with zstd",
+            "the compressed file is cut off or damaged after 0 unpacked bytes: incomplete frame",
         ),
         (b"PK\x03\x04zip", "not an MCAP: this is a ZIP archive"),
         (
@@ -272,7 +269,7 @@ fn what_is_no_mcap_is_told_apart() {
     }
     let folder = tempfile::tempdir().unwrap();
     let (source, _) = support::collected_from(folder.path());
-    assert_eq!(source.detail.as_deref(), Some("is not a regular file"));
+    assert_eq!(source.detail.as_deref(), Some("the folder holds no recording"));
     let (source, _) = support::collected_from(&folder.path().join("absent.mcap"));
     assert!(source.detail.unwrap().starts_with("cannot be opened: "));
 }

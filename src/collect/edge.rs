@@ -1,14 +1,13 @@
 //! One TF edge while it is being collected.
 
-use std::collections::BTreeMap;
-
 use crate::world::bag::{Faults, TfEdge, TfFault, TfSample};
-use crate::world::content::StepEvidence;
 use crate::world::{FrameId, Pose};
 
+use super::content::steps::Steps;
 use super::point::Point;
 use super::stamps::Stamps;
 use super::thin::{Share, Thinned};
+use super::writers::{Writer, Writers, Written};
 
 /// tf2 drops a transform whose quaternion has `| |q|² - 1 |` of this or more: `QUATERNION_NORMALIZATION_TOLERANCE` in
 /// geometry2, tf2/src/buffer_core.cpp.
@@ -32,6 +31,8 @@ pub(super) struct EdgeState {
     denormalized: FaultState,
     worst_norm_error: f64,
     stamps: Stamps,
+    steps: Steps,
+    written: Written,
 }
 
 /// The sample that differs most from the first.
@@ -55,12 +56,21 @@ impl EdgeState {
             denormalized: FaultState::new(share),
             worst_norm_error: 0.0,
             stamps: Stamps::new(share),
+            steps: Steps::new(share),
+            written: Written::default(),
         }
     }
 
     /// Takes in a transform; returns whether its numbers are ones that tf2 accepts.
-    pub(super) fn push(&mut self, point: Point, translation: [f64; 3], rotation: [f64; 4]) -> bool {
+    pub(super) fn push(
+        &mut self,
+        point: Point,
+        writer: Option<Writer>,
+        translation: [f64; 3],
+        rotation: [f64; 4],
+    ) -> bool {
         self.count += 1;
+        self.written.push(writer);
         self.last = point;
         self.stamps.push(point);
         let squared: f64 = rotation.iter().map(|v| v * v).sum();
@@ -85,10 +95,12 @@ impl EdgeState {
     /// Messages were left out here.
     pub(super) fn seam(&mut self) {
         self.stamps.seam();
+        self.steps.seam();
     }
 
     fn valid(&mut self, point: Point, pose: Pose) {
         self.samples.push((point, pose));
+        self.steps.push(point, pose);
         let Some((_, first)) = self.samples.first() else { return };
         if *first == pose {
             return;
@@ -108,7 +120,13 @@ impl EdgeState {
         }
     }
 
-    pub(super) fn finish(self, parent: FrameId, child: FrameId, topic: &str, is_static: bool) -> TfEdge {
+    pub(super) fn finish(
+        self,
+        (parent, child): (FrameId, FrameId),
+        topic: &str,
+        is_static: bool,
+        writers: &Writers,
+    ) -> TfEdge {
         let sample = |(point, pose): (Point, Pose)| TfSample {
             at: point.on(topic),
             pose,
@@ -131,8 +149,8 @@ impl EdgeState {
             denormalized: self.denormalized.finish(topic),
             worst_norm_error: self.worst_norm_error,
             stamps: self.stamps.finish(topic),
-            steps: StepEvidence::default(),
-            writers: BTreeMap::new(),
+            steps: self.steps.finish(topic),
+            writers: self.written.finish(writers),
         }
     }
 }
@@ -145,7 +163,12 @@ impl Extreme {
 }
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
-    a.iter().zip(&b).map(|(a, b)| (a - b).powi(2)).sum::<f64>().sqrt()
+    a.iter()
+        .zip(&b)
+        .map(|(a, b)| (a - b).powi(2))
+        .sum::<f64>()
+        .sqrt()
+        .min(f64::MAX)
 }
 
 /// A fault's count and first examples.

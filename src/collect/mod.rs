@@ -2,6 +2,8 @@
 //!
 //! Owns what is kept of a recording. Must not know container formats, nor judge what it keeps.
 
+mod annotations;
+mod content;
 mod descriptions;
 mod edge;
 mod parts;
@@ -11,24 +13,28 @@ mod tf;
 mod thin;
 mod topic;
 mod unread;
+mod writers;
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::read::bag::{self, Channel, Extent, Message, Progress, Recording, Sampling, Visit, Wanted};
 use crate::read::messages::content::{Body, Content};
 use crate::read::messages::decoder::{Decoder, Format};
+use crate::read::messages::decoders::Decoders;
 use crate::read::messages::definition::Definitions;
 use crate::source::{MessageRef, Place, ReadStatus, Source};
 use crate::world::bag::Share as Examined;
 use crate::world::{BagEvidence, Facts};
 
+use annotations::Annotations;
 use descriptions::{Descriptions, MAX_DESCRIPTIONS};
 use parts::Parts;
 use tf::{MAX_EDGES, Tf};
 use thin::Share;
 use topic::{Topic, last_segment};
+use writers::{Writer, Writers};
 
 /// Bound on topics; large systems have some hundred.
 const MAX_TOPICS: usize = 10_000;
@@ -64,7 +70,7 @@ pub struct How {
 /// `source`; what could be read before a fault is in the evidence.
 pub fn collect(path: &Path, how: &How, source: &mut Source, progress: Progress<'_>) -> Collected {
     let mut collector = Collector {
-        definitions: Arc::clone(&how.definitions),
+        decoders: Decoders::new(Arc::clone(&how.definitions)),
         ..Collector::default()
     };
     let wanted = Wanted {
@@ -89,19 +95,21 @@ struct Told {
     /// Its topic's number.
     topic: usize,
     decoder: Decoder,
-    writer: Option<String>,
+    writer: Option<Writer>,
 }
 
 #[derive(Default)]
 struct Collector {
-    definitions: Arc<Definitions>,
+    decoders: Decoders,
     /// By the channel's number; `None` where there was no room for its topic.
     channels: Vec<Option<Told>>,
     topics: Vec<Topic>,
     topic_of: HashMap<String, usize>,
     tf: Tf,
+    writers: Writers,
     descriptions: Descriptions,
     parts: Parts,
+    annotations: Annotations,
     log_ns: Option<(i64, i64)>,
     /// First and last log time of each unbroken stretch.
     stretches_ns: Vec<(i64, i64)>,
@@ -140,9 +148,7 @@ impl Visit for Collector {
             return;
         };
         let point = topic.next_point(message);
-        if let Some(writer) = &told.writer {
-            topic.written_by(writer);
-        }
+        topic.written_by(told.writer);
         let Content { header, body } = match told.decoder.decode(message.data) {
             Ok(content) => content,
             Err(error) => return topic.malformed(point, error),
@@ -156,11 +162,19 @@ impl Visit for Collector {
                     topic.child(point, &transform.child);
                 }
             }
-            Body::Transforms(transforms) => self.tf.message(told.topic, point, &transforms),
+            Body::Transforms(transforms) => self.tf.message(told.topic, point, told.writer, &transforms),
             Body::ChildFrame(child) => topic.child(point, &child),
-            Body::Odometry(odometry) => topic.child(point, &odometry.child),
+            Body::Odometry(odometry) => {
+                topic.child(point, &odometry.child);
+                topic.contents.odometry(point, &odometry);
+            }
+            Body::Imu(imu) => topic.contents.imu(point, &imu),
+            Body::Fix(fix) => topic.contents.fix(point, &fix),
+            Body::Pose(pose) => topic.contents.pose(point, &pose),
+            Body::Twist(twist) => topic.contents.twist(point, &twist),
+            Body::Frames(names) => topic.named(point, &names),
             Body::Description(text) => self.descriptions.push(point, &topic.name, &text),
-            Body::Nothing | Body::Imu(_) | Body::Fix(_) | Body::Pose(_) | Body::Twist(_) | Body::Clock(_) => {}
+            Body::Nothing | Body::Clock(_) => {}
         }
     }
 
@@ -175,6 +189,10 @@ impl Visit for Collector {
     fn part(&mut self, name: &str) {
         self.parts.start(name);
     }
+
+    fn annotation(&mut self, name: &str, fields: &BTreeMap<String, String>) {
+        self.annotations.push(name, fields);
+    }
 }
 
 impl Collector {
@@ -186,7 +204,7 @@ impl Collector {
             schema: &channel.schema,
             schema_encoding: &channel.schema_encoding,
         };
-        let decoder = Decoder::of(&format, &self.definitions);
+        let decoder = self.decoders.of(&format, &channel.schema);
         let next = self.topics.len();
         let number = match self.topic_of.get(&channel.topic).copied() {
             Some(known) => {
@@ -207,7 +225,7 @@ impl Collector {
         Some(Told {
             topic: number,
             decoder,
-            writer: channel.writer.clone(),
+            writer: channel.writer.as_deref().and_then(|writer| self.writers.number(writer)),
         })
     }
 
@@ -223,7 +241,7 @@ impl Collector {
         self.problems(source);
         self.examined(source, extent);
         self.nothing_to_judge(source, extent.truncated);
-        let (edges, parent_switches, mut frames) = self.tf.finish(source.id);
+        let (edges, parent_switches, mut frames) = self.tf.finish(source.id, &self.writers);
         for topic in &self.topics {
             frames.extend(topic.frame_uses(source.id));
         }
@@ -235,7 +253,7 @@ impl Collector {
             topics: self
                 .topics
                 .into_iter()
-                .map(|topic| (topic.name.clone(), topic.finish()))
+                .map(|topic| (topic.name.clone(), topic.finish(&self.writers)))
                 .collect(),
             tf: edges,
             parent_switches,
@@ -247,6 +265,7 @@ impl Collector {
                 span_ns: extent.span_ns.or(self.log_ns),
                 stretches_ns: self.stretches_ns,
             },
+            annotations: self.annotations.kept,
             ..BagEvidence::new(source.id)
         };
         Collected {
@@ -340,6 +359,10 @@ impl Collector {
                 format!("robot descriptions beyond the first {MAX_DESCRIPTIONS}"),
             ),
             (self.parts.refused, "files of a split recording".to_owned()),
+            (
+                self.annotations.refused,
+                "fields of metadata records beyond the first megabyte".to_owned(),
+            ),
         ];
         for (count, what) in left_out.into_iter().filter(|(count, _)| *count > 0) {
             let message = format!("{count} {what} are not in the evidence");

@@ -26,7 +26,7 @@ pub(super) struct Stamps {
     repeated: u64,
     first_repeated: Option<Point>,
     largest_gap: Option<(i64, Point)>,
-    steps: Reservoir,
+    steps: Reservoir<i64>,
     above_a_second: u64,
     first: Option<Point>,
     last: Option<Point>,

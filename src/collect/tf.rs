@@ -15,6 +15,7 @@ use super::edge::EdgeState;
 use super::point::Point;
 use super::thin::Share;
 use super::topic::last_segment;
+use super::writers::{Writer, Writers};
 
 /// Bound on edges; the largest trees met in recordings have some hundred.
 pub(super) const MAX_EDGES: usize = 10_000;
@@ -71,14 +72,14 @@ impl Tf {
     }
 
     /// Takes in the transforms of one message.
-    pub(super) fn message(&mut self, topic: usize, point: Point, transforms: &[Transform<'_>]) {
+    pub(super) fn message(&mut self, topic: usize, point: Point, writer: Option<Writer>, transforms: &[Transform<'_>]) {
         for (index, transform) in (0..).zip(transforms) {
             let point = Point {
                 stamp_ns: Some(transform.stamp_ns),
                 transform: Some(index),
                 ..point
             };
-            self.transform(topic, point, transform);
+            self.transform(topic, point, writer, transform);
         }
     }
 
@@ -89,7 +90,7 @@ impl Tf {
         }
     }
 
-    fn transform(&mut self, topic: usize, point: Point, transform: &Transform<'_>) {
+    fn transform(&mut self, topic: usize, point: Point, writer: Option<Writer>, transform: &Transform<'_>) {
         let (Some(parent), Some(child)) = (self.names.id(&transform.parent), self.names.id(&transform.child)) else {
             self.refused += 1;
             return;
@@ -108,7 +109,7 @@ impl Tf {
             }
         };
         let Some(edge) = self.edges.get_mut(edge) else { return };
-        if edge.push(point, transform.translation, transform.rotation) {
+        if edge.push(point, writer, transform.translation, transform.rotation) {
             self.note_parent(topic, point, parent, child);
         }
     }
@@ -139,7 +140,7 @@ impl Tf {
     }
 
     /// Edges, changes of parent, and the names used, once for each name, role and topic.
-    pub(super) fn finish(self, source: SourceId) -> (Vec<TfEdge>, Vec<ParentSwitch>, Vec<FrameUse>) {
+    pub(super) fn finish(self, source: SourceId, writers: &Writers) -> (Vec<TfEdge>, Vec<ParentSwitch>, Vec<FrameUse>) {
         let Self {
             names,
             topics,
@@ -188,7 +189,8 @@ impl Tf {
         let finished = |edge: EdgeState| {
             let (topic, parent, child) = edge.key;
             let is_static = topics.get(&topic).is_some_and(|topic| topic.is_static);
-            edge.finish(names.frame(parent), names.frame(child), topic_name(topic), is_static)
+            let frames = (names.frame(parent), names.frame(child));
+            edge.finish(frames, topic_name(topic), is_static, writers)
         };
         let mut tf: Vec<TfEdge> = edges.into_iter().map(finished).collect();
         tf.sort_by(|a, b| (&a.child, &a.parent, &a.topic).cmp(&(&b.child, &b.parent, &b.topic)));

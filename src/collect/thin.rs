@@ -14,6 +14,12 @@ pub(super) struct Share {
     pub(super) steps: usize,
     /// Poses.
     pub(super) poses: usize,
+    /// Steps between poses.
+    pub(super) moves: usize,
+    /// The largest of them, of each kind.
+    pub(super) largest: usize,
+    /// Different covariance matrices at first, and twice as many later ones.
+    pub(super) matrices: usize,
     /// Frame names in the headers of a topic.
     pub(super) names: usize,
     /// Examples of each fault.
@@ -28,10 +34,18 @@ impl Share {
             200..2_000 => (128, 256, 32, 32, MAX_EXAMPLES),
             _ => (16, 32, 8, 4, 1),
         };
+        let (moves, largest, matrices) = match rank {
+            0..200 => (1024, 16, 8),
+            200..2_000 => (64, 4, 4),
+            _ => (8, 1, 1),
+        };
         Self {
             stamps,
             steps,
             poses,
+            moves,
+            largest,
+            matrices,
             names,
             examples,
         }
@@ -98,14 +112,14 @@ impl<T: Copy> Thinned<T> {
 /// A random sample of a series, every value with the same chance; all of it while it is short. Thinning by a stride
 /// would fall into step with a periodic series. The generator is seeded with a constant: same input, same sample.
 #[derive(Clone, Debug)]
-pub(super) struct Reservoir {
+pub(super) struct Reservoir<T> {
     bound: usize,
     seen: u64,
-    kept: Vec<i64>,
+    kept: Vec<T>,
     state: u64,
 }
 
-impl Reservoir {
+impl<T> Reservoir<T> {
     pub(super) fn new(bound: usize) -> Self {
         Self {
             bound,
@@ -116,7 +130,7 @@ impl Reservoir {
     }
 
     /// Vitter's algorithm R.
-    pub(super) fn push(&mut self, value: i64) {
+    pub(super) fn push(&mut self, value: T) {
         self.seen += 1;
         if self.kept.len() < self.bound {
             self.kept.push(value);
@@ -128,6 +142,22 @@ impl Reservoir {
         }
     }
 
+    /// The values kept: in order while all are, in no order that means anything later.
+    pub(super) fn finish(self) -> Vec<T> {
+        self.kept
+    }
+
+    /// SplitMix64 (Steele, Lea, Flood 2014).
+    fn random(&mut self) -> u64 {
+        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.state;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+}
+
+impl Reservoir<i64> {
     /// The lower median of the sample.
     pub(super) fn median(&self) -> Option<i64> {
         let mut sorted = self.kept.clone();
@@ -140,15 +170,6 @@ impl Reservoir {
         let above = self.kept.iter().filter(|value| **value > limit).count() as u128;
         let estimate = above * u128::from(self.seen) / (self.kept.len() as u128).max(1);
         u64::try_from(estimate).unwrap_or(u64::MAX)
-    }
-
-    /// SplitMix64 (Steele, Lea, Flood 2014).
-    fn random(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
     }
 }
 

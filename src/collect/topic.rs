@@ -1,5 +1,6 @@
 //! What is gathered of one topic: counts, log times, header frames, stamps.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use crate::read::bag::{Channel, Message};
@@ -8,20 +9,18 @@ use crate::read::messages::decoder::Decoder;
 use crate::read::messages::header::Header;
 use crate::source::{Place, SourceId};
 use crate::world::bag::{HeaderFrame, TopicEvidence};
-use crate::world::content::ContentEvidence;
 use crate::world::{FrameId, FrameRole, FrameUse};
 
+use super::content::Contents;
 use super::point::Point;
 use super::stamps::Stamps;
 use super::thin::Share;
+use super::writers::{Writer, Writers, Written};
 
 /// The last part of a topic's path: `tf_static` of `/robot1/tf_static`.
 pub(super) fn last_segment(topic: &str) -> &str {
     topic.rsplit('/').next().unwrap_or(topic)
 }
-
-/// Bound on the writers of a topic that are told apart.
-const MAX_WRITERS: usize = 64;
 
 /// One topic while it is being collected.
 pub(super) struct Topic {
@@ -31,7 +30,7 @@ pub(super) struct Topic {
     log_ns: Option<(i64, i64)>,
     total: Option<u64>,
     latched: bool,
-    writers: BTreeMap<String, u64>,
+    written: Written,
     offered_qos_profiles: Option<String>,
     unread: Option<String>,
     /// Whether a definition is all that is missing.
@@ -43,6 +42,8 @@ pub(super) struct Topic {
     frames: Names,
     children: Names,
     stamps: Stamps,
+    /// What the messages say beyond their header.
+    pub(super) contents: Contents,
 }
 
 impl Topic {
@@ -55,7 +56,7 @@ impl Topic {
             offered_qos_profiles: channel.metadata.get("offered_qos_profiles").cloned(),
             total: None,
             latched: false,
-            writers: BTreeMap::new(),
+            written: Written::default(),
             unread: decoder.unread().map(str::to_owned),
             lacks_definition: decoder.lacks_definition(),
             note: decoder.note().map(str::to_owned),
@@ -64,6 +65,7 @@ impl Topic {
             frames: Names::new(share),
             children: Names::new(share),
             stamps: Stamps::new(share),
+            contents: Contents::new(share),
         }
     }
 
@@ -90,17 +92,14 @@ impl Topic {
     }
 
     /// Notes who wrote a message, where that is known.
-    pub(super) fn written_by(&mut self, writer: &str) {
-        if let Some(count) = self.writers.get_mut(writer) {
-            *count += 1;
-        } else if self.writers.len() < MAX_WRITERS {
-            self.writers.insert(writer.to_owned(), 1);
-        }
+    pub(super) fn written_by(&mut self, writer: Option<Writer>) {
+        self.written.push(writer);
     }
 
     /// Messages were left out here.
     pub(super) fn seam(&mut self) {
         self.stamps.seam();
+        self.contents.seam();
     }
 
     /// Takes in the child frame of an odometry message.
@@ -117,6 +116,13 @@ impl Topic {
         self.stamps.push(point);
         self.frames.add(&header.frame_id, point);
         point
+    }
+
+    /// Takes in frames that a message names beyond its header's.
+    pub(super) fn named(&mut self, point: Point, frames: &[Cow<'_, str>]) {
+        for frame in frames {
+            self.frames.add(frame, point);
+        }
     }
 
     /// Notes a message that does not decode.
@@ -163,14 +169,14 @@ impl Topic {
         headers.into_iter().chain(of(&self.children, FrameRole::OdometryChild))
     }
 
-    pub(super) fn finish(self) -> TopicEvidence {
+    pub(super) fn finish(self, writers: &Writers) -> TopicEvidence {
         let name = self.name;
         TopicEvidence {
             message_type: self.message_type,
             count: self.count,
             total: self.total,
             latched: self.latched,
-            writers: self.writers,
+            writers: self.written.finish(writers),
             first_log_ns: self.log_ns.map(|(first, _)| first),
             last_log_ns: self.log_ns.map(|(_, last)| last),
             offered_qos_profiles: self.offered_qos_profiles,
@@ -180,7 +186,7 @@ impl Topic {
             header_frames: self.frames.finish(&name),
             child_frames: self.children.finish(&name),
             stamps: self.stamps.finish(&name),
-            content: ContentEvidence::default(),
+            content: self.contents.finish(&name),
             topic: name,
         }
     }

@@ -140,12 +140,8 @@ impl Reader<'_> {
 
     fn read_kind(&self, input: &Input, source: &mut Source, index: usize, emerged: &mut Vec<Emerged>) -> Facts {
         match input.kind {
-            SourceKind::Mcap | SourceKind::Sqlite | SourceKind::Rosbag2 => {
+            SourceKind::Mcap | SourceKind::Rosbag1 | SourceKind::Sqlite | SourceKind::Rosbag2 => {
                 self.read_recording(input, source, index, emerged)
-            }
-            SourceKind::Rosbag1 => {
-                unread_recording(source);
-                Facts::default()
             }
             SourceKind::Unsupported => {
                 source.problem(
@@ -237,19 +233,6 @@ fn with_references(mut facts: Facts, input: &Input) -> Facts {
         references::resolve(&mut facts.references, folder);
     }
     facts
-}
-
-fn unread_recording(source: &mut Source) {
-    let what = match source.kind {
-        SourceKind::Rosbag1 => "ROS 1 bags are not read yet",
-        _ => "rosbag2 SQLite recordings are not read yet",
-    };
-    source.problem_with_help(
-        ReadStatus::Unreadable,
-        Place::whole(source.id),
-        what,
-        Some("convert it to MCAP (`mcap convert`, or `ros2 bag convert`) and check that".to_owned()),
-    );
 }
 
 /// Fills the source's text. False where there is no text to read; the source then says why.

@@ -4,7 +4,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::rules::names;
+use crate::rules::names::{self, Standard};
 use crate::source::MessageRef;
 use crate::world::bag::{HeaderFrame, TfEdge, TopicEvidence};
 use crate::world::robot::Joint;
@@ -40,6 +40,11 @@ const SENSOR_TYPES: &[&str] = &[
     "VelodyneScan",
     "RadarScan",
     "CustomMsg",
+    // Foxglove's.
+    "RawImage",
+    "CompressedVideo",
+    "CompressedPointCloud",
+    "CameraCalibration",
 ];
 
 const SPATIAL_TYPES: &[&str] = &[
@@ -59,6 +64,15 @@ const SPATIAL_TYPES: &[&str] = &[
     "Detection2DArray",
     "Detection3DArray",
     "Detection3D",
+    // Foxglove's. A fix is of use without a frame, and is often sent without.
+    "LocationFix",
+    "LocationFixes",
+    "PoseInFrame",
+    "PosesInFrame",
+    "Point3InFrame",
+    "Grid",
+    "VoxelGrid",
+    "SceneUpdate",
 ];
 
 const IGNORED_PACKAGES: &[&str] = &[
@@ -98,10 +112,10 @@ const IGNORED_TYPES: &[&str] = &[
     "tfMessage",
 ];
 
-/// What the header frame of a message type (`sensor_msgs/msg/Imu` or `sensor_msgs/Imu`) is for.
+/// What the header frame of a message type (`sensor_msgs/msg/Imu`, `sensor_msgs/Imu`, `foxglove.LaserScan`) is for.
 pub(crate) fn header_use(message_type: &str) -> HeaderUse {
-    let package = message_type.split('/').next().unwrap_or_default();
-    let name = message_type.rsplit('/').next().unwrap_or_default();
+    let package = message_type.split(['/', '.']).next().unwrap_or_default();
+    let name = message_type.rsplit(['/', '.']).next().unwrap_or_default();
     if IGNORED_PACKAGES.contains(&package) || IGNORED_TYPES.contains(&name) {
         HeaderUse::Ignored
     } else if SENSOR_TYPES.contains(&name) {
@@ -231,6 +245,35 @@ pub(crate) fn is_volatile(topic: &TopicEvidence) -> bool {
         .any(|value| matches!(value.trim().trim_matches(['"', '\'']), "2" | "volatile"))
 }
 
+/// The standard `odom` frames that a recording's TF moves something in, by name.
+pub(crate) fn moving_odoms(bag: &BagEvidence) -> BTreeSet<FrameId> {
+    let moving = bag.tf.iter().filter(|edge| !edge.is_static);
+    let parents = moving.map(|edge| edge.parent.canonical());
+    parents.filter(|frame| is_standard(frame, Standard::Odom)).collect()
+}
+
+/// Whether the last part of a name is the one of this frame of REP-105.
+pub(crate) fn is_standard(frame: &FrameId, kind: Standard) -> bool {
+    names::standard(frame).is_some_and(|(_, of)| of == kind)
+}
+
+/// The `map` frames that messages name, while TF moves `odom` and has nothing that ties a `map` to it; with their uses.
+pub(crate) fn without_correction<'a>(bag: &'a BagEvidence, odom: &FrameId) -> BTreeMap<FrameId, Vec<Used<'a>>> {
+    let space = |frame: &FrameId| names::standard(frame).map_or("", |(space, _)| space).to_owned();
+    let known = frames(bag);
+    let corrects =
+        |edge: &TfEdge| edge.child.canonical() == *odom && is_standard(&edge.parent.canonical(), Standard::Map);
+    if bag.tf.iter().any(corrects) {
+        return BTreeMap::new();
+    }
+    let mut named = header_frames(bag);
+    named.retain(|frame, _| {
+        let is_near = space(frame).is_empty() || space(frame) == space(odom);
+        is_near && is_standard(frame, Standard::Map) && !known.contains(frame)
+    });
+    named
+}
+
 /// A list of names for a message: the first few in backticks, then how many more.
 pub(crate) fn listed<'a>(names: impl IntoIterator<Item = &'a FrameId>) -> String {
     const SHOWN: usize = 6;
@@ -254,5 +297,9 @@ mod tests {
         assert_eq!(header_use("sensor_msgs/msg/JointState"), HeaderUse::Ignored);
         assert_eq!(header_use("diagnostic_msgs/msg/DiagnosticArray"), HeaderUse::Ignored);
         assert_eq!(header_use("my_msgs/msg/Tracks"), HeaderUse::Possible);
+        assert_eq!(header_use("foxglove.PointCloud"), HeaderUse::Sensor);
+        assert_eq!(header_use("foxglove_msgs/msg/RawImage"), HeaderUse::Sensor);
+        assert_eq!(header_use("foxglove.PoseInFrame"), HeaderUse::Spatial);
+        assert_eq!(header_use("acme.Tracks"), HeaderUse::Possible);
     }
 }

@@ -23,11 +23,13 @@ pub struct Step {
     /// Stamp of the later pose minus that of the earlier, nanoseconds; positive.
     pub dt_ns: i64,
     /// Distance between the two origins, metres.
+    #[serde(with = "super::number")]
     pub distance_m: f64,
     /// Angle between the two orientations, radians.
+    #[serde(with = "super::number")]
     pub angle_rad: f64,
     /// Distance between the later origin and the one that the velocity of the step before predicts, metres; NaN where
-    /// there was no step before (written as `null`).
+    /// there was no step before.
     #[serde(with = "super::number")]
     pub surprise_m: f64,
     /// Angle between the later orientation and the one that the angular velocity of the step before predicts, radians.
@@ -46,7 +48,8 @@ pub struct StepAt {
     pub after: PoseAt,
 }
 
-/// How a stream of poses moves from one to the next, in recording order; poses whose stamp does not grow are passed over.
+/// How a stream of poses moves from one to the next, in recording order. Poses whose stamp is zero or does not grow are
+/// passed over; a stamp that falls back by more than a second is a clock that started anew, as behind a seam.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StepEvidence {
     /// Steps taken.
@@ -119,7 +122,7 @@ pub struct CovarianceAt {
 pub struct CovarianceEvidence {
     /// Messages that carry the field.
     pub count: u64,
-    /// Different matrices: the first few, and then evenly thinned ones.
+    /// Different matrices: the first few, and then evenly thinned ones; of two in turn, each counts its own.
     pub samples: Vec<CovarianceAt>,
     /// Messages whose matrix holds a number that is not finite, and the first.
     pub non_finite: (u64, Option<CovarianceAt>),
@@ -127,9 +130,10 @@ pub struct CovarianceEvidence {
     pub all_zero: u64,
     /// Messages whose first number is -1: the field is said to hold nothing (`sensor_msgs/Imu`).
     pub minus_one: u64,
-    /// The matrix with the largest asymmetry `max |a_ij - a_ji| / max |a|`, and that asymmetry.
+    /// Of the finite matrices that are not all zeros, and that do not say with a -1 that they hold nothing: the one with
+    /// the largest asymmetry `max |a_ij - a_ji| / max |a|`, and that asymmetry.
     pub most_asymmetric: Option<(f64, CovarianceAt)>,
-    /// The matrix with the smallest `smallest eigenvalue of (C + Cᵀ)/2, over max |a|`, and that ratio.
+    /// Of the same matrices the one with the smallest `smallest eigenvalue of (C + Cᵀ)/2, over max |a|`, and that ratio.
     pub least_positive: Option<(f64, CovarianceAt)>,
 }
 
@@ -146,10 +150,11 @@ pub struct ImuEvidence {
     pub same_as_first: u64,
     /// The first message.
     pub first: Option<MessageRef>,
-    /// Root mean square of the angular velocity, rad/s as published.
+    /// Root mean square of the angular velocity, rad/s as published; NaN where no message holds a finite one.
     #[serde(with = "super::number")]
     pub angular_velocity_rms: f64,
-    /// Integral of the angular speed over the messages (steps across seams left out), radians as published.
+    /// Integral of the angular speed over the messages, radians as published. Steps across seams and of more than a
+    /// second are left out.
     #[serde(with = "super::number")]
     pub turned_rad: f64,
 }

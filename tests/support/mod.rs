@@ -16,10 +16,15 @@
 
 pub mod contents;
 pub mod encode;
+pub mod heard;
 pub mod motion;
 pub mod program;
 pub mod raw;
+pub mod reading;
 pub mod recipe;
+pub mod rosbag1;
+pub mod rosbag1_drive;
+pub mod rosbag2;
 pub mod schemas;
 pub mod topic;
 

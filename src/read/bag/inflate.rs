@@ -4,7 +4,8 @@
 //! is inside a chunk.
 
 use std::cell::RefCell;
-use std::io::Read;
+use std::io::{self, Read};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// Bytes of a batch, decompressed, if that gives every core a chunk.
 const BATCH_BYTES: u64 = 8 << 20;
@@ -22,6 +23,8 @@ pub(super) enum Compression {
     Zstd,
     /// An LZ4 frame.
     Lz4,
+    /// A bzip2 stream.
+    Bz2,
 }
 
 /// A chunk as it stands in the file.
@@ -182,6 +185,7 @@ fn readable(chunk: &Packed) -> Vec<u8> {
         Compression::Lz4 => {
             ::lz4::Decoder::new(data).and_then(|decoder| decoder.take(chunk.size).read_to_end(&mut before))
         }
+        Compression::Bz2 => bz2_reader(data).take(chunk.size).read_to_end(&mut before),
     };
     before
 }
@@ -199,6 +203,12 @@ fn bytes_of(chunk: &Packed, buffer: &mut Vec<u8>) -> Result<(), String> {
         }
         Compression::Lz4 => {
             lz4(&chunk.data, size, buffer)?;
+            buffer.as_slice()
+        }
+        Compression::Bz2 => {
+            let mut reader = bz2_reader(chunk.data.as_slice()).take(chunk.size + 1);
+            let result = reader.read_to_end(buffer);
+            result.map_err(|error| format!("a chunk is damaged: {error}"))?;
             buffer.as_slice()
         }
     };
@@ -250,11 +260,29 @@ fn lz4(data: &[u8], size: usize, out: &mut Vec<u8>) -> Result<(), String> {
     Ok(())
 }
 
+/// Decompresses a bzip2 stream as it is read.
+pub(super) fn bz2_reader<'r>(packed: impl Read + 'r) -> impl Read + 'r {
+    Guarded(::bzip2::read::BzDecoder::new(packed))
+}
+
+/// A decompressor whose panic costs one chunk only. It is built to fail with errors.
+struct Guarded<R>(R);
+
+impl<R: Read> Read for Guarded<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let (decoder, lent) = (&mut self.0, buffer);
+        catch_unwind(AssertUnwindSafe(|| decoder.read(lent)))
+            .unwrap_or_else(|_| Err(io::Error::other("the decompressor broke down")))
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use std::io::Write;
 
     use super::*;
+
+    const ALL: [Compression; 4] = [Compression::None, Compression::Zstd, Compression::Lz4, Compression::Bz2];
 
     fn packed(compression: Compression, plain: &[u8], at: u64) -> Packed {
         let data = match compression {
@@ -264,6 +292,12 @@ mod tests {
                 let mut encoder = ::lz4::EncoderBuilder::new().build(Vec::new()).unwrap();
                 encoder.write_all(plain).unwrap();
                 encoder.finish().0
+            }
+            Compression::Bz2 => {
+                let mut packed = Vec::new();
+                let mut encoder = ::bzip2::read::BzEncoder::new(plain, ::bzip2::Compression::fast());
+                encoder.read_to_end(&mut packed).unwrap();
+                packed
             }
         };
         Packed {
@@ -292,8 +326,14 @@ mod tests {
 
     #[test]
     fn chunks_come_out_in_order_and_whole_whatever_their_compression() {
-        let plain: Vec<Vec<u8>> = (0..40_u8).map(|n| vec![n; 3_000_000]).collect();
-        for compression in [Compression::None, Compression::Zstd, Compression::Lz4] {
+        for compression in ALL {
+            // Several batches; bzip2 is slow where it is not optimised.
+            let size = if compression == Compression::Bz2 {
+                300_000
+            } else {
+                3_000_000
+            };
+            let plain: Vec<Vec<u8>> = (0..40_u8).map(|n| vec![n; size]).collect();
             let chunks = (0..).zip(&plain).map(|(at, plain)| packed(compression, plain, at));
             let seen = all(chunks.collect());
             assert_eq!(seen.len(), plain.len());
@@ -306,7 +346,7 @@ mod tests {
 
     #[test]
     fn damage_is_said_of_the_chunk_that_has_it() {
-        for compression in [Compression::None, Compression::Zstd, Compression::Lz4] {
+        for compression in ALL {
             let mut chunks: Vec<Packed> = (0..3)
                 .map(|at| packed(compression, b"some words, some words", at))
                 .collect();

@@ -37,9 +37,11 @@ pub enum Container {
 impl Container {
     /// Judges the first bytes; 64 are enough.
     pub fn of(first: &[u8]) -> Self {
-        let magics: [(&[u8], Self); 9] = [
+        let magics: [(&[u8], Self); 10] = [
             (::mcap::MAGIC, Self::Mcap),
             (b"#ROSBAG V", Self::Rosbag1),
+            // Before version 1.2 was followed by 2.0 they were called so.
+            (b"#ROSRECORD V", Self::Rosbag1),
             (b"SQLite format 3\0", Self::Sqlite),
             (&[0x1f, 0x8b], Self::Gzip),
             (&[0x28, 0xb5, 0x2f, 0xfd], Self::Zstd),
@@ -59,7 +61,7 @@ impl Container {
 
     /// Whether there is a reader for it.
     pub(super) fn is_read(self) -> bool {
-        matches!(self, Self::Mcap | Self::Sqlite)
+        matches!(self, Self::Mcap | Self::Rosbag1 | Self::Sqlite)
     }
 
     /// Why such a file is not read as the recording it is taken for, and what to do. For those that are read there is
@@ -73,15 +75,11 @@ impl Container {
         };
         let is = |what: &str| format!("{not}: this is {what}");
         match self {
-            Self::Mcap | Self::Sqlite | Self::Zstd | Self::Unknown => (
+            Self::Mcap | Self::Rosbag1 | Self::Sqlite | Self::Zstd | Self::Unknown => (
                 format!("{not}: magic missing at byte 0"),
                 Some("give a recording; a file that should be one is damaged from its first bytes on"),
             ),
             Self::Empty => ("the file is empty".to_owned(), None),
-            Self::Rosbag1 => (
-                is("a ROS 1 bag, which is not read"),
-                Some("convert it: `mcap convert in.bag out.mcap`"),
-            ),
             Self::Gzip => (is("a file compressed with gzip"), Some("decompress it first: `gunzip`")),
             Self::Lz4 => (is("a file compressed with lz4"), Some("decompress it first: `unlz4`")),
             Self::Bzip2 => (

@@ -10,6 +10,7 @@ mod kind;
 mod mcap;
 pub(in crate::read) mod metadata;
 mod parts;
+mod rosbag1;
 pub(in crate::read) mod rosbag2;
 pub(in crate::read) mod split;
 mod sqlite;
@@ -74,7 +75,8 @@ pub trait Visit {
     fn seam(&mut self);
     /// What follows stands in this file of a recording that has several.
     fn part(&mut self, _name: &str) {}
-    /// The recording holds this beside messages: a metadata record's name and its fields.
+    /// Something that the recording holds beside messages: a metadata record with its fields, or under the name
+    /// `attachments` the name of an attachment with its media type. A name may come several times.
     fn annotation(&mut self, _name: &str, _fields: &BTreeMap<String, String>) {}
 }
 
@@ -262,9 +264,11 @@ fn plain(
 ) -> Extent {
     source.examined.bytes_total = total;
     source.examined.messages = Some(0);
-    let container = Container::of(&first_bytes(&file));
+    let first = first_bytes(&file);
+    let container = Container::of(&first);
     match container {
         Container::Mcap => return mcap::read(file, total, wanted, source, progress, visit),
+        Container::Rosbag1 => return rosbag1::read(file, total, &first, wanted, source, progress, visit),
         Container::Sqlite => return sqlite::read(path, total, metadata, wanted, source, progress, visit),
         _ => {}
     }

@@ -6,9 +6,12 @@ mod bodies;
 pub mod content;
 mod cursor;
 pub mod decoder;
+pub mod decoders;
 pub mod definition;
 pub mod foxglove;
 pub mod header;
+#[cfg(test)]
+mod tests;
 pub mod tf;
 pub mod walk;
 

@@ -11,7 +11,7 @@ use super::super::Style;
 use super::super::place::Locator;
 use super::super::style::Ink;
 use super::super::text::{one_line, stamp};
-use super::origin::{age, rooms, seconds, who};
+use super::origin::{age, rooms, seconds, thinned, who};
 use super::{Names, pose_words, shown, title};
 
 /// Likeness from which a known name is suggested.
@@ -48,6 +48,16 @@ pub fn render(run: &Run, target: &str, source: &str, at_ns: Option<i64>, style: 
                     .map(|factor| who(world, &origins, factor, &names))
                     .collect();
                 product(&found, [target, source], &sources, style, &mut out);
+                for factor in &found.factors {
+                    if let Some((kept, of)) = thinned(world, &origins, factor) {
+                        let (parent, child) = (shown(factor.parent.as_str()), shown(factor.child.as_str()));
+                        let note = format!(
+                            "of `{parent}` from `{child}`, {kept} transforms were kept of {of}, evenly: what lies between two \
+                             of them is interpolated"
+                        );
+                        let _ = writeln!(out, "{}", style.paint(Ink::Faint, &note));
+                    }
+                }
             }
             Ok(_) => {
                 let unknown = LookupError::Unknown {

@@ -42,6 +42,18 @@ pub(super) fn who(world: &World, origins: &[EdgeOrigin], factor: &Factor, names:
     one_line(&said.unwrap_or_default())
 }
 
+/// How many transforms of an edge were kept, of how many, where the value between two of them passes over others.
+pub(super) fn thinned(world: &World, origins: &[EdgeOrigin], factor: &Factor) -> Option<(usize, u64)> {
+    let MadeFrom::Between(..) = factor.made_from else {
+        return None;
+    };
+    let Some(EdgeOrigin::Tf(bag, edge)) = origins.get(factor.tags.0) else {
+        return None;
+    };
+    let edge = world.bags.get(*bag)?.tf.get(*edge)?;
+    (edge.count > edge.samples.len() as u64).then_some((edge.samples.len(), edge.count))
+}
+
 /// `static`, `0.02 s old`, `0.01 s after a sample, 0.01 s before the next`.
 pub(super) fn age(made_from: MadeFrom, stamp_ns: i64) -> String {
     match made_from {

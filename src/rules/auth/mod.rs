@@ -1,3 +1,4 @@
 //! AUTH: where transforms come from, and who may state them.
 
+pub mod adhoc_static_transform;
 pub mod calibration_missing_default;

@@ -3,13 +3,14 @@
 use serde::Deserialize;
 
 use crate::rules::{Judge, Need, Rule};
-use crate::source::{Confidence, Place};
-use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{BagEvidence, World};
 
-use super::known_offsets::unit_error;
-use super::streams::{Stream, UPTIME_BELOW_S, is_simulated, streams};
+use super::simulated::{is_simulation, judge_simulated, tell_simulation};
+use super::streams::{Stream, UPTIME_BELOW_S, is_simulated, log_start_s, streams};
 use super::together::tell_once;
+use super::units::unit_error;
 
 /// TIME04.
 pub struct ClockDomain;
@@ -32,31 +33,33 @@ impl Rule for ClockDomain {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
-            let simulated = is_simulated(bag);
-            let streams = streams(bag);
-            let mut since_start: Vec<(f64, Finding)> = streams
-                .iter()
-                .filter_map(|stream| judge_stream(bag, stream, simulated, limits, out))
-                .collect();
-            let all = since_start.len() == streams.len();
-            since_start.sort_by(|(a, _), (b, _)| a.total_cmp(b));
-            while let Some((earliest, _)) = since_start.first() {
-                let same = earliest + limits.same_start_s;
-                let rest = since_start.split_off(since_start.partition_point(|(offset, _)| *offset <= same));
-                let group = std::mem::replace(&mut since_start, rest);
-                let mut findings: Vec<Finding> = group.into_iter().map(|(_, finding)| finding).collect();
-                findings.sort_by(|a, b| a.subject.cmp(&b.subject));
-                let is_simulation = all && findings.len() == streams.len() && findings.len() >= limits.min_simulated;
-                if is_simulation && let Some(first) = findings.first_mut() {
-                    simulation(first, streams.len());
-                }
-                tell_once(
-                    findings,
-                    if is_simulation { "" } else { "count from the same start" },
-                    out,
-                );
-            }
+            judge_bag(bag, limits, out);
         }
+    }
+}
+
+fn judge_bag(bag: &BagEvidence, limits: &Limits, out: &mut Judge) {
+    let simulated = is_simulated(bag);
+    let streams = streams(bag);
+    let mut since_start: Vec<(f64, Finding)> = streams
+        .iter()
+        .filter_map(|stream| judge_stream(bag, stream, simulated.then_some(&streams), limits, out))
+        .collect();
+    since_start.sort_by(|(a, _), (b, _)| a.total_cmp(b));
+    while let Some((earliest, _)) = since_start.first() {
+        let same = earliest + limits.same_start_s;
+        let rest = since_start.split_off(since_start.partition_point(|(offset, _)| *offset <= same));
+        let group = std::mem::replace(&mut since_start, rest);
+        let mut findings: Vec<Finding> = group.into_iter().map(|(_, finding)| finding).collect();
+        findings.sort_by(|a, b| a.subject.cmp(&b.subject));
+        let mut more = "count from the same start";
+        if is_simulation(findings.len(), &streams, limits.min_simulated)
+            && let Some(first) = findings.first_mut()
+        {
+            tell_simulation(first, streams.len());
+            more = "";
+        }
+        tell_once(findings, more, out);
     }
 }
 
@@ -64,7 +67,7 @@ impl Rule for ClockDomain {
 fn judge_stream(
     bag: &BagEvidence,
     stream: &Stream<'_>,
-    simulated: bool,
+    simulated: Option<&Vec<Stream<'_>>>,
     limits: &Limits,
     out: &mut Judge,
 ) -> Option<(f64, Finding)> {
@@ -84,18 +87,17 @@ fn judge_stream(
         out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, "no stamps were sampled");
         return None;
     };
-    let log_s = bag.start_ns.unwrap_or(0) as f64 / 1e9;
     let measured = Measured::new("stamp minus log time", offset, "s")
         .limit(limits.same_clock_s)
         .spread(spread)
         .samples(n);
-    if simulated {
-        judge_simulated(bag, stream, stamp_s, measured, out);
-    } else if stamp_s < UPTIME_BELOW_S && unit_error(stamp_s, log_s).is_none() {
+    if let Some(all) = simulated {
+        judge_simulated(stream, all, measured, out);
+    } else if stamp_s < UPTIME_BELOW_S && unit_error(stream, log_start_s(bag)).is_none() {
         return Some((offset, uptime(stream, stamp_s, measured)));
     } else if offset.abs() > limits.same_clock_s {
         // A calendar clock that is off is TIME01's: it names the offset where it has a name.
-        let why = format!("stamps run {offset:.1} s off the log clock, but count calendar time; see TIME01");
+        let why = format!("stamps run {offset:.1} s off the log clock, but count calendar time; see TIME01 and TIME02");
         out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     } else {
         out.pass(subject, [measured]);
@@ -131,40 +133,4 @@ fn uptime(stream: &Stream<'_>, stamp_s: f64, measured: Measured) -> Finding {
         .help("synchronise the sensor (PTP, GPS, NTP), or let the driver stamp with the host clock")
         .measured(Measured::new("median stamp", stamp_s, "s").limit(UPTIME_BELOW_S))
         .measured(measured)
-}
-
-/// Every stream counts from one start: no sensor's clock is odd, the recorder's is.
-fn simulation(finding: &mut Finding, streams: usize) {
-    let stamp_s = finding.measured.first().map_or(0.0, |median| median.value);
-    finding.severity = Severity::Warning;
-    finding.confidence = Confidence::Likely;
-    finding.message = format!(
-        "all {streams} streams are stamped near {stamp_s:.1} s, beside a log in calendar time: a simulation recorded in \
-         wall time, or a host whose clock was not set"
-    );
-    "record a simulation with `--use-sim-time`; on a robot, set the host's clock before the drivers start"
-        .clone_into(&mut finding.help);
-}
-
-/// In simulated time stamps count from the start of the simulation; calendar stamps beside it are of another clock.
-fn judge_simulated(bag: &BagEvidence, stream: &Stream<'_>, stamp_s: f64, measured: Measured, out: &mut Judge) {
-    let calendar = |stream: &Stream<'_>| stream.median_stamp_s().is_some_and(|s| s >= UPTIME_BELOW_S);
-    let others = streams(bag);
-    let simulated_others = others.iter().filter(|other| !calendar(other)).count();
-    if stamp_s >= UPTIME_BELOW_S && simulated_others * 2 > others.len() {
-        let message = format!(
-            "stamps on {} are calendar time, but the recording runs in simulated time",
-            stream.subject
-        );
-        out.fail(
-            Finding::error(stream.subject.clone(), message, stream.place())
-                .likely()
-                .label("first stamp")
-                .help("set `use_sim_time` for the node that publishes it")
-                .measured(Measured::new("median stamp", stamp_s, "s").limit(UPTIME_BELOW_S))
-                .measured(Measured::count("streams in simulated time", simulated_others)),
-        );
-    } else {
-        out.pass(stream.subject.clone(), [measured]);
-    }
 }

@@ -4,8 +4,16 @@ pub mod clock_domain;
 pub mod epoch_offset;
 mod gaps;
 mod known_offsets;
+mod lateness;
+pub mod leap_table_expiry;
+mod naming;
+mod simulated;
 pub mod stamp_monotonic;
+pub mod stamp_vs_log;
 mod streams;
+pub mod tf_vs_sensor_time;
 mod together;
+mod trend;
+mod units;
 
 pub(crate) use together::tell_once;

@@ -8,7 +8,9 @@ use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
 
 use super::gaps::judge_gaps;
+use super::naming::limits_of;
 use super::streams::{Stream, streams};
+use super::tf_vs_sensor_time::TfVsSensorTime;
 
 /// TIME03.
 pub struct StampMonotonic;
@@ -33,10 +35,13 @@ impl Rule for StampMonotonic {
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             let streams = streams(bag);
+            let reused = limits_of::<TfVsSensorTime>();
+            let is_reused = |stream: &Stream<'_>| reused.as_ref().is_some_and(|limits| stream.is_reused(limits));
             let judged: Vec<&Stream<'_>> = streams.iter().filter(|stream| is_judged(stream, limits, out)).collect();
             let with_gap = judge_gaps(&judged, limits, out);
             for stream in judged {
-                judge_order(stream, with_gap.contains(&stream.subject), limits, out);
+                let has_gap = with_gap.contains(&stream.subject);
+                judge_order(stream, has_gap, is_reused(stream), limits, out);
             }
         }
     }
@@ -57,15 +62,19 @@ fn is_judged(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) -> bool {
     true
 }
 
-fn judge_order(stream: &Stream<'_>, has_gap: bool, limits: &Limits, out: &mut Judge) {
+fn judge_order(stream: &Stream<'_>, has_gap: bool, is_reused: bool, limits: &Limits, out: &mut Judge) {
     let stamps = stream.stamps;
-    let findings = [backward(stream, limits), repeated(stream, limits)];
+    let repeated = if is_reused { None } else { repeated(stream, limits) };
+    let findings = [backward(stream, limits), repeated];
     let mut sound = !has_gap;
     for finding in findings.into_iter().flatten() {
         sound = false;
         out.fail(finding);
     }
-    if sound {
+    if sound && is_reused {
+        let why = "stamps hardly change; see TIME10";
+        out.not_evaluated(stream.subject.clone(), NotEvaluated::NotApplicable, why);
+    } else if sound {
         let back_s = stamps.largest_backward.as_ref().map_or(0.0, |(ns, _)| *ns as f64 / 1e9);
         out.pass(
             stream.subject.clone(),

@@ -3,9 +3,12 @@
 //! Latched topics and static TF are left out: their stamps are older than their log time by right.
 
 use crate::math::stats::{mad, median};
+use crate::rules::tf::{HeaderUse, header_use};
 use crate::source::{Place, SourceId};
 use crate::world::BagEvidence;
-use crate::world::bag::StampEvidence;
+use crate::world::bag::{StampEvidence, TfEdge, TopicEvidence};
+
+use super::tf_vs_sensor_time;
 
 /// Stamps below this are no calendar time: a clock that counts from power-up, or the time of day (1973-03-03).
 pub(super) const UPTIME_BELOW_S: f64 = 1e8;
@@ -20,6 +23,36 @@ pub(super) struct Stream<'w> {
     pub(super) stamps: &'w StampEvidence,
     /// Whether the stream comes from one publisher as far as can be seen: one frame id.
     pub(super) single_frame: bool,
+    /// What it is a stream of.
+    pub(super) of: Of<'w>,
+}
+
+/// What a stream is a stream of.
+#[derive(Clone, Copy)]
+pub(super) enum Of<'w> {
+    /// The messages of a topic.
+    Topic(&'w TopicEvidence),
+    /// A TF edge that is not latched.
+    Edge(&'w TfEdge),
+}
+
+/// What kind of clock made a stamp or a log time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Clock {
+    /// Calendar time.
+    Calendar,
+    /// One that counts from a start: of a machine, of a simulation, or of the day.
+    Uptime,
+}
+
+impl Clock {
+    pub(super) fn of(seconds: f64) -> Self {
+        if seconds < UPTIME_BELOW_S {
+            Self::Uptime
+        } else {
+            Self::Calendar
+        }
+    }
 }
 
 impl Stream<'_> {
@@ -39,6 +72,76 @@ impl Stream<'_> {
             .filter(|(stamp, _)| *stamp != 0)
             .map(|(stamp, log)| (*stamp as f64 - *log as f64) / 1e9)
             .collect()
+    }
+
+    /// The clock that its stamps show; `None` without stamps.
+    pub(super) fn clock(&self) -> Option<Clock> {
+        self.median_stamp_s().map(Clock::of)
+    }
+
+    /// How many seconds the stamps advance in a second of the log clock, from the first stamp to the last.
+    pub(super) fn rate(&self) -> Option<f64> {
+        let mut stamped = self.stamps.samples.iter().filter(|(stamp, _)| *stamp != 0);
+        let (first, last) = (stamped.next()?, stamped.next_back()?);
+        let [stamp, log] = [last.0.saturating_sub(first.0), last.1.saturating_sub(first.1)].map(|ns| ns as f64 / 1e9);
+        (log >= 1.0).then(|| stamp / log)
+    }
+
+    /// Whether its stamps are times of measuring, by the type of its messages. Maps, paths and markers may carry the time
+    /// of what they were made from.
+    pub(super) fn is_live(&self) -> bool {
+        const STATES: &[&str] = &["Odometry", "JointState", "TwistStamped", "TwistWithCovarianceStamped"];
+        let message_type = self.message_type();
+        let name = message_type.rsplit('/').next().unwrap_or_default();
+        header_use(message_type) == HeaderUse::Sensor
+            || STATES.contains(&name)
+            || self.is_gnss()
+            || name.to_ascii_lowercase().contains("imu")
+    }
+
+    /// Whether many messages share each stamp, though what they say is measured or moves.
+    pub(super) fn is_reused(&self, limits: &tf_vs_sensor_time::Limits) -> bool {
+        self.stamps.count - self.stamps.zero >= limits.min_messages
+            && 1.0 - self.repeated_share() < limits.unique_share
+            && (self.is_live() || self.moves(limits))
+    }
+
+    /// Whether it is an edge whose pose changes.
+    pub(super) fn moves(&self, limits: &tf_vs_sensor_time::Limits) -> bool {
+        let Of::Edge(edge) = self.of else { return false };
+        edge.extreme.as_ref().is_some_and(|(_, angle_rad, distance_m)| {
+            angle_rad.to_degrees() > limits.moves_deg || *distance_m > limits.moves_m
+        })
+    }
+
+    /// Share of the stamps that equal the one before, among those that have one before.
+    pub(super) fn repeated_share(&self) -> f64 {
+        let steps = (self.stamps.count - self.stamps.zero).saturating_sub(1);
+        self.stamps.repeated as f64 / (steps as f64).max(1.0)
+    }
+
+    /// The message type; empty for TF.
+    pub(super) fn message_type(&self) -> &str {
+        match self.of {
+            Of::Topic(topic) => &topic.message_type,
+            Of::Edge(_) => "",
+        }
+    }
+
+    /// Whether it comes from a satellite receiver, by the type of its messages: those measure, compute and only then send.
+    pub(super) fn is_gnss(&self) -> bool {
+        const WORDS: &[&str] = &[
+            "navsat",
+            "gps",
+            "gnss",
+            "nmea",
+            "rtk",
+            "novatel",
+            "ublox",
+            "timereference",
+        ];
+        let message_type = self.message_type().to_ascii_lowercase();
+        WORDS.iter().any(|word| message_type.contains(word))
     }
 
     /// Median of the stamps, seconds of the stamp's own clock.
@@ -91,6 +194,7 @@ pub(super) fn streams(bag: &BagEvidence) -> Vec<Stream<'_>> {
             subject: format!("topic `{}`", topic.topic),
             stamps: &topic.stamps,
             single_frame: topic.header_frames.len() <= 1,
+            of: Of::Topic(topic),
         })
         .collect();
     streams.extend(bag.tf.iter().filter(|edge| !edge.is_static).map(|edge| Stream {
@@ -98,6 +202,7 @@ pub(super) fn streams(bag: &BagEvidence) -> Vec<Stream<'_>> {
         subject: format!("TF `{}` from `{}` on `{}`", edge.parent, edge.child, edge.topic),
         stamps: &edge.stamps,
         single_frame: true,
+        of: Of::Edge(edge),
     }));
     streams
 }
@@ -110,5 +215,15 @@ fn is_tf(topic: &str, message_type: &str) -> bool {
 /// Whether the recording was made in simulated time: a `/clock` topic, or every stream and the log far before 1973.
 pub(super) fn is_simulated(bag: &BagEvidence) -> bool {
     bag.topics.keys().any(|topic| topic.rsplit('/').next() == Some("clock"))
-        || bag.start_ns.is_some_and(|start| (start as f64) / 1e9 < UPTIME_BELOW_S)
+        || (bag.start_ns.is_some() && log_clock(bag) == Clock::Uptime)
+}
+
+/// Log time at the start, Unix seconds where the log clock shows calendar time.
+pub(super) fn log_start_s(bag: &BagEvidence) -> f64 {
+    bag.start_ns.unwrap_or(0) as f64 / 1e9
+}
+
+/// The log clock.
+pub(super) fn log_clock(bag: &BagEvidence) -> Clock {
+    Clock::of(log_start_s(bag))
 }

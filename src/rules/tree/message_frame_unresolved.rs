@@ -23,16 +23,23 @@ impl Rule for MessageFrameUnresolved {
         for bag in &world.bags {
             let uses = tf::header_frames(bag);
             let tree = &world.graph().frames;
-            let strange = !has_tf && !uses.keys().any(|frame| tree.contains(frame));
+            // The TF of another recording in the same folder may be of another robot.
+            let strange = bag.tf.is_empty() && !uses.keys().any(|frame| tree.contains(frame));
             if strange && !uses.is_empty() {
-                let reason = "no TF was recorded, and no frame of the messages is a link of the URDF";
+                let reason = "no TF was recorded, and no frame of the messages is in the tree";
                 out.not_evaluated(subject_of(world, bag), NotEvaluated::TooLittleEvidence, reason);
                 continue;
             }
+            let odoms = tf::moving_odoms(bag);
+            let uncorrected = odoms
+                .iter()
+                .flat_map(|odom| tf::without_correction(bag, odom).into_keys());
+            let uncorrected = uncorrected.collect();
             let context = Context {
                 tree,
                 folded: tree.iter().map(names::fold).collect(),
                 unlatched: tf::without_static(bag).into_keys().collect(),
+                uncorrected,
                 has_tf,
             };
             judge_base(world, bag, tree, out);
@@ -47,6 +54,7 @@ struct Context<'a> {
     tree: &'a BTreeSet<FrameId>,
     folded: BTreeSet<String>,
     unlatched: BTreeSet<FrameId>,
+    uncorrected: BTreeSet<FrameId>,
     has_tf: bool,
 }
 
@@ -79,6 +87,8 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
         Some("the name differs from one in the tree only in case: see NAME01")
     } else if context.tree.contains(&cleaned) {
         Some("the name has stray blanks or slashes: see NAME02")
+    } else if context.uncorrected.contains(frame) {
+        Some("TF has `odom`, and nothing that ties `map` to it: see TREE16")
     } else if context.unlatched.contains(frame) {
         Some("the recording has no latched transforms at all: see TREE08")
     } else if bag.truncated {

@@ -114,6 +114,11 @@ impl<'v> Channels<'v> {
         told.map(|(id, _)| u32::from(*id)).collect()
     }
 
+    /// Hands on what stands beside messages.
+    pub(super) fn annotation(&mut self, name: &str, fields: &BTreeMap<String, String>) {
+        self.visit.annotation(name, fields);
+    }
+
     fn message(&mut self, channel: u16, log_time: u64, data: &[u8]) {
         let Some(channel) = self.by_id.get(&channel) else {
             self.orphans += 1;
@@ -156,8 +161,10 @@ impl<'v> Channels<'v> {
             schema: schema.map_or_else(|| Arc::from([]), |schema| Arc::clone(&schema.data)),
             schema_encoding: schema.map_or_else(String::new, |schema| schema.encoding.clone()),
             message_encoding: record.message_encoding,
-            writer: None,
-            latched: is_transient_local(&record.metadata),
+            // Converters of ROS 1 bags note the connection's header.
+            writer: record.metadata.get("callerid").cloned(),
+            latched: is_transient_local(&record.metadata)
+                || record.metadata.get("latching").is_some_and(|latching| latching == "1"),
             total: self.totals.get(&record.id).copied(),
             metadata: record.metadata,
         };

@@ -42,6 +42,8 @@ pub(super) struct Index {
     pub(super) totals: BTreeMap<u16, u64>,
     /// First and last log time, nanoseconds.
     pub(super) span_ns: Option<(i64, i64)>,
+    /// Metadata records, and attachments by name and media type.
+    pub(super) notes: super::notes::Noted,
     /// Bytes of the summary.
     pub(super) bytes: u64,
     /// Where it starts.
@@ -152,6 +154,7 @@ impl Index {
                     ));
                 }
             }
+            op::METADATA_INDEX | op::ATTACHMENT_INDEX => self.notes.record(kind, body),
             _ => {}
         }
         Ok(())

@@ -10,6 +10,7 @@
 mod channels;
 mod chunk;
 mod index;
+mod notes;
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
@@ -106,6 +107,7 @@ pub(super) fn read(
     if let Some(sampling) = sampled
         && let Some(chosen) = pass.choose(&index, &sampling, wanted)
     {
+        pass.noted(&index);
         extent.indexed = true;
         extent.whole = false;
         extent.truncated = pass.sampled(&index, &chosen, source);
@@ -263,6 +265,7 @@ impl Pass<'_, '_> {
                     let result = self.channels.record(opcode, &self.record);
                     result.map_err(|why| self.stop(why))?;
                 }
+                op::METADATA | op::ATTACHMENT if !self.data_ended => self.note_here(opcode, len)?,
                 _ => self.skip(len)?,
             }
         }

@@ -1,0 +1,133 @@
+//! What the messages of one topic say beyond their header, while it is being collected.
+
+mod covariance;
+mod fixes;
+mod imu;
+mod odometry;
+pub(super) mod steps;
+
+use std::collections::BTreeMap;
+
+use crate::read::messages::content::{Fix, Imu, Odometry, Pose, Twist};
+use crate::world::content::{ContentEvidence, CovarianceEvidence};
+
+use super::point::Point;
+use super::thin::Share;
+use covariance::Covariances;
+use fixes::Fixes;
+use imu::Inertial;
+use odometry::Odometries;
+
+/// Poses and twists have six degrees of freedom, positions and vectors three.
+type Six = Covariances<6, 36>;
+type Three = Covariances<3, 9>;
+
+/// What one topic says; nothing is set aside for what it does not.
+pub(super) struct Contents {
+    share: Share,
+    fixes: Option<Box<Fixes>>,
+    imu: Option<Box<Inertial>>,
+    odometry: Option<Box<Odometries>>,
+    six: BTreeMap<&'static str, Box<Six>>,
+    three: BTreeMap<&'static str, Box<Three>>,
+}
+
+impl Contents {
+    pub(super) fn new(share: Share) -> Self {
+        Self {
+            share,
+            fixes: None,
+            imu: None,
+            odometry: None,
+            six: BTreeMap::new(),
+            three: BTreeMap::new(),
+        }
+    }
+
+    /// Messages were left out here.
+    pub(super) fn seam(&mut self) {
+        if let Some(imu) = &mut self.imu {
+            imu.seam();
+        }
+        if let Some(odometry) = &mut self.odometry {
+            odometry.seam();
+        }
+    }
+
+    pub(super) fn odometry(&mut self, point: Point, odometry: &Odometry<'_>) {
+        let share = self.share;
+        self.odometry
+            .get_or_insert_with(|| Box::new(Odometries::new(share)))
+            .push(point, odometry);
+        self.six("pose.covariance", point, &odometry.pose_covariance);
+        self.six("twist.covariance", point, &odometry.twist_covariance);
+    }
+
+    pub(super) fn imu(&mut self, point: Point, imu: &Imu) {
+        self.imu.get_or_insert_default().push(point, imu);
+        self.three("orientation_covariance", point, &imu.orientation_covariance);
+        self.three("angular_velocity_covariance", point, &imu.angular_velocity_covariance);
+        self.three(
+            "linear_acceleration_covariance",
+            point,
+            &imu.linear_acceleration_covariance,
+        );
+    }
+
+    pub(super) fn fix(&mut self, point: Point, fix: &Fix) {
+        let share = self.share;
+        self.fixes
+            .get_or_insert_with(|| Box::new(Fixes::new(share)))
+            .push(point, fix);
+        self.three("position_covariance", point, &fix.covariance);
+    }
+
+    pub(super) fn pose(&mut self, point: Point, pose: &Pose) {
+        if let Some(covariance) = &pose.covariance {
+            self.six("pose.covariance", point, covariance);
+        }
+    }
+
+    pub(super) fn twist(&mut self, point: Point, twist: &Twist) {
+        if let Some(covariance) = &twist.covariance {
+            self.six("twist.covariance", point, covariance);
+        }
+    }
+
+    fn six(&mut self, field: &'static str, point: Point, values: &[f64; 36]) {
+        let share = self.share;
+        self.six
+            .entry(field)
+            .or_insert_with(|| Box::new(Covariances::new(share, false)))
+            .push(point, values);
+    }
+
+    fn three(&mut self, field: &'static str, point: Point, values: &[f64; 9]) {
+        let share = self.share;
+        self.three
+            .entry(field)
+            .or_insert_with(|| Box::new(Covariances::new(share, field != "position_covariance")))
+            .push(point, values);
+    }
+
+    pub(super) fn finish(self, topic: &str) -> ContentEvidence {
+        let six = self
+            .six
+            .into_iter()
+            .map(|(field, matrices)| (field, matrices.finish(topic)));
+        let three = self
+            .three
+            .into_iter()
+            .map(|(field, matrices)| (field, matrices.finish(topic)));
+        let covariances: BTreeMap<String, CovarianceEvidence> = six
+            .chain(three)
+            .map(|(field, evidence)| (field.to_owned(), evidence))
+            .collect();
+        ContentEvidence {
+            fixes: self.fixes.map(|fixes| fixes.finish(topic)),
+            covariances,
+            imu: self.imu.map(|imu| imu.finish(topic)),
+            odometry: self.odometry.map(|odometry| odometry.finish(topic)),
+        }
+    }
+}

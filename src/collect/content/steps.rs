@@ -1,0 +1,259 @@
+//! How a stream of poses moves: the steps between neighbours, online and in constant memory.
+//!
+//! Owns step, surprise and undone step as [`StepEvidence`] defines them. Must not know whose poses they are.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::world::Pose;
+use crate::world::content::{PoseAt, Step, StepAt, StepEvidence};
+
+use super::super::point::Point;
+use super::super::thin::{Reservoir, Share};
+
+/// A step by more than this moves, metres and radians.
+const MOVES: f64 = 1e-9;
+/// A step by more than this can be undone, metres.
+const LARGE_M: f64 = 1e-3;
+/// A step by more than this can be undone, radians: 0.05°.
+const LARGE_RAD: f64 = 0.05 * std::f64::consts::PI / 180.0;
+/// What the next step may leave of a step that it undoes.
+const LEFT: f64 = 0.2;
+/// A stamp that falls back by more than this is a clock that started anew, nanoseconds; smaller ones are disorder.
+const RESTART_NS: i64 = 1_000_000_000;
+
+/// Takes in poses in recording order.
+#[derive(Clone, Debug)]
+pub(in super::super) struct Steps {
+    last: Option<Known>,
+    /// The step that led to the last pose.
+    before: Option<Before>,
+    count: u64,
+    moving: u64,
+    sample: Reservoir<Step>,
+    farthest: Top,
+    widest: Top,
+    most_surprising: Top,
+    undone: u64,
+    first_undone: Option<Between>,
+}
+
+/// A pose taken in.
+#[derive(Clone, Copy, Debug)]
+struct Known {
+    point: Point,
+    stamp_ns: i64,
+    pose: Pose,
+}
+
+impl Known {
+    fn rotation(&self) -> UnitQuaternion<f64> {
+        self.pose.isometry().rotation
+    }
+
+    fn position(&self) -> Vector3<f64> {
+        Vector3::from(self.pose.translation_m)
+    }
+}
+
+/// A step taken, and the pose it started from.
+#[derive(Clone, Copy, Debug)]
+struct Before {
+    from: Known,
+    step: Step,
+}
+
+/// A step with its ends.
+#[derive(Clone, Copy, Debug)]
+struct Between {
+    step: Step,
+    before: (Point, Pose),
+    after: (Point, Pose),
+}
+
+impl Steps {
+    pub(in super::super) fn new(share: Share) -> Self {
+        Self {
+            last: None,
+            before: None,
+            count: 0,
+            moving: 0,
+            sample: Reservoir::new(share.moves),
+            farthest: Top::new(share.largest),
+            widest: Top::new(share.largest),
+            most_surprising: Top::new(share.largest),
+            undone: 0,
+            first_undone: None,
+        }
+    }
+
+    /// Messages were left out here: the next pose does not follow the last one.
+    pub(in super::super) fn seam(&mut self) {
+        self.last = None;
+        self.before = None;
+    }
+
+    /// Takes in a pose. One without a stamp, or whose stamp does not grow, is passed over.
+    pub(in super::super) fn push(&mut self, point: Point, pose: Pose) {
+        let Some(stamp_ns) = point.stamp_ns.filter(|stamp| *stamp != 0) else {
+            return;
+        };
+        let now = Known { point, stamp_ns, pose };
+        let Some(last) = self.last else {
+            self.last = Some(now);
+            return;
+        };
+        let dt_ns = stamp_ns.saturating_sub(last.stamp_ns);
+        if dt_ns <= 0 {
+            if dt_ns < -RESTART_NS {
+                self.seam();
+                self.last = Some(now);
+            }
+            return;
+        }
+        self.step(last, now, dt_ns);
+    }
+
+    fn step(&mut self, last: Known, now: Known, dt_ns: i64) {
+        let rests = last.pose == now.pose;
+        let (distance_m, angle_rad) = if rests {
+            (0.0, 0.0)
+        } else {
+            (
+                length(now.position() - last.position()),
+                angle_between(&last.rotation(), &now.rotation()),
+            )
+        };
+        let (surprise_m, surprise_rad) = self.surprise(&last, &now, dt_ns);
+        let step = Step {
+            dt_ns,
+            distance_m,
+            angle_rad,
+            surprise_m,
+            surprise_rad,
+        };
+        self.count += 1;
+        self.moving += u64::from(distance_m > MOVES || angle_rad > MOVES);
+        self.sample.push(step);
+        let between = Between {
+            step,
+            before: (last.point, last.pose),
+            after: (now.point, now.pose),
+        };
+        self.farthest.push(distance_m, &between);
+        self.widest.push(angle_rad, &between);
+        self.most_surprising.push(surprise_m, &between);
+        if let Some(before) = self.before.filter(|before| is_undone(before, &now)) {
+            self.undone += 1;
+            self.first_undone.get_or_insert(Between {
+                step: before.step,
+                before: (before.from.point, before.from.pose),
+                after: (last.point, last.pose),
+            });
+        }
+        self.before = Some(Before { from: last, step });
+        self.last = Some(now);
+    }
+
+    /// How far the pose is from where the velocity and the angular velocity of the step before would have led it.
+    fn surprise(&self, last: &Known, now: &Known, dt_ns: i64) -> (f64, f64) {
+        let Some(Before { from, step }) = self.before else {
+            return (f64::NAN, f64::NAN);
+        };
+        let share = dt_ns as f64 / step.dt_ns as f64;
+        if step.distance_m == 0.0 && step.angle_rad == 0.0 {
+            let distance_m = length(now.position() - last.position());
+            return (distance_m, angle_between(&last.rotation(), &now.rotation()));
+        }
+        let predicted = last.position() + (last.position() - from.position()) * share;
+        let turn = from.rotation().rotation_to(&last.rotation());
+        let turned = UnitQuaternion::from_scaled_axis(turn.scaled_axis() * share) * last.rotation();
+        (
+            length(now.position() - predicted),
+            angle_between(&turned, &now.rotation()),
+        )
+    }
+
+    pub(in super::super) fn finish(self, topic: &str) -> StepEvidence {
+        StepEvidence {
+            count: self.count,
+            moving: self.moving,
+            sample: self.sample.finish(),
+            farthest: self.farthest.finish(topic),
+            widest: self.widest.finish(topic),
+            most_surprising: self.most_surprising.finish(topic),
+            undone: self.undone,
+            first_undone: self.first_undone.map(|between| between.on(topic)),
+        }
+    }
+}
+
+/// Length of a difference of finite positions; the largest number there is where it overflows.
+fn length(vector: Vector3<f64>) -> f64 {
+    vector.norm().min(f64::MAX)
+}
+
+/// Angle of the shortest turn from one to the other, radians; exact near zero, and the same for `q` and `-q`.
+fn angle_between(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) -> f64 {
+    let difference = a.rotation_to(b).into_inner();
+    2.0 * difference.imag().norm().atan2(difference.w.abs())
+}
+
+/// Whether a pose is back where the step before the last started from: what is left of its distance, or of its angle,
+/// is at most a fifth.
+fn is_undone(before: &Before, now: &Known) -> bool {
+    let Before { from, step } = before;
+    let shifted = || step.distance_m > LARGE_M && length(now.position() - from.position()) <= LEFT * step.distance_m;
+    let turned =
+        || step.angle_rad > LARGE_RAD && angle_between(&from.rotation(), &now.rotation()) <= LEFT * step.angle_rad;
+    shifted() || turned()
+}
+
+impl Between {
+    fn on(self, topic: &str) -> StepAt {
+        let at = |(point, pose): (Point, Pose)| PoseAt {
+            at: point.on(topic),
+            pose,
+        };
+        StepAt {
+            step: self.step,
+            before: at(self.before),
+            after: at(self.after),
+        }
+    }
+}
+
+/// The steps with the largest keys, the largest first; of equal ones the earlier.
+#[derive(Clone, Debug)]
+struct Top {
+    bound: usize,
+    kept: Vec<(f64, Between)>,
+}
+
+impl Top {
+    fn new(bound: usize) -> Self {
+        Self {
+            bound,
+            kept: Vec::new(),
+        }
+    }
+
+    fn push(&mut self, key: f64, between: &Between) {
+        // A NaN is larger than nothing.
+        let is_larger = |known: f64| key > known;
+        if !is_larger(MOVES) {
+            return;
+        }
+        if self.kept.len() >= self.bound {
+            if self.kept.last().is_none_or(|(least, _)| !is_larger(*least)) {
+                return;
+            }
+            self.kept.pop();
+        }
+        let place = self.kept.partition_point(|(known, _)| !is_larger(*known));
+        self.kept.insert(place, (key, *between));
+    }
+
+    fn finish(self, topic: &str) -> Vec<StepAt> {
+        self.kept.into_iter().map(|(_, between)| between.on(topic)).collect()
+    }
+}

@@ -1,0 +1,181 @@
+//! The connections of a ROS 1 bag as channels, and what their messages are handed to.
+//!
+//! Owns connections by their numbers in the file, with bounds on how much a hostile file can make us keep.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::read::bag::{Channel, Message, Visit};
+
+use super::index::Index;
+use super::record::{Fields, kind, op};
+
+/// Bound on connections; large systems have some hundred, long recordings with nodes that come and go some thousand.
+const MAX_CONNECTIONS: usize = 1 << 16;
+/// Bound on the definitions and names of all connections together, bytes: a definition has up to 20 KB.
+const MAX_BYTES: usize = 128 << 20;
+
+/// A connection by its number, not yet told.
+pub(super) type Connection = (u32, Channel);
+
+struct Known {
+    channel: Channel,
+    /// Messages met.
+    read: u64,
+}
+
+/// Takes in the records that matter: connections and messages.
+pub(super) struct Connections<'v> {
+    by_number: BTreeMap<u32, Known>,
+    bytes: usize,
+    pub(super) visit: &'v mut dyn Visit,
+    told: usize,
+    /// First and last log time of the chunk that is being read, as the index says.
+    pub(super) span_ns: Option<(i64, i64)>,
+    /// Messages handed on.
+    pub(super) messages: u64,
+    /// Messages whose connection the file does not define.
+    pub(super) orphans: u64,
+    /// Connections defined again, differently.
+    pub(super) redefined: u64,
+    /// Messages with a log time outside the one the index gives their chunk.
+    pub(super) outside: u64,
+}
+
+impl<'v> Connections<'v> {
+    pub(super) fn new(visit: &'v mut dyn Visit) -> Self {
+        Self {
+            by_number: BTreeMap::new(),
+            bytes: 0,
+            visit,
+            told: 0,
+            span_ns: None,
+            messages: 0,
+            orphans: 0,
+            redefined: 0,
+            outside: 0,
+        }
+    }
+
+    /// Tells the connections of an index, with the number of their messages.
+    pub(super) fn announce(&mut self, index: &Index) -> Result<(), String> {
+        for (number, channel) in &index.connections {
+            let total = index.totals.get(number).copied().unwrap_or(0);
+            self.connection(
+                *number,
+                Channel {
+                    total: Some(total),
+                    ..channel.clone()
+                },
+            )?;
+        }
+        Ok(())
+    }
+
+    /// Numbers of the connections told so far that are wanted.
+    pub(super) fn wanted(&self, wanted: &dyn Fn(&Channel) -> bool) -> BTreeSet<u32> {
+        let told = self.by_number.iter().filter(|(_, known)| wanted(&known.channel));
+        told.map(|(number, _)| *number).collect()
+    }
+
+    /// Takes in one record. The error says what is wrong with it.
+    pub(super) fn record(&mut self, fields: &Fields<'_>, data: &[u8]) -> Result<(), String> {
+        match fields.op() {
+            op::MESSAGE => self.message(fields, data),
+            op::CONNECTION => {
+                let (number, channel) = connection(fields, data)?;
+                self.connection(number, channel)
+            }
+            other => Err(format!("a record of kind {} among messages", kind(other))),
+        }
+    }
+
+    fn message(&mut self, fields: &Fields<'_>, data: &[u8]) -> Result<(), String> {
+        let log_ns = fields.time_ns("time")?;
+        let Some(known) = self.by_number.get_mut(&fields.u32("conn")?) else {
+            self.orphans += 1;
+            return Ok(());
+        };
+        let is_inside = self.span_ns.is_none_or(|(from, to)| (from..=to).contains(&log_ns));
+        self.outside += u64::from(!is_inside);
+        self.messages += 1;
+        known.read += 1;
+        self.visit.message(&known.channel, &Message { log_ns, data });
+        Ok(())
+    }
+
+    fn connection(&mut self, number: u32, mut channel: Channel) -> Result<(), String> {
+        if let Some(Known { channel: known, .. }) = self.by_number.get(&number) {
+            // Every connection stands once among the messages and once in the index.
+            channel.number = known.number;
+            channel.total = known.total;
+            if *known == channel {
+                return Ok(());
+            }
+            self.redefined += 1;
+            channel.total = None;
+        }
+        self.bytes += size(&channel);
+        if self.told >= MAX_CONNECTIONS || self.bytes > MAX_BYTES {
+            return Err(format!(
+                "more than {MAX_CONNECTIONS} connections, or {MAX_BYTES} bytes of them"
+            ));
+        }
+        channel.number = self.told;
+        self.told += 1;
+        self.visit.channel(&channel);
+        self.by_number.insert(number, Known { channel, read: 0 });
+        Ok(())
+    }
+
+    /// Connections with fewer, and with more messages than the index says: how many messages are missing, and surplus.
+    pub(super) fn against(&self, index: &Index) -> (u64, u64) {
+        let (mut missing, mut surplus) = (0, 0);
+        for (number, known) in &self.by_number {
+            let total = index.totals.get(number).copied().unwrap_or(0);
+            missing += total.saturating_sub(known.read);
+            surplus += known.read.saturating_sub(total);
+        }
+        let unknown = index
+            .totals
+            .iter()
+            .filter(|(number, _)| !self.by_number.contains_key(number));
+        missing += unknown.map(|(_, total)| total).sum::<u64>();
+        (missing, surplus)
+    }
+}
+
+/// Reads a connection record: the topic stands in the header, the rest in the data.
+pub(super) fn connection(fields: &Fields<'_>, data: &[u8]) -> Result<Connection, String> {
+    let number = fields.u32("conn")?;
+    let topic = fields.text("topic").ok_or("a connection record without a topic")?;
+    let fields = Fields::plain(data).map_err(|why| format!("a connection of `{topic}` that does not parse: {why}"))?;
+    let schema = fields.get("message_definition").unwrap_or_default();
+    let metadata = fields.text("md5sum").map(|sum| ("md5sum".to_owned(), sum));
+    let channel = Channel {
+        number: 0,
+        topic,
+        message_type: message_type(&fields.text("type").unwrap_or_default()),
+        schema: schema.into(),
+        schema_encoding: if schema.is_empty() { "" } else { "ros1msg" }.to_owned(),
+        message_encoding: "ros1".to_owned(),
+        metadata: metadata.into_iter().collect(),
+        writer: fields.text("callerid").filter(|name| !name.is_empty()),
+        latched: fields.get("latching") == Some(b"1"),
+        total: None,
+    };
+    Ok((number, channel))
+}
+
+/// The name of a type as ROS 2 spells it, so that rules meet one spelling: `pkg/Type` has become `pkg/msg/Type`.
+fn message_type(recorded: &str) -> String {
+    match recorded.split_once('/') {
+        Some((package, name)) if !name.contains('/') => format!("{package}/msg/{name}"),
+        _ => recorded.to_owned(),
+    }
+}
+
+fn size(channel: &Channel) -> usize {
+    let metadata: usize = channel.metadata.values().map(String::len).sum();
+    let writer = channel.writer.as_ref().map_or(0, String::len);
+    channel.topic.len() + channel.message_type.len() + channel.schema.len() + metadata + writer
+}

@@ -1,0 +1,66 @@
+//! What of a bag could not be read, and where.
+//!
+//! Owns the list of lost stretches, bounded, and the words for them.
+
+/// Bound on the losses that are told one by one.
+const MAX_TOLD: usize = 20;
+
+/// A stretch of the file that was left out.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Loss {
+    /// Everything before this byte was used.
+    pub(super) from: u64,
+    /// Where reading went on; `None` where it did not.
+    pub(super) to: Option<u64>,
+    pub(super) why: String,
+}
+
+#[derive(Debug, Default)]
+pub(super) struct Losses {
+    told: Vec<Loss>,
+    /// Losses beyond those that are told.
+    more: u64,
+}
+
+impl Losses {
+    pub(super) fn add(&mut self, loss: Loss) {
+        // Where reading ended is told in any case.
+        if self.told.len() < MAX_TOLD || loss.to.is_none() {
+            self.told.push(loss);
+        } else {
+            self.more += 1;
+        }
+    }
+
+    pub(super) fn is_empty(&self) -> bool {
+        self.told.is_empty()
+    }
+
+    /// How many bytes of so many were read.
+    pub(super) fn read_of(&self, total: u64) -> u64 {
+        let mut read = total;
+        for Loss { from, to, .. } in &self.told {
+            read = read.saturating_sub(to.unwrap_or(total).saturating_sub(*from));
+        }
+        read
+    }
+
+    /// One line for each loss. The one that ended the reading comes first: it says how far reading went.
+    pub(super) fn lines(&self, total: u64) -> Vec<String> {
+        let percent = |at: u64| 100.0 * at as f64 / total.max(1) as f64;
+        let mut lines = Vec::new();
+        for Loss { from, to, why } in &self.told {
+            match to {
+                None => lines.insert(0, format!("read up to byte {from} ({:.1} %): {why}", percent(*from))),
+                Some(to) => lines.push(format!(
+                    "bytes {from} to {to} ({:.1} %) are left out: {why}",
+                    percent(*from)
+                )),
+            }
+        }
+        if self.more > 0 {
+            lines.push(format!("{} more stretches are left out", self.more));
+        }
+        lines
+    }
+}

@@ -1,0 +1,138 @@
+//! ROS 1 bags, format V2.0, with chunks of every compression that ROS wrote.
+//!
+//! Owns one pass over a bag and what is said of it. Must not know what is inside messages.
+//!
+//! Format: <http://wiki.ros.org/Bags/Format/2.0>. A file is: magic, bag header, then chunks each followed by the index of
+//! its messages, then (at a byte that the bag header names) the connections and one info for each chunk. A recording that
+//! was not closed has no such end, and names byte 0.
+
+mod chunk;
+mod connections;
+mod index;
+mod losses;
+mod record;
+mod report;
+mod sample;
+mod scan;
+mod sink;
+mod tape;
+
+use std::fs::File;
+use std::sync::Arc;
+
+use crate::source::{Place, ReadStatus, Source};
+
+use super::inflate::Inflater;
+use super::{Extent, Progress, Visit, Wanted};
+
+use connections::Connections;
+use index::{Found, Index};
+use sink::Sink;
+use tape::Tape;
+
+/// The only version that is read; all recorders since 2010 write it.
+const MAGIC: &[u8] = b"#ROSBAG V2.0\n";
+
+/// One pass over a bag.
+struct Pass<'a, 'v> {
+    tape: Tape,
+    sink: Sink<'v>,
+    inflater: Inflater,
+    /// Why there is no index.
+    unindexed: Option<String>,
+    /// Where the data end, as the bag header says, whether there is an index or not.
+    data_end: Option<u64>,
+    /// Whether the records lead there without a loss.
+    data_ended: bool,
+    /// Records of index data whose length is not what their count makes.
+    odd_index_data: u64,
+    /// Chunks without compression that claim another size than they have.
+    lying_sizes: u64,
+    progress: Progress<'a>,
+    /// Position of the last call of the progress function.
+    told: u64,
+    /// Buffer for records outside chunks.
+    record: Vec<u8>,
+}
+
+/// Reads a bag of any version; see [`super::read`].
+pub(super) fn read(
+    file: File,
+    total: u64,
+    first: &[u8],
+    wanted: &Wanted<'_>,
+    source: &mut Source,
+    progress: Progress<'_>,
+    visit: &mut dyn Visit,
+) -> Extent {
+    if !first.starts_with(MAGIC) {
+        refuse_version(first, source);
+        return super::NOTHING;
+    }
+    let mut pass = Pass {
+        tape: Tape::new(file, total),
+        sink: Sink::new(Connections::new(visit)),
+        inflater: Inflater::default(),
+        unindexed: None,
+        data_end: None,
+        data_ended: false,
+        odd_index_data: 0,
+        lying_sizes: 0,
+        progress,
+        told: 0,
+        record: Vec::new(),
+    };
+    match index::find(&mut pass.tape) {
+        Found::Index(index) => pass.take(index),
+        Found::Open => pass.unindexed = Some("the recording was not closed, and has no index".to_owned()),
+        Found::Broken { why, at } => {
+            pass.unindexed = Some(format!("the index is of no use: {why}"));
+            pass.data_end = at;
+        }
+        Found::Encrypted(with) => {
+            let message = format!("the bag is encrypted with `{with}`");
+            let help = "decrypt it with the key it was recorded with: `rosbag decompress` or `rosbag filter`";
+            let whole = Place::whole(source.id);
+            source.problem_with_help(ReadStatus::Unreadable, whole, message, Some(help.to_owned()));
+            return super::NOTHING;
+        }
+    }
+    if let Some(sampling) = &wanted.sampling
+        && let Some(chosen) = pass.choose(sampling, wanted.throughout)
+    {
+        return pass.sample(&chosen, source);
+    }
+    let failure = pass.scan().err();
+    (pass.progress)(total, total);
+    pass.report(failure, source)
+}
+
+impl Pass<'_, '_> {
+    /// Uses an index: its connections are told before the first message.
+    fn take(&mut self, index: Index) {
+        self.data_end = Some(index.at);
+        match self.sink.connections.announce(&index) {
+            Ok(()) => self.sink.index = Some(Arc::new(index)),
+            Err(why) => self.unindexed = Some(format!("the index is of no use: {why}")),
+        }
+    }
+}
+
+fn refuse_version(first: &[u8], source: &mut Source) {
+    let line = first.split(|byte| *byte == b'\n').next().unwrap_or_default();
+    let version: String = String::from_utf8_lossy(line)
+        .chars()
+        .skip_while(|letter| *letter != 'V')
+        .take_while(|letter| letter.is_ascii_alphanumeric() || *letter == '.')
+        .take(12)
+        .collect();
+    let message = format!("a ROS 1 bag of version {version}, and only V2.0 is read");
+    let help = "write it anew on a machine with ROS 1: `rosbag filter old.bag new.bag True`, or `rosbag fix` where its \
+                message types have changed since";
+    source.problem_with_help(
+        ReadStatus::Unreadable,
+        Place::whole(source.id),
+        message,
+        Some(help.to_owned()),
+    );
+}

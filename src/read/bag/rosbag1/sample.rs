@@ -1,0 +1,126 @@
+//! Some of the chunks of a bag, where not all of it is read.
+//!
+//! Owns what the choice needs of the index, and the reading of what was chosen. Must not choose.
+
+use crate::read::bag::chunks::{self, ChunkInfo};
+use crate::read::bag::{Channel, Extent, Sampling};
+use crate::source::{Place, ReadStatus, Source};
+
+use super::Pass;
+use super::chunk::Chunk;
+use super::index::Index;
+use super::record::{Fault, op};
+
+/// Chunks that are looked at to learn how far they shrink.
+const PROBED: usize = 32;
+
+impl Pass<'_, '_> {
+    /// The chunks that are read, where that is less than all of them. `None` as well where the index is not true.
+    pub(super) fn choose(&mut self, sampling: &Sampling, throughout: &dyn Fn(&Channel) -> bool) -> Option<Vec<usize>> {
+        let index = self.sink.index.clone()?;
+        let growth = self.growth(&index)?;
+        let infos: Vec<ChunkInfo> = (0..index.chunks.len())
+            .filter_map(|number| info(&index, number, growth))
+            .collect();
+        let throughout = self.sink.connections.wanted(throughout);
+        let chosen = chunks::choose(&infos, sampling, &throughout);
+        if chosen.len() == index.chunks.len() {
+            return None;
+        }
+        // Before the first message is used: is there a chunk that can be held wherever the index says?
+        let are_there = chosen
+            .iter()
+            .all(|number| self.chunk_at(&index, *number).is_ok_and(|(_, chunk)| chunk.is_held()));
+        are_there.then_some(chosen)
+    }
+
+    /// By what factor chunks grow when they are decompressed, measured on some of them: the index does not say.
+    fn growth(&mut self, index: &Index) -> Option<f64> {
+        let count = index.chunks.len();
+        let (mut packed, mut size) = (0, 0);
+        for probe in 0..PROBED.min(count) {
+            let (_, chunk) = self.chunk_at(index, probe * count / PROBED.min(count)).ok()?;
+            packed += chunk.len;
+            size += chunk.size;
+        }
+        Some((size as f64 / packed.max(1) as f64).max(1.0))
+    }
+
+    /// Goes to a chunk of the index and reads its frame. It must end before what the index places behind it.
+    fn chunk_at(&mut self, index: &Index, number: usize) -> Result<(u64, Chunk), Fault> {
+        let wrong = || Fault::Wrong("the index points at something that is no such chunk".to_owned());
+        let at = index.chunks.get(number).ok_or_else(wrong)?.at;
+        self.tape.seek_anew(at)?;
+        let frame = self.tape.frame()?;
+        let fields = frame.fields()?;
+        if fields.op() != op::CHUNK || self.tape.at + frame.len > end(index, number) {
+            return Err(wrong());
+        }
+        Ok((at, Chunk::of(&fields, frame.len).map_err(Fault::Wrong)?))
+    }
+
+    /// Reads the chosen chunks.
+    pub(super) fn sample(&mut self, chosen: &[usize], source: &mut Source) -> Extent {
+        let Some(index) = self.sink.index.clone() else {
+            return crate::read::bag::NOTHING;
+        };
+        let mut read = self.tape.total - index.at;
+        let (mut previous, mut failed) = (None, None);
+        for (done, number) in chosen.iter().enumerate() {
+            let seam = *number > previous.map_or(0, |previous: usize| previous + 1);
+            previous = Some(*number);
+            let result = self.chunk_at(&index, *number).and_then(|(at, chunk)| {
+                read += chunk.len;
+                self.pack(at, &chunk, seam)
+            });
+            if let Err(fault) = result {
+                failed = Some(super::index::words(fault));
+                break;
+            }
+            let part = (done as u64 + 1) * self.tape.total / chosen.len() as u64;
+            (self.progress)(part, self.tape.total);
+        }
+        self.flush();
+        source.examined.bytes = read;
+        source.examined.messages = Some(self.sink.connections.messages);
+        let status = if self.sink.connections.messages == 0 {
+            ReadStatus::Unreadable
+        } else {
+            ReadStatus::Partial
+        };
+        let lost = !self.sink.losses.is_empty() || failed.is_some();
+        let lines = self.sink.losses.lines(self.tape.total);
+        for line in failed.into_iter().chain(lines) {
+            source.problem(status, Place::whole(source.id), line);
+        }
+        self.tell_oddities(chosen.len(), source);
+        Extent {
+            truncated: lost,
+            whole: false,
+            indexed: true,
+            messages_total: Some(index.messages()),
+            span_ns: index.span_ns(),
+        }
+    }
+}
+
+/// Where what follows a chunk begins.
+fn end(index: &Index, number: usize) -> u64 {
+    index.chunks.get(number + 1).map_or(index.at, |chunk| chunk.at)
+}
+
+fn info(index: &Index, number: usize, growth: f64) -> Option<ChunkInfo> {
+    let chunk = index.chunks.get(number)?;
+    let packed = end(index, number).saturating_sub(chunk.at);
+    let mut channels: Vec<u32> = chunk.counts.iter().map(|(connection, _)| *connection).collect();
+    channels.sort_unstable();
+    // The size of a file times a factor: what does not fit is as good as endless.
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let bytes = (packed as f64 * growth) as u64;
+    Some(ChunkInfo {
+        start_ns: chunk.start_ns,
+        end_ns: chunk.end_ns,
+        bytes,
+        channels,
+    })
+}

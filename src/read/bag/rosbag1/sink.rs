@@ -1,0 +1,92 @@
+//! Where the records of a bag go: to the visitor, or, damaged, to the list of losses.
+//!
+//! Owns the order in which chunks that are decompressed in parallel come back, and what the index says of each. Must not
+//! know the file.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+
+use crate::read::bag::inflate::Unpacked;
+
+use super::connections::Connections;
+use super::index::Index;
+use super::losses::{Loss, Losses};
+use super::record::{self, Fault};
+
+/// What becomes of the bytes of a bag.
+pub(super) struct Sink<'v> {
+    pub(super) connections: Connections<'v>,
+    pub(super) losses: Losses,
+    /// The index, where it is sound.
+    pub(super) index: Option<Arc<Index>>,
+    /// Chunks that stand where the index says.
+    pub(super) met_chunks: usize,
+    /// Chunks that the index does not know.
+    pub(super) unlisted_chunks: u64,
+    /// Where the chunks end that are being decompressed.
+    pub(super) ends: VecDeque<u64>,
+}
+
+impl<'v> Sink<'v> {
+    pub(super) fn new(connections: Connections<'v>) -> Self {
+        Self {
+            connections,
+            losses: Losses::default(),
+            index: None,
+            met_chunks: 0,
+            unlisted_chunks: 0,
+            ends: VecDeque::new(),
+        }
+    }
+
+    /// Looks up what the index says of the chunk at a byte, whose messages come next.
+    pub(super) fn expect(&mut self, at: u64) {
+        self.connections.span_ns = None;
+        let Some(index) = &self.index else {
+            return;
+        };
+        if let Some(info) = index.chunk_at(at) {
+            self.met_chunks += 1;
+            self.connections.span_ns = Some((info.start_ns, info.end_ns));
+        } else {
+            self.unlisted_chunks += 1;
+        }
+    }
+
+    /// Takes in a chunk. Of one that does not decompress nothing is used: no checksum stands for what comes out before.
+    pub(super) fn chunk(&mut self, chunk: &Unpacked) {
+        let end = self.ends.pop_front();
+        self.expect(chunk.at);
+        if chunk.seam {
+            self.connections.visit.seam();
+        }
+        let result = match &chunk.data {
+            Ok(bytes) => self.records(bytes),
+            Err(damage) => Err(damage.why.clone()),
+        };
+        if let Err(why) = result {
+            self.lose(chunk.at, end, why);
+        }
+    }
+
+    fn records(&mut self, mut bytes: &[u8]) -> Result<(), String> {
+        while let Some((fields, data)) = record::next(&mut bytes).map_err(inside)? {
+            self.connections.record(&fields, data)?;
+        }
+        Ok(())
+    }
+
+    /// A stretch of the file is left out.
+    pub(super) fn lose(&mut self, from: u64, to: Option<u64>, why: String) {
+        self.losses.add(Loss { from, to, why });
+        self.connections.visit.seam();
+    }
+}
+
+/// A fault inside a chunk that is whole.
+pub(super) fn inside(fault: Fault) -> String {
+    match fault {
+        Fault::Ended => "a chunk ends inside a record".to_owned(),
+        Fault::Wrong(why) => why,
+    }
+}

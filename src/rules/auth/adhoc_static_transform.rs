@@ -1,0 +1,135 @@
+//! AUTH03: latched transforms that no description and no calibration file states.
+
+use std::collections::BTreeSet;
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule, names, tf};
+use crate::source::Place;
+use crate::tables::driver_frames;
+use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::bag::TfEdge;
+use crate::world::{BagEvidence, ClaimKind, FrameId, World};
+
+/// AUTH03.
+pub struct AdhocStaticTransform;
+
+/// Limits of AUTH03.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    max_edges: f64,
+}
+
+impl Rule for AdhocStaticTransform {
+    const PAGE: &'static str = include_str!("../../../rules/auth/adhoc-static-transform.md");
+    const NEEDS: &'static [Need] = &[Need::Robot, Need::Tf];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let links = links(world);
+        let stated = stated(world);
+        for bag in &world.bags {
+            judge_bag(world, bag, (&links, &stated), limits, out);
+        }
+    }
+}
+
+/// The links of every robot that could be read whole.
+fn links(world: &World) -> BTreeSet<FrameId> {
+    let whole = world.robots.iter().filter(|robot| robot.fragment.is_none());
+    whole
+        .flat_map(|robot| &robot.links)
+        .map(|link| FrameId::new(&link.name.value).canonical())
+        .collect()
+}
+
+/// Frames that calibration files state a transform of, in either direction.
+fn stated(world: &World) -> BTreeSet<FrameId> {
+    let files = world
+        .claims
+        .iter()
+        .filter(|claim| matches!(claim.kind, ClaimKind::File { .. }));
+    files
+        .filter_map(|claim| claim.frames.as_ref())
+        .flat_map(|(target, source)| [target.canonical(), source.canonical()])
+        .collect()
+}
+
+fn judge_bag(
+    world: &World,
+    bag: &BagEvidence,
+    (links, stated): (&BTreeSet<FrameId>, &BTreeSet<FrameId>),
+    limits: &Limits,
+    out: &mut Judge,
+) {
+    let subject = format!("latched transforms of {}", world.path(bag.source));
+    let latched: Vec<&TfEdge> = bag.tf.iter().filter(|edge| edge.is_static).collect();
+    if latched.is_empty() {
+        out.not_evaluated(subject, NotEvaluated::MissingInput, "no latched transforms");
+        return;
+    }
+    if tf::frames(bag).is_disjoint(links) {
+        let why = "no frame of TF is a link of the robot: it describes another one";
+        out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return;
+    }
+    // A frame that hangs under the robot itself; what hangs under that frame follows it.
+    let adhoc: Vec<&TfEdge> = latched
+        .iter()
+        .copied()
+        .filter(|edge| links.contains(&edge.parent.canonical()) && !is_stated(edge, links, stated))
+        .collect();
+    let measured = Measured::count("latched transforms that nothing states", adhoc.len())
+        .limit(limits.max_edges)
+        .samples(latched.len() as u64);
+    if adhoc.len() as f64 <= limits.max_edges {
+        out.pass(subject, [measured]);
+    } else if let Some(finding) = finding(bag, subject, &adhoc) {
+        out.fail(finding.measured(measured));
+    }
+}
+
+/// Whether somebody owes the edge: the description, a calibration file, a driver inside its device, or the map.
+fn is_stated(edge: &TfEdge, links: &BTreeSet<FrameId>, stated: &BTreeSet<FrameId>) -> bool {
+    let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
+    links.contains(&child)
+        || stated.contains(&child)
+        || names::is_world(&parent)
+        || names::is_world(&child)
+        || driver_frames().driver(parent.as_str(), child.as_str()).is_some()
+}
+
+/// Frames that sensor data are given in matter; others may be aids of planning or display.
+fn finding(bag: &BagEvidence, subject: String, adhoc: &[&TfEdge]) -> Option<Finding> {
+    let mut carried: Vec<FrameId> = tf::sensor_frames(bag).map(|(frame, ..)| frame).collect();
+    carried.retain(|frame| adhoc.iter().any(|edge| edge.child.canonical() == *frame));
+    let first = adhoc
+        .iter()
+        .find(|edge| carried.contains(&edge.child.canonical()))
+        .or_else(|| adhoc.first())?;
+    let children: BTreeSet<FrameId> = adhoc.iter().map(|edge| edge.child.canonical()).collect();
+    let (severity, used) = match carried.first() {
+        Some(frame) => (Severity::Warning, format!("; sensor data are given in `{frame}`")),
+        None => (Severity::Note, String::new()),
+    };
+    let message = format!(
+        "{} latched transform(s) under the robot stand in no URDF and no calibration file: {}{used}",
+        adhoc.len(),
+        tf::listed(&children),
+    );
+    let mut finding = Finding::new(
+        severity,
+        subject,
+        message,
+        Place::message(bag.source, first.first_at.clone()),
+    )
+    .likely()
+    .label(format!("`{}` from `{}`", first.parent, first.child))
+    .help("state them in the URDF or in a calibration file that is kept with it, and publish them from there");
+    for edge in adhoc.iter().filter(|edge| edge.child != first.child).take(3) {
+        let place = Place::message(bag.source, edge.first_at.clone());
+        finding = finding.related(place, format!("`{}` from `{}`", edge.parent, edge.child));
+    }
+    Some(finding)
+}

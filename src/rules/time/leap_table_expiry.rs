@@ -1,0 +1,57 @@
+//! TIME11: a recording is younger than the table of leap seconds it is judged by.
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::source::Place;
+use crate::tables::leap_seconds;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+
+use super::streams::{Clock, log_clock};
+
+/// TIME11.
+pub struct LeapTableExpiry;
+
+/// Limits of TIME11.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    beyond_days: f64,
+}
+
+impl Rule for LeapTableExpiry {
+    const PAGE: &'static str = include_str!("../../../rules/time/leap-table-expiry.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let table = leap_seconds();
+        for bag in &world.bags {
+            let subject = format!("log clock of {}", world.path(bag.source));
+            let (Some(end_ns), Clock::Calendar) = (bag.end_ns, log_clock(bag)) else {
+                let why = "the log clock shows no calendar time";
+                out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                continue;
+            };
+            let days = (end_ns as f64 / 1e9 - table.expires.unix_s as f64) / 86_400.0;
+            let measured = Measured::new("recorded after the table's end", days, "d").limit(limits.beyond_days);
+            if days <= limits.beyond_days {
+                out.pass(subject, [measured]);
+                continue;
+            }
+            let (gps, tai) = (table.gps_minus_utc_s(f64::MAX), table.tai_minus_utc_s(f64::MAX));
+            let message = format!(
+                "the recording is {days:.0} days younger than the built-in table of leap seconds: GPS - UTC = {gps} s and \
+                 TAI - UTC = {tai} s may have changed"
+            );
+            out.fail(
+                Finding::note(subject, message, Place::whole(bag.source))
+                    .help(
+                        "look for a newer release; until then, a named offset of one second more or less may be right",
+                    )
+                    .measured(measured),
+            );
+        }
+    }
+}

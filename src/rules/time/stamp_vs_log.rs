@@ -1,0 +1,150 @@
+//! TIME02: stamps run late, ahead, or at another rate than the log clock.
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::source::Confidence;
+use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::{BagEvidence, World};
+
+use super::epoch_offset::EpochOffset;
+use super::lateness::{Fault, faults};
+use super::naming::{Naming, limits_of};
+use super::streams::{Clock, Of, Stream, is_simulated, log_clock, streams};
+use super::tf_vs_sensor_time::{self, TfVsSensorTime};
+use super::together::tell_once;
+
+/// TIME02.
+pub struct StampVsLog;
+
+/// Limits of TIME02.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    min_messages: u64,
+    pub(super) late_s: f64,
+    pub(super) gnss_late_s: f64,
+    pub(super) ahead_s: f64,
+    pub(super) far_s: f64,
+    pub(super) rate_span_s: f64,
+    pub(super) rate: f64,
+    pub(super) drift_span_s: f64,
+    pub(super) drift_ppm: f64,
+    pub(super) drift_error_ppm: f64,
+    pub(super) drift_gain_s: f64,
+    pub(super) step_s: f64,
+    pub(super) margin: f64,
+    together_s: f64,
+    together_share: f64,
+    all_streams: usize,
+}
+
+impl Rule for StampVsLog {
+    const PAGE: &'static str = include_str!("../../../rules/time/stamp-vs-log.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let (Some(names), Some(reused)) = (limits_of::<EpochOffset>(), limits_of::<TfVsSensorTime>()) else {
+            return;
+        };
+        for bag in &world.bags {
+            let streams = streams(bag);
+            let naming = Naming::new(bag, &streams, &names);
+            let judged: Vec<&Stream<'_>> = streams
+                .iter()
+                .filter(|stream| {
+                    matches!(stream.of, Of::Topic(_)) && is_judged(bag, stream, &streams, (limits, &reused), out)
+                })
+                .collect();
+            let found = judged
+                .iter()
+                .flat_map(|stream| judge_stream(stream, &naming, limits, out));
+            tell(found.collect(), judged.len(), limits, out);
+        }
+    }
+}
+
+/// Whether the stream's stamps are the time of measuring and can be held against the log clock.
+fn is_judged(
+    bag: &BagEvidence,
+    stream: &Stream<'_>,
+    all: &[Stream<'_>],
+    (limits, reused): (&Limits, &tf_vs_sensor_time::Limits),
+    out: &mut Judge,
+) -> bool {
+    let n = stream.stamps.count - stream.stamps.zero;
+    let (why, reason) = if n < limits.min_messages {
+        let why = format!("{n} stamps that are not zero, {} are needed", limits.min_messages);
+        (NotEvaluated::TooLittleEvidence, why)
+    } else if !stream.is_live() {
+        let why = "messages of this type may carry the time of what they were made from";
+        (NotEvaluated::NotApplicable, why.to_owned())
+    } else if stream.is_reused(reused) {
+        let why = "stamps hardly change; see TIME10";
+        (NotEvaluated::NotApplicable, why.to_owned())
+    } else if stream.clock() == Some(log_clock(bag)) || runs_apart(bag, stream, all) {
+        return true;
+    } else {
+        let why = "stamps and log time are of different kinds of clock; see TIME04";
+        (NotEvaluated::NotApplicable, why.to_owned())
+    };
+    out.not_evaluated(stream.subject.clone(), why, reason);
+    false
+}
+
+/// Whether an uptime clock beside a log in calendar time must still advance like it: it is a receiver's, or other
+/// streams show calendar time. The clock of a simulation may run at any rate.
+fn runs_apart(bag: &BagEvidence, stream: &Stream<'_>, all: &[Stream<'_>]) -> bool {
+    let calendar = all.iter().any(|other| other.clock() == Some(Clock::Calendar));
+    !is_simulated(bag) && (calendar || stream.is_gnss())
+}
+
+fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: &mut Judge) -> Vec<Fault> {
+    let Some((offset, spread)) = stream.offset_s() else {
+        return Vec::new();
+    };
+    let found = faults(stream, naming, limits);
+    if found.is_empty() {
+        let named = naming.has_word(stream);
+        let measured = Measured::new("stamp minus log time", offset, "s").spread(spread);
+        if named || !naming.is_comparable(stream) {
+            let why = format!(
+                "stamps run {offset:.3} s off the log clock, which {} names",
+                if named { "TIME01" } else { "TIME04" }
+            );
+            out.not_evaluated(stream.subject.clone(), NotEvaluated::NotApplicable, why);
+        } else {
+            out.pass(
+                stream.subject.clone(),
+                [measured.limit(limits.late_s).samples(stream.stamps.count)],
+            );
+        }
+    }
+    found
+}
+
+/// Faults of one kind and size have one cause, and are told once. Where every stream of several shows it, the log clock
+/// is the odd one out.
+fn tell(mut found: Vec<Fault>, judged: usize, limits: &Limits, out: &mut Judge) {
+    found.sort_by(|a, b| a.kind.cmp(&b.kind).then(a.size.total_cmp(&b.size)));
+    let mut left = found.into_iter().peekable();
+    while let Some(first) = left.next() {
+        let (kind, mut size) = (first.kind, first.size);
+        let mut findings: Vec<Finding> = vec![first.finding];
+        let near = limits.together_s + limits.together_share * size.abs();
+        while let Some(next) = left.next_if(|next| next.kind == kind && next.size - size <= near) {
+            size = next.size;
+            findings.push(next.finding);
+        }
+        let all = findings.len() == judged && findings.len() >= limits.all_streams;
+        if let (true, Some(first)) = (all, findings.first_mut()) {
+            "the streams agree with each other, so the log clock is the odd one out: a recording made while another was \
+             played back, or a recorder whose clock was not set"
+                .clone_into(&mut first.help);
+            first.severity = first.severity.min(Severity::Warning);
+            first.confidence = first.confidence.min(Confidence::Likely);
+        }
+        tell_once(findings, "do the same", out);
+    }
+}

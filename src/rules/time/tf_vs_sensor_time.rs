@@ -1,0 +1,150 @@
+//! TIME10: transforms lie in the future or far behind the sensors, or many messages share one stamp.
+
+use serde::Deserialize;
+
+use crate::math::stats::median;
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+
+use super::epoch_offset::EpochOffset;
+use super::naming::{Naming, limits_of};
+use super::streams::{Of, Stream, streams};
+use super::together::tell_once;
+
+/// TIME10.
+pub struct TfVsSensorTime;
+
+/// Limits of TIME10.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    pub(super) min_messages: u64,
+    lead_s: f64,
+    lag_s: f64,
+    pub(super) unique_share: f64,
+    pub(super) moves_deg: f64,
+    pub(super) moves_m: f64,
+}
+
+impl Rule for TfVsSensorTime {
+    const PAGE: &'static str = include_str!("../../../rules/time/tf-vs-sensor-time.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let Some(names) = limits_of::<EpochOffset>() else {
+            return;
+        };
+        for bag in &world.bags {
+            let streams = streams(bag);
+            let naming = Naming::new(bag, &streams, &names);
+            judge_bag(&streams, &naming, limits, out);
+        }
+    }
+}
+
+fn judge_bag(streams: &[Stream<'_>], naming: &Naming<'_>, limits: &Limits, out: &mut Judge) {
+    let sensors: Vec<&Stream<'_>> = streams
+        .iter()
+        .filter(|stream| matches!(stream.of, Of::Topic(_)) && stream.is_live() && !stream.is_gnss())
+        .collect();
+    let (mut ahead, mut behind, mut reused) = (Vec::new(), Vec::new(), Vec::new());
+    for stream in streams {
+        let is_edge = matches!(stream.of, Of::Edge(_));
+        if !(is_edge || stream.is_live()) || !has_enough(stream, limits, out) {
+            continue;
+        }
+        if stream.is_reused(limits) {
+            reused.push(one_stamp(stream, limits));
+        } else if !is_edge {
+            out.pass(stream.subject.clone(), [unique(stream, limits)]);
+        } else if naming.has_word(stream) {
+            let why = "the offset of its stamps has a name; see TIME01";
+            out.not_evaluated(stream.subject.clone(), NotEvaluated::NotApplicable, why);
+        } else if let Some((lead_s, of)) = lead(stream, &sensors, naming) {
+            let measured = Measured::new(format!("stamp minus {of}"), lead_s, "s").samples(stream.stamps.count);
+            if lead_s > limits.lead_s {
+                ahead.push(off(stream, of, measured.limit(limits.lead_s)));
+            } else if lead_s < -limits.lag_s {
+                behind.push(off(stream, of, measured.limit(-limits.lag_s)));
+            } else {
+                out.pass(
+                    stream.subject.clone(),
+                    [measured.limit(limits.lead_s), unique(stream, limits)],
+                );
+            }
+        } else {
+            let why = "no clock of the same kind to hold it against";
+            out.not_evaluated(stream.subject.clone(), NotEvaluated::MissingInput, why);
+        }
+    }
+    tell_once(ahead, "run likewise", out);
+    tell_once(behind, "run likewise", out);
+    tell_once(reused, "share stamps likewise", out);
+}
+
+/// Constant transforms are good at any time, and few messages say nothing.
+fn has_enough(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) -> bool {
+    let n = stream.stamps.count - stream.stamps.zero;
+    let (why, reason) = if n < limits.min_messages {
+        let why = format!("{n} stamps that are not zero, {} are needed", limits.min_messages);
+        (NotEvaluated::TooLittleEvidence, why)
+    } else if matches!(stream.of, Of::Edge(_)) && !stream.moves(limits) {
+        let why = "the transform never changes: its stamp does not matter";
+        (NotEvaluated::NotApplicable, why.to_owned())
+    } else {
+        return true;
+    };
+    out.not_evaluated(stream.subject.clone(), why, reason);
+    false
+}
+
+/// How far an edge's stamps run ahead of the log clock or of the sensors, whichever is nearer: seconds, and of what.
+fn lead(stream: &Stream<'_>, sensors: &[&Stream<'_>], naming: &Naming<'_>) -> Option<(f64, &'static str)> {
+    let (offset, _) = stream.offset_s()?;
+    let same_clock = sensors.iter().filter(|sensor| sensor.clock() == stream.clock());
+    let theirs: Vec<f64> = same_clock.filter_map(|sensor| Some(sensor.offset_s()?.0)).collect();
+    let from_sensors = median(&theirs).map(|theirs| (offset - theirs, "the sensors' stamps"));
+    let from_log = naming.is_comparable(stream).then_some((offset, "log time"));
+    let both = from_log.into_iter().chain(from_sensors);
+    both.min_by(|(a, _), (b, _)| a.abs().total_cmp(&b.abs()))
+}
+
+fn off(stream: &Stream<'_>, of: &str, measured: Measured) -> Finding {
+    let lead_s = measured.value;
+    let (way, help) = if lead_s > 0.0 {
+        (
+            "ahead of",
+            "a localisation may stamp a little ahead (`transform_tolerance`, at most a second); more, and look-ups \
+             answer with what is not known yet",
+        )
+    } else {
+        (
+            "behind",
+            "look-ups at the sensors' stamps wait that long or fail: stamp with the time of the estimate",
+        )
+    };
+    let message = format!("{} is stamped {:.2} s {way} {of}", stream.subject, lead_s.abs());
+    Finding::warning(stream.subject.clone(), message, stream.place())
+        .likely()
+        .help(help)
+        .measured(measured)
+}
+
+fn unique(stream: &Stream<'_>, limits: &Limits) -> Measured {
+    Measured::new("share of new stamps", 1.0 - stream.repeated_share(), "1")
+        .limit(limits.unique_share)
+        .samples(stream.stamps.count)
+}
+
+fn one_stamp(stream: &Stream<'_>, limits: &Limits) -> Finding {
+    let message = format!(
+        "{} repeats its stamps: {} of {} messages carry the one before, though their content is of different times",
+        stream.subject, stream.stamps.repeated, stream.stamps.count
+    );
+    Finding::warning(stream.subject.clone(), message, stream.place())
+        .likely()
+        .help("stamp each message with the time it is for, not with that of the first message or of the start")
+        .measured(unique(stream, limits))
+}

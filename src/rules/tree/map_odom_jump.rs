@@ -1,0 +1,177 @@
+//! TREE14: corrections of `map` -> `odom` that are jumps.
+
+use serde::Deserialize;
+
+use crate::rules::names::Standard;
+use crate::rules::{Judge, Need, Rule, tf};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::bag::{TfEdge, TopicEvidence};
+use crate::world::content::Step;
+use crate::world::{BagEvidence, FrameId, World};
+
+use super::corrections::{Jump, keepers, was_asked};
+use super::steps::{of_moving, outstanding, takes_turns};
+
+/// TREE14.
+pub struct MapOdomJump;
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Shift at the vehicle from which a correction is a jump, metres.
+    pub jump_m: f64,
+    /// Turn from which a correction is a jump, degrees.
+    pub jump_deg: f64,
+    /// A correction is a jump as well if it is so many times the one that 95 of 100 stay below ...
+    pub times_usual: f64,
+    /// ... and at least so large, metres ...
+    pub least_m: f64,
+    /// ... or degrees.
+    pub least_deg: f64,
+    /// Corrections needed to say what is usual.
+    pub min_corrections: u64,
+    /// How far an operator's `initialpose` may lie before the jump that it causes, seconds.
+    pub initial_pose_s: f64,
+}
+
+impl Rule for MapOdomJump {
+    const PAGE: &'static str = include_str!("../../../rules/tree/map-odom-jump.md");
+    const NEEDS: &'static [Need] = &[Need::Tf];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in &world.bags {
+            for edge in bag.tf.iter().filter(|edge| is_correction(edge)) {
+                judge_edge(world, bag, edge, limits, out);
+            }
+        }
+    }
+}
+
+fn is_correction(edge: &TfEdge) -> bool {
+    let is = |frame: &FrameId, kind| tf::is_standard(&frame.canonical(), kind);
+    !edge.is_static && is(&edge.parent, Standard::Map) && is(&edge.child, Standard::Odom)
+}
+
+fn judge_edge(world: &World, bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge) {
+    let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
+    let subject = format!("`{parent}` -> `{child}` of {}", world.path(bag.source));
+    let steps = &edge.steps;
+    if takes_turns(steps) {
+        let reason = "two writers take turns with different values; see AUTH01";
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
+        return;
+    }
+    if steps.count == 0 {
+        out.not_evaluated(
+            subject,
+            NotEvaluated::TooLittleEvidence,
+            "no two transforms follow one another",
+        );
+        return;
+    }
+    let enough = steps
+        .sample
+        .iter()
+        .filter(|step| step.distance_m > 1e-6 || step.angle_rad > 1e-6)
+        .count() as u64;
+    let usual = |of: fn(&Step) -> f64| {
+        of_moving(steps, 0.95, of)
+            .filter(|_| enough >= limits.min_corrections)
+            .map(|usual| limits.times_usual * usual)
+    };
+    let limit_m =
+        usual(|step| step.distance_m).map_or(limits.jump_m, |usual| usual.max(limits.least_m).min(limits.jump_m));
+    let limit_deg = usual(|step| step.angle_rad.to_degrees()).map_or(limits.jump_deg, |usual| {
+        usual.max(limits.least_deg).min(limits.jump_deg)
+    });
+    let corrections: Vec<Jump> = outstanding(steps)
+        .into_iter()
+        .map(|step| Jump::new(bag, edge, step))
+        .collect();
+    let largest = |of: fn(&Jump) -> f64| corrections.iter().map(of).fold(0.0, f64::max);
+    let shift = Measured::new("largest shift of the vehicle", largest(|jump| jump.m), "m")
+        .limit(limit_m)
+        .samples(steps.count);
+    let turn = Measured::new("largest turn", largest(|jump| jump.deg), "deg")
+        .limit(limit_deg)
+        .samples(steps.count);
+    let jumps: Vec<&Jump> = corrections
+        .iter()
+        .filter(|jump| jump.m > limit_m || jump.deg > limit_deg)
+        .collect();
+    if jumps.is_empty() {
+        if between_windows(bag, edge, limits) {
+            let reason = "it changes by more than a jump between the parts of the recording that were read";
+            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
+        } else {
+            out.pass(
+                subject,
+                [shift, turn, Measured::new("corrections", steps.moving as f64, "count")],
+            );
+        }
+        return;
+    }
+    let finding = finding(bag, edge, subject, &jumps, limits);
+    let count = Measured::count("jumps", jumps.len()).limit(0.0).samples(steps.moving);
+    out.fail(finding.measured(count).measured(shift).measured(turn));
+}
+
+/// Whether the transform changes by more than a jump, and it is not known how: messages in between were not read.
+fn between_windows(bag: &BagEvidence, edge: &TfEdge, limits: &Limits) -> bool {
+    let has_more = bag.topics.get(&edge.topic).is_some_and(TopicEvidence::has_more);
+    has_more
+        && edge
+            .extreme
+            .as_ref()
+            .is_some_and(|(_, rad, m)| *m > limits.jump_m || rad.to_degrees() > limits.jump_deg)
+}
+
+fn finding(bag: &BagEvidence, edge: &TfEdge, subject: String, jumps: &[&Jump], limits: &Limits) -> Finding {
+    const SHOWN: usize = 5;
+    let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
+    let shown: Vec<String> = jumps.iter().take(SHOWN).map(|jump| jump.words(bag)).collect();
+    let more = jumps.len().saturating_sub(SHOWN);
+    let list = format!(
+        "{}{}",
+        shown.join(", "),
+        if more > 0 {
+            format!(" and {more} more")
+        } else {
+            String::new()
+        }
+    );
+    let keepers = keepers(bag, &edge.parent);
+    let place = |jump: &Jump| Place::message(bag.source, jump.at.after.at.clone());
+    let asked = jumps.iter().all(|jump| was_asked(bag, jump, limits.initial_pose_s));
+    let worst = jumps.iter().max_by(|a, b| a.m.total_cmp(&b.m));
+    let first = worst.map_or_else(|| Place::whole(bag.source), |jump| place(jump));
+    let message = format!("`{parent}` -> `{child}` jumps, and the vehicle in `{parent}` with it: {list}");
+    let finding = if asked {
+        Finding::note(
+            subject,
+            format!("{message}; an initial pose was set just before"),
+            first,
+        )
+        .help("nothing, if someone set the pose by hand")
+    } else if keepers.is_empty() {
+        Finding::note(subject, message, first).help(format!(
+            "a localizer may do so (REP-105); whoever keeps data in `{parent}` must drop or move them then"
+        ))
+    } else {
+        let message = format!("{message}; {} keep data in `{parent}`", keepers.join(", "));
+        Finding::warning(subject, message, first).help(format!(
+            "keep running data in `{child}`, or drop and move what is kept in `{parent}` at these times; \
+             look at the localizer if it was not a loop closure"
+        ))
+    };
+    let others = jumps
+        .iter()
+        .filter(|jump| worst.is_none_or(|worst| jump.at.after.at != worst.at.after.at))
+        .take(SHOWN);
+    others.fold(finding.likely().label("behind the largest jump"), |finding, jump| {
+        finding.related(place(jump), format!("{:.2} m and {:.1} deg", jump.m, jump.deg))
+    })
+}

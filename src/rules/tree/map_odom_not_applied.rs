@@ -1,0 +1,151 @@
+//! TREE16: a correction of `map` that is not there, not moving, or not applied to what is called a map.
+
+use serde::Deserialize;
+
+use crate::rules::names::Standard;
+use crate::rules::tf::{self, Used};
+use crate::rules::{Judge, Need, Rule};
+use crate::source::{MessageRef, Place};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::bag::{TfEdge, TopicEvidence};
+use crate::world::{BagEvidence, FrameId, World};
+
+/// TREE16.
+pub struct MapOdomNotApplied;
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Change of the correction above which it is one, metres.
+    pub constant_m: f64,
+    /// Change of the correction above which it is one, degrees.
+    pub constant_deg: f64,
+}
+
+impl Rule for MapOdomNotApplied {
+    const PAGE: &'static str = include_str!("../../../rules/tree/map-odom-not-applied.md");
+    const NEEDS: &'static [Need] = &[Need::Tf];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in &world.bags {
+            for odom in tf::moving_odoms(bag) {
+                let subject = format!("correction of `{odom}` in {}", world.path(bag.source));
+                judge_odom(bag, &odom, subject, limits, out);
+            }
+        }
+    }
+}
+
+fn judge_odom(bag: &BagEvidence, odom: &FrameId, subject: String, limits: &Limits, out: &mut Judge) {
+    let correction = bag
+        .tf
+        .iter()
+        .find(|edge| edge.child.canonical() == *odom && tf::is_standard(&edge.parent.canonical(), Standard::Map));
+    let change = correction.map_or((0.0, 0.0), |edge| {
+        edge.extreme
+            .as_ref()
+            .map_or((0.0, 0.0), |(_, rad, m)| (*m, rad.to_degrees()))
+    });
+    let moves = change.0 > limits.constant_m || change.1 > limits.constant_deg;
+    let shift = Measured::new("change of the correction", change.0, "m").limit(limits.constant_m);
+    let turn = Measured::new("change of the correction", change.1, "deg").limit(limits.constant_deg);
+    let misnamed = bag
+        .topics
+        .values()
+        .find_map(|topic| Some((topic, map_in(topic, odom)?)));
+    if let Some((edge, (topic, place))) = correction.zip(misnamed) {
+        let finding = misnamed_map(bag, edge, odom, subject, topic, place, moves);
+        out.fail(finding.measured(shift).measured(turn));
+        return;
+    }
+    let Some(edge) = correction else {
+        return without_map(bag, odom, subject, out);
+    };
+    if moves {
+        out.pass(subject, [shift.samples(edge.count), turn.samples(edge.count)]);
+        return;
+    }
+    let first = edge.first().map(|sample| sample.pose.isometry());
+    let is_identity = first.is_some_and(|pose| {
+        pose.translation.vector.norm() <= limits.constant_m && pose.rotation.angle().to_degrees() <= limits.constant_deg
+    });
+    let reason = format!(
+        "`{}` -> `{odom}` {} in all {} transforms; whether a correction is missing takes a second source of the pose in `{}`",
+        edge.parent.canonical(),
+        if is_identity { "is the identity" } else { "is the same" },
+        edge.count,
+        edge.parent.canonical()
+    );
+    out.not_evaluated(subject, NotEvaluated::MissingInput, reason);
+}
+
+/// The first message of a cloud or grid whose topic calls it a map, and which is told in `odom`.
+fn map_in<'a>(topic: &'a TopicEvidence, odom: &FrameId) -> Option<&'a MessageRef> {
+    const NEAR: &[&str] = &[
+        "local",
+        "odom",
+        "rolling",
+        "elevation",
+        "height",
+        "voxel",
+        "obstacle",
+        "submap",
+        "sub",
+    ];
+    let kind = topic.message_type.rsplit('/').next().unwrap_or_default();
+    let words = FrameId::new(topic.topic.as_str()).tokens();
+    let is_map = words.iter().any(|word| word == "map") && !words.iter().any(|word| NEAR.contains(&word.as_str()));
+    let used = topic
+        .header_frames
+        .iter()
+        .find(|(frame, _)| frame.canonical() == *odom)?;
+    (is_map && matches!(kind, "PointCloud2" | "OccupancyGrid")).then_some(&used.1.first)
+}
+
+fn misnamed_map(
+    bag: &BagEvidence,
+    edge: &TfEdge,
+    odom: &FrameId,
+    subject: String,
+    topic: &TopicEvidence,
+    first: &MessageRef,
+    moves: bool,
+) -> Finding {
+    let map = edge.parent.canonical();
+    let place = Place::message(bag.source, first.clone());
+    let message = format!(
+        "{} is called a map, and is told in `{odom}`: the correction `{map}` -> `{odom}` is not applied to it",
+        topic.topic
+    );
+    let finding = Finding::warning(subject, message, place)
+        .help(format!(
+            "gather the map in `{map}`, with `{map}` -> `{odom}` at the time of each scan; or call it a local one"
+        ))
+        .related(Place::message(bag.source, edge.first_at.clone()), "the correction");
+    if moves { finding.likely() } else { finding.hint() }
+}
+
+/// No correction at all: a fault only where someone speaks of `map`.
+fn without_map(bag: &BagEvidence, odom: &FrameId, subject: String, out: &mut Judge) {
+    let named = tf::without_correction(bag, odom).into_iter().next();
+    let main = named.as_ref().and_then(|(map, used)| Some((map, used, used.first()?)));
+    let Some((map, used, main)) = main else {
+        let reason = format!("nothing is told in `map`, and `{odom}` hangs under nothing that is called so");
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
+        return;
+    };
+    let count: u64 = used.iter().map(|used: &Used| used.count).sum();
+    let message = format!(
+        "{count} messages ({}{}) are told in `{map}`, and no transform ties it to `{odom}`",
+        main.topic.topic,
+        if used.len() > 1 { ", ..." } else { "" }
+    );
+    let place = Place::message(bag.source, main.first.clone());
+    let finding = Finding::warning(subject, message, place).likely();
+    let finding = finding.help(format!(
+        "run the localizer that publishes `{map}` -> `{odom}`, and record its TF"
+    ));
+    out.fail(finding.measured(Measured::new("messages", count as f64, "count").limit(0.0)));
+}

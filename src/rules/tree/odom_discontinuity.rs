@@ -1,0 +1,154 @@
+//! TREE15: odometry that does not move on from where it was.
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::content::StepAt;
+use crate::world::{BagEvidence, World};
+
+use super::odometry::{Bound, Stream, streams};
+use super::steps::{outstanding, seconds, takes_turns};
+
+/// TREE15.
+pub struct OdomDiscontinuity;
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Step that is never a jump, metres.
+    pub least_m: f64,
+    /// Turn that is never a jump, degrees.
+    pub least_deg: f64,
+    /// A jump is so many times the greatest speed.
+    pub times_speed: f64,
+    /// Steps needed.
+    pub min_steps: u64,
+    /// A jump that ends this near to the identity is a reset, metres and radians.
+    pub origin: f64,
+}
+
+impl Rule for OdomDiscontinuity {
+    const PAGE: &'static str = include_str!("../../../rules/tree/odom-discontinuity.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in &world.bags {
+            for ((odom, child), streams) in streams(bag) {
+                let subject = format!("odometry `{odom}` -> `{child}` of {}", world.path(bag.source));
+                judge_streams(bag, subject, &streams, limits, out);
+            }
+        }
+    }
+}
+
+fn judge_streams(bag: &BagEvidence, subject: String, streams: &[Stream], limits: &Limits, out: &mut Judge) {
+    let steps: u64 = streams.iter().map(|stream| stream.steps.count).sum();
+    if streams.iter().any(|stream| takes_turns(stream.steps)) {
+        let reason = "two writers take turns with different values; see AUTH01";
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
+        return;
+    }
+    if streams.iter().all(|stream| stream.steps.count < limits.min_steps) {
+        let reason = format!("{steps} steps, {} are needed", limits.min_steps);
+        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
+        return;
+    }
+    let bound = Bound::of(streams);
+    let jumps_of = |stream: &Stream| -> Vec<StepAt> {
+        let enough = stream.steps.count >= limits.min_steps;
+        let all = outstanding(stream.steps)
+            .into_iter()
+            .filter(|at| enough && bound.is_jump(&at.step, limits));
+        all.cloned().collect()
+    };
+    let found: Vec<(&Stream, Vec<StepAt>)> = streams.iter().map(|stream| (stream, jumps_of(stream))).collect();
+    let with_jumps: Vec<_> = found.into_iter().filter(|(_, jumps)| !jumps.is_empty()).collect();
+    let Some(((stream, jumps), others)) = with_jumps.split_first() else {
+        let all = streams.iter().flat_map(|stream| outstanding(stream.steps));
+        // The step that comes nearest to its limit.
+        let ratio = all.map(|at| at.step.distance_m.min(at.step.surprise_m) / bound.limits(&at.step, limits).0);
+        let largest = Measured::new("largest step, against its limit", ratio.fold(0.0, f64::max), "1").limit(1.0);
+        out.pass(
+            subject,
+            [
+                largest.samples(steps),
+                Measured::new("greatest speed", bound.speed, "m/s"),
+            ],
+        );
+        return;
+    };
+    let mut finding = finding(bag, subject, stream, jumps, &bound, limits);
+    for (other, jumps) in others {
+        if let Some(first) = jumps.first() {
+            let place = Place::message(bag.source, first.after.at.clone());
+            finding = finding.related(place, format!("{} jumps too, {} times", other.topic, jumps.len()));
+        }
+    }
+    out.fail(finding);
+}
+
+fn finding(
+    bag: &BagEvidence,
+    subject: String,
+    stream: &Stream,
+    jumps: &[StepAt],
+    bound: &Bound,
+    limits: &Limits,
+) -> Finding {
+    let excess = |at: &StepAt| {
+        let (m, rad) = bound.limits(&at.step, limits);
+        (at.step.distance_m / m).max(at.step.angle_rad / rad)
+    };
+    let Some(worst) = jumps.iter().max_by(|a, b| excess(a).total_cmp(&excess(b))) else {
+        return Finding::error(subject, "", Place::whole(bag.source));
+    };
+    let (m, rad) = bound.limits(&worst.step, limits);
+    let since = bag.start_ns.map_or(0, |start| worst.after.at.log_ns - start) as f64 / 1e9;
+    let is_at_origin = |at: &StepAt| {
+        let pose = at.after.pose.isometry();
+        pose.translation.vector.norm() <= limits.origin && pose.rotation.angle() <= limits.origin
+    };
+    let is_reset = is_at_origin(worst);
+    let what = if is_reset { "is reset to its origin" } else { "jumps" };
+    let message = format!(
+        "`{}` -> `{}` on {} {what}: {:.2} m and {:.1} deg within {:.3} s, {since:.1} s after the start, where {:.2} m/s is the \
+         greatest speed ({} such step{})",
+        stream.odom,
+        stream.child,
+        stream.topic,
+        worst.step.distance_m,
+        worst.step.angle_rad.to_degrees(),
+        seconds(&worst.step),
+        bound.speed,
+        jumps.len(),
+        if jumps.len() == 1 { "" } else { "s" },
+    );
+    let help = if is_reset {
+        "odometry was started anew: restart those who use it too, or keep it running; REP-105 promises that `odom` never jumps"
+    } else {
+        "`odom` may drift but never jump (REP-105): corrections belong into `map` -> `odom`; find what resets or corrects it"
+    };
+    let finding = Finding::error(subject, message, Place::message(bag.source, worst.after.at.clone()))
+        .likely()
+        .label("behind the jump")
+        .help(help)
+        .related(Place::message(bag.source, worst.before.at.clone()), "before it")
+        .measured(
+            Measured::new("step", worst.step.distance_m, "m")
+                .limit(m)
+                .samples(stream.steps.count),
+        )
+        .measured(Measured::new("turn", worst.step.angle_rad.to_degrees(), "deg").limit(rad.to_degrees()))
+        .measured(Measured::count("jumps", jumps.len()).limit(0.0));
+    let others = jumps.iter().filter(|at| at.after.at != worst.after.at).take(4);
+    others.fold(finding, |finding, at| {
+        finding.related(
+            Place::message(bag.source, at.after.at.clone()),
+            format!("{:.2} m here", at.step.distance_m),
+        )
+    })
+}
