@@ -126,6 +126,7 @@ pub static RULES: &[Entry] = &[
     entry::<tree::message_frame_unresolved::MessageFrameUnresolved>(),
     entry::<tree::tf_static_missing_or_late::TfStaticMissingOrLate>(),
     entry::<tree::tf_lookup_coverage::TfLookupCoverage>(),
+    entry::<tree::tf_rate_too_low::TfRateTooLow>(),
     entry::<tree::static_transform_changes::StaticTransformChanges>(),
     entry::<tree::urdf_structure::UrdfStructure>(),
     entry::<tree::base_footprint::BaseFootprint>(),

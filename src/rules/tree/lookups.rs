@@ -6,7 +6,10 @@ use crate::math::stats::median;
 use crate::rules::names::{self, Standard};
 use crate::world::FrameId;
 use crate::world::bag::{BagEvidence, StampEvidence, TfEdge, TopicEvidence};
-use crate::world::tf2::{self, Buffer, Extrapolation, Factor, LookupError};
+use crate::world::tf2::{self, Buffer, Extrapolation, LookupError};
+
+/// Edges to the tops of both frames from which fewer stamps are asked for.
+const DEEP: usize = 64;
 
 /// A recording's TF, with a buffer for each namespace that was asked.
 pub(super) struct Listeners<'w> {
@@ -173,14 +176,13 @@ impl<'w> Heard<'w> {
         let mut newest = Newest::default();
         let mut answers: Vec<(i64, Option<(Culprit, bool)>)> = Vec::new();
         let (mut forgotten, mut oldest_s) = (0, 0.0_f64);
-        for (stamp_ns, log_ns) in topic.stamps.samples.iter().copied().filter(|(stamp, _)| *stamp != 0) {
-            let answer = self.buffer.lookup(target.as_str(), frame.as_str(), stamp_ns);
-            if let Ok(found) = &answer {
-                let latest = found
-                    .factors
-                    .iter()
-                    .filter_map(|factor| newest.at(self.bag, factor, log_ns))
-                    .max();
+        // Trees of this depth are made up; they must not take long.
+        let stride = 1 + (self.buffer.depth(target) + self.buffer.depth(frame)) / DEEP;
+        let stamps = topic.stamps.samples.iter().copied().filter(|(stamp, _)| *stamp != 0);
+        for (stamp_ns, log_ns) in stamps.step_by(stride) {
+            let answer = self.buffer.rests_on(target.as_str(), frame.as_str(), stamp_ns);
+            if let Ok(edges) = &answer {
+                let latest = edges.iter().filter_map(|edge| newest.at(self.bag, *edge, log_ns)).max();
                 let age_s = latest.map_or(0.0, |latest| (latest as f64 - stamp_ns as f64) / 1e9);
                 oldest_s = oldest_s.max(age_s);
                 forgotten += u64::from(age_s > cache_s);
@@ -243,11 +245,10 @@ struct Newest {
 }
 
 impl Newest {
-    /// The newest stamp that was logged for the edge of a factor at `log_ns`; `None` for static ones.
-    fn at(&mut self, bag: &BagEvidence, factor: &Factor, log_ns: i64) -> Option<i64> {
-        let (tag, _) = factor.tags;
-        let edge = bag.tf.get(tag).filter(|edge| !edge.is_static)?;
-        let newest = self.of.entry(tag).or_insert_with(|| {
+    /// The newest stamp that was logged for an edge of `bag.tf` at `log_ns`; `None` for static ones.
+    fn at(&mut self, bag: &BagEvidence, number: usize, log_ns: i64) -> Option<i64> {
+        let edge = bag.tf.get(number).filter(|edge| !edge.is_static)?;
+        let newest = self.of.entry(number).or_insert_with(|| {
             let mut by_log: Vec<(i64, i64)> = edge.stamps.samples.iter().map(|(stamp, log)| (*log, *stamp)).collect();
             by_log.sort_unstable();
             let mut newest = i64::MIN;

@@ -18,28 +18,7 @@ impl Buffer {
     ///
     /// What tf2 would throw.
     pub fn lookup(&self, target: &str, source: &str, stamp_ns: i64) -> Result<Found, LookupError> {
-        if target == source {
-            // Not even the name is looked at.
-            let known = self.numbers.get(&FrameId::new(target));
-            let latest = known.and_then(|frame| self.history(*frame)?.latest());
-            let stamp_ns = match latest {
-                Some((latest, _)) if stamp_ns == 0 => latest,
-                _ => stamp_ns,
-            };
-            return Ok(Found {
-                target_from_source: Isometry3::identity(),
-                stamp_ns,
-                factors: Vec::new(),
-            });
-        }
-        let target = self.known(target, true)?;
-        let source = self.known(source, false)?;
-        let stamp_ns = if stamp_ns == 0 {
-            self.latest_common_ns(target, source)?
-        } else {
-            stamp_ns
-        };
-        let (up, down) = self.walk(target, source, stamp_ns)?;
+        let (stamp_ns, up, down) = self.way(target, source, stamp_ns)?;
         let mut found = Found {
             target_from_source: Isometry3::identity(),
             stamp_ns,
@@ -62,6 +41,51 @@ impl Buffer {
             found.factors.push(factor);
         }
         Ok(found)
+    }
+
+    /// Tags of the samples that a look-up rests on, the older one of each pair: [`Buffer::lookup`] without its product.
+    ///
+    /// # Errors
+    ///
+    /// What tf2 would throw.
+    pub fn rests_on(&self, target: &str, source: &str, stamp_ns: i64) -> Result<Vec<usize>, LookupError> {
+        let (_, up, down) = self.way(target, source, stamp_ns)?;
+        Ok(up.iter().chain(&down).map(|(_, edge)| edge.tags.0).collect())
+    }
+
+    /// Edges from a frame up to its top by the newest parents; as many as tf2 follows at most.
+    pub fn depth(&self, frame: &FrameId) -> usize {
+        let mut at = self.numbers.get(frame).copied();
+        for depth in 0..MAX_DEPTH {
+            match at.and_then(|frame| self.history(frame)?.latest()) {
+                Some((_, parent)) => at = Some(parent),
+                None => return depth,
+            }
+        }
+        MAX_DEPTH
+    }
+
+    /// The stamp of the answer, and the steps from the target and from the source up to where they meet.
+    fn way(&self, target: &str, source: &str, stamp_ns: i64) -> Result<(i64, Vec<Step>, Vec<Step>), LookupError> {
+        if target == source {
+            // Not even the name is looked at.
+            let known = self.numbers.get(&FrameId::new(target));
+            let latest = known.and_then(|frame| self.history(*frame)?.latest());
+            let stamp_ns = match latest {
+                Some((latest, _)) if stamp_ns == 0 => latest,
+                _ => stamp_ns,
+            };
+            return Ok((stamp_ns, Vec::new(), Vec::new()));
+        }
+        let target = self.known(target, true)?;
+        let source = self.known(source, false)?;
+        let stamp_ns = if stamp_ns == 0 {
+            self.latest_common_ns(target, source)?
+        } else {
+            stamp_ns
+        };
+        let (up, down) = self.walk(target, source, stamp_ns)?;
+        Ok((stamp_ns, up, down))
     }
 
     fn known(&self, frame: &str, is_target: bool) -> Result<FrameIndex, LookupError> {

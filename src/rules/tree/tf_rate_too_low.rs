@@ -1,0 +1,121 @@
+//! TREE10: transforms that come so seldom that interpolating between them goes astray.
+
+use std::collections::BTreeSet;
+
+use serde::Deserialize;
+
+use crate::rules::names::{self, Standard};
+use crate::rules::{Judge, Need, Rule, tf};
+use crate::source::Place;
+use crate::verdict::{Finding, NotEvaluated};
+use crate::world::bag::TfEdge;
+use crate::world::content::Step;
+use crate::world::{BagEvidence, FrameId, World};
+
+use super::rate::Rate;
+
+/// TREE10.
+pub struct TfRateTooLow;
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    min_steps: usize,
+    min_moving: u64,
+    max_undone: f64,
+    max_error_m: f64,
+    max_error_deg: f64,
+}
+
+impl Rule for TfRateTooLow {
+    const PAGE: &'static str = include_str!("../../../rules/tree/tf-rate-too-low.md");
+    const NEEDS: &'static [Need] = &[Need::Bag, Need::Tf];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in &world.bags {
+            let carrying = carrying(bag);
+            let edges = bag.tf.iter().filter(|edge| !edge.is_static && !corrects(edge));
+            for edge in edges.filter(|edge| carrying.contains(&edge.child.canonical())) {
+                judge_edge(bag, edge, limits, out);
+            }
+        }
+    }
+}
+
+/// The frames that data hang on: those of sensors and bases, and all that stand above them.
+fn carrying(bag: &BagEvidence) -> BTreeSet<FrameId> {
+    let by_child = tf::by_child(bag);
+    let is_base = |frame: &&FrameId| matches!(names::standard(frame), Some((_, Standard::Base)));
+    let sensors = tf::sensor_frames(bag).map(|(frame, _, _)| frame);
+    let mut queue: Vec<FrameId> = by_child.keys().filter(is_base).cloned().chain(sensors).collect();
+    let mut carrying = BTreeSet::new();
+    while let Some(frame) = queue.pop() {
+        if carrying.insert(frame.clone()) {
+            let above = by_child.get(&frame).into_iter().flatten();
+            queue.extend(above.map(|edge| edge.parent.canonical()));
+        }
+    }
+    carrying
+}
+
+/// Whether an edge corrects a drift, such as `map` from `odom`: it jumps by right, and nothing moves along it.
+fn corrects(edge: &TfEdge) -> bool {
+    let child = edge.child.canonical();
+    matches!(names::standard(&child), Some((_, Standard::Odom | Standard::Map)))
+}
+
+fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge) {
+    let name = format!("`{}` from `{}`", edge.parent, edge.child);
+    let subject = format!("rate of {name} on `{}`", edge.topic);
+    let steps = &edge.steps;
+    if steps.moving == 0 && steps.count > 0 {
+        let reason = format!("it does not move in {} steps", steps.count);
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
+        return;
+    }
+    let is_known = |step: &&Step| step.surprise_m.is_finite() && step.surprise_rad.is_finite();
+    let known: Vec<&Step> = steps.sample.iter().filter(is_known).collect();
+    let rate = Rate::of(&known).filter(|_| known.len() >= limits.min_steps && steps.moving >= limits.min_moving);
+    let Some(rate) = rate else {
+        let reason = format!("{} steps, {} of them moving, say little", steps.count, steps.moving);
+        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
+        return;
+    };
+    let undone = steps.undone as f64 / steps.count.max(1) as f64;
+    if undone > limits.max_undone {
+        let reason = format!(
+            "{:.0} % of the steps are undone by the next: see AUTH01",
+            undone * 100.0
+        );
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
+        return;
+    }
+    let measured = rate.measured(limits.max_error_m, limits.max_error_deg);
+    let times = (rate.error_m / limits.max_error_m).max(rate.error_deg / limits.max_error_deg);
+    if times <= 1.0 {
+        out.pass(subject, measured);
+        return;
+    }
+    let message = format!(
+        "{name} comes every {:.3} s (99 % within {:.3} s), too seldom for how it moves: interpolated in between it is off \
+         by up to {:.1} cm and {:.2} deg",
+        rate.usual_s,
+        rate.long_s,
+        rate.error_m * 100.0,
+        rate.error_deg
+    );
+    let help = if rate.long_s > 3.0 * rate.usual_s {
+        "find out what holds transforms back: most of them come in time".to_owned()
+    } else {
+        format!("publish it at {:.0} Hz or more", (times.sqrt() / rate.usual_s).ceil())
+    };
+    let first = steps.most_surprising.first();
+    let place = first.map_or(&edge.first_at, |step| &step.after.at).clone();
+    let finding = Finding::warning(subject, message, Place::message(bag.source, place))
+        .likely()
+        .label("farthest off a straight line")
+        .help(help);
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
+}
