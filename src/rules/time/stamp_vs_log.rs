@@ -10,7 +10,7 @@ use crate::world::{BagEvidence, World};
 use super::epoch_offset::EpochOffset;
 use super::lateness::{Fault, faults};
 use super::naming::{Naming, limits_of};
-use super::streams::{Clock, Of, Stream, is_simulated, log_clock, streams};
+use super::streams::{Of, Stream, is_simulated, log_clock, streams};
 use super::tf_vs_sensor_time::{self, TfVsSensorTime};
 use super::together::tell_once;
 
@@ -53,9 +53,7 @@ impl Rule for StampVsLog {
             let naming = Naming::new(bag, &streams, &names);
             let judged: Vec<&Stream<'_>> = streams
                 .iter()
-                .filter(|stream| {
-                    matches!(stream.of, Of::Topic(_)) && is_judged(bag, stream, &streams, (limits, &reused), out)
-                })
+                .filter(|stream| matches!(stream.of, Of::Topic(_)) && is_judged(bag, stream, (limits, &reused), out))
                 .collect();
             let found = judged
                 .iter()
@@ -69,7 +67,6 @@ impl Rule for StampVsLog {
 fn is_judged(
     bag: &BagEvidence,
     stream: &Stream<'_>,
-    all: &[Stream<'_>],
     (limits, reused): (&Limits, &tf_vs_sensor_time::Limits),
     out: &mut Judge,
 ) -> bool {
@@ -83,7 +80,7 @@ fn is_judged(
     } else if stream.is_reused(reused) {
         let why = "stamps hardly change; see TIME10";
         (NotEvaluated::NotApplicable, why.to_owned())
-    } else if stream.clock() == Some(log_clock(bag)) || runs_apart(bag, stream, all) {
+    } else if stream.clock() == Some(log_clock(bag)) || runs_apart(bag, stream) {
         return true;
     } else {
         let why = "stamps and log time are of different kinds of clock; see TIME04";
@@ -93,11 +90,10 @@ fn is_judged(
     false
 }
 
-/// Whether an uptime clock beside a log in calendar time must still advance like it: it is a receiver's, or other
-/// streams show calendar time. The clock of a simulation may run at any rate.
-fn runs_apart(bag: &BagEvidence, stream: &Stream<'_>, all: &[Stream<'_>]) -> bool {
-    let calendar = all.iter().any(|other| other.clock() == Some(Clock::Calendar));
-    !is_simulated(bag) && (calendar || stream.is_gnss())
+/// Whether an uptime clock beside a log in calendar time must still advance like it: it is a receiver's. The clock of a
+/// simulation may run at any rate, and TIME04 says that it stands beside calendar time.
+fn runs_apart(bag: &BagEvidence, stream: &Stream<'_>) -> bool {
+    !is_simulated(bag) && stream.is_gnss()
 }
 
 fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: &mut Judge) -> Vec<Fault> {

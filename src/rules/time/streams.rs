@@ -189,6 +189,8 @@ pub(super) fn streams(bag: &BagEvidence) -> Vec<Stream<'_>> {
         .values()
         .filter(|topic| topic.stamps.count > 0 && !is_tf(&topic.topic, &topic.message_type))
         .filter(|topic| !is_latched(&topic.topic, &topic.message_type))
+        // Every node writes to the log, in its own order and sometimes before it has a clock.
+        .filter(|topic| !topic.message_type.ends_with("/Log"))
         .map(|topic| Stream {
             source: bag.source,
             subject: format!("topic `{}`", topic.topic),
