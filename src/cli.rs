@@ -15,13 +15,13 @@ use std::path::PathBuf;
 
 use clap::{CommandFactory, Parser};
 
-use crate::engine::{self, UsageError};
+use crate::engine::{self, UsageError, evidence};
 use crate::page::{Front, PageError};
 use crate::report::{Style, explain, json, rules_table, terminal, tree};
 use crate::rules::RULES;
 use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, RuleInfo};
 
-use args::{Check, Cli, Color, Format, RulesFormat, Tree, TreeFormat, Verb};
+use args::{Check, Cli, Collect, Color, Format, RulesFormat, Tree, TreeFormat, Verb};
 
 /// What the program answers: texts for standard output and standard error, and the exit code.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -99,6 +99,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, stdin: &mut dyn Read, 
     };
     let answer = match cli.verb {
         Verb::Check(check) => run_check(check, stdin, surroundings),
+        Verb::Collect(collect) => run_collect(collect, stdin, surroundings),
         Verb::Tree(tree) => run_tree(tree, stdin, surroundings),
         Verb::Explain { rule } => run_explain(&rule, surroundings.style),
         Verb::Rules { format } => run_rules(format, surroundings.style),
@@ -148,12 +149,17 @@ fn refuse(error: &clap::Error, arguments: &[OsString], surroundings: Surrounding
 fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
     // The program ends with the report: freeing every name one by one first would be time for nothing.
     let run = ManuallyDrop::new(engine::check(&engine::Options {
-        extent: check.input.extent(),
-        paths: paths(check.input.paths, stdin)?,
+        extent: check.reading.extent(),
+        paths: if check.paths.is_empty() {
+            Vec::new()
+        } else {
+            paths(check.paths, stdin)?
+        },
+        evidence: check.evidence,
         select: check.select,
         ignore: check.ignore,
-        xacro_args: check.input.xacro_args,
-        msg_paths: check.input.msg_paths,
+        xacro_args: check.reading.xacro_args,
+        msg_paths: check.reading.msg_paths,
         progress: surroundings.progress,
     })?);
     let fail_on = check.fail_on.into();
@@ -199,12 +205,37 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
     })
 }
 
+fn run_collect(collect: Collect, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
+    let run = engine::collect(&engine::Options {
+        extent: collect.input.reading.extent(),
+        paths: paths(collect.input.paths, stdin)?,
+        xacro_args: collect.input.reading.xacro_args,
+        msg_paths: collect.input.reading.msg_paths,
+        progress: surroundings.progress,
+        ..engine::Options::default()
+    })?;
+    let mut out = evidence::write(&run)?;
+    if let Some(file) = collect.output {
+        std::fs::write(&file, std::mem::take(&mut out))
+            .map_err(|error| Failure::Usage(format!("cannot write `{}`: {error}", file.display())))?;
+    }
+    let style = Style {
+        color: false,
+        ..surroundings.style
+    };
+    Ok(Answer {
+        out,
+        err: terminal::render_unread(&run, style),
+        code: run.exit_code_of_reading(),
+    })
+}
+
 fn run_tree(tree: Tree, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
     let run = engine::read(&engine::Options {
-        extent: tree.input.extent(),
+        extent: tree.input.reading.extent(),
         paths: paths(tree.input.paths, stdin)?,
-        xacro_args: tree.input.xacro_args,
-        msg_paths: tree.input.msg_paths,
+        xacro_args: tree.input.reading.xacro_args,
+        msg_paths: tree.input.reading.msg_paths,
         progress: surroundings.progress,
         ..engine::Options::default()
     })?;

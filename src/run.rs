@@ -27,7 +27,8 @@ pub struct Run {
     pub sources: Vec<Source>,
     /// Outcomes and findings.
     pub verdict: Verdict,
-    /// What is known, one world for each platform.
+    /// What is known, one world for each platform that was read. Those of saved evidence are not among them: their
+    /// sources have other ids.
     pub worlds: Vec<World>,
     /// The rules that ran, in code order.
     pub rules: Vec<RuleInfo>,

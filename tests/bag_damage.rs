@@ -246,14 +246,11 @@ fn what_is_no_mcap_is_told_apart() {
         (&[0; 4096], "not an MCAP: magic missing at byte 0"),
         (b"<robot name='x'/>", "not an MCAP: magic missing at byte 0"),
         (b"BZh91AY", "not an MCAP: this is a file compressed with bzip2"),
-        (
-            b"SQLite format 3\0 etc",
-            "not an MCAP: this is an SQLite database (rosbag2 `.db3`), which is not read",
-        ),
+        (b"SQLite format 3\0 etc", "file is not a database"),
         (&[0x1f, 0x8b, 8, 0], "not an MCAP: this is a file compressed with gzip"),
         (
             &[0x28, 0xb5, 0x2f, 0xfd, 0],
-            "not an MCAP: this is a file compressed with zstd",
+            "the compressed file is cut off or damaged after 0 unpacked bytes: incomplete frame",
         ),
         (b"PK\x03\x04zip", "not an MCAP: this is a ZIP archive"),
         (
@@ -272,7 +269,7 @@ fn what_is_no_mcap_is_told_apart() {
     }
     let folder = tempfile::tempdir().unwrap();
     let (source, _) = support::collected_from(folder.path());
-    assert_eq!(source.detail.as_deref(), Some("is not a regular file"));
+    assert_eq!(source.detail.as_deref(), Some("the folder holds no recording"));
     let (source, _) = support::collected_from(&folder.path().join("absent.mcap"));
     assert!(source.detail.unwrap().starts_with("cannot be opened: "));
 }

@@ -14,8 +14,9 @@ use std::path::Path;
 
 use frames_lint::read::bag::{Extent, Sampling, Wanted};
 use frames_lint::source::ReadStatus;
-use support::heard::{Heard, Said, read, read_from, wanted};
-use support::rosbag1::{Compression, Connection, Ending, Layout, Rosbag1, Written, drive, layouts};
+use support::heard::{Heard, Said, are_some_of, read, read_from, wanted};
+use support::rosbag1::{Compression, Connection, Ending, Layout, Rosbag1, Written};
+use support::rosbag1_drive::{drive, layouts};
 
 #[test]
 fn what_was_written_is_read_in_every_compression() {
@@ -265,8 +266,7 @@ fn some_of_a_bag_is_read_by_its_index() {
         let of = |topic: &str| heard.messages.iter().filter(|said| said.0 == topic).count();
         assert_eq!((of("/map"), of("/word")), (4, 1));
         assert_eq!(heard.channels[0].total, Some(12_000));
-        let mut rest = written.iter();
-        assert!(heard.messages.iter().all(|said| rest.any(|other| other == said)));
+        assert!(are_some_of(&heard.messages, &written));
         // What fits is read wholly.
         let all = Wanted {
             sampling: Some(Sampling {

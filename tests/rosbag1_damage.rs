@@ -12,8 +12,9 @@
 mod support;
 
 use frames_lint::source::{ReadStatus, Source};
-use support::heard::{Said, read};
-use support::rosbag1::{Compression, Ending, Layout, Rosbag1, Written, drive, layouts};
+use support::heard::{are_some_of, read};
+use support::rosbag1::{Compression, Ending, Layout, Rosbag1, Written};
+use support::rosbag1_drive::{drive, layouts};
 
 /// Bag header: magic 13, length 4, then fields of 4 + name + `=` + value each, `op` first.
 const INDEX_POS: usize = 13 + 4 + 8 + 14;
@@ -44,12 +45,6 @@ fn data_of(bytes: &[u8], chunk: usize) -> (usize, usize) {
 
 fn told(source: &Source, text: &str) -> bool {
     source.problems.iter().any(|problem| problem.message.contains(text))
-}
-
-/// Whether messages are some of others, in their order.
-fn are_some_of(part: &[Said], whole: &[Said]) -> bool {
-    let mut rest = whole.iter();
-    part.iter().all(|message| rest.any(|other| other == message))
 }
 
 /// Messages of the largest chunk.

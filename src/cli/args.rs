@@ -39,6 +39,8 @@ pub(super) enum Verb {
         #[arg(long, value_enum, default_value = "text")]
         format: RulesFormat,
     },
+    /// Save what was read, to be judged later with `check --evidence`; judges nothing
+    Collect(Collect),
     /// Draw the frame tree with who says what; judges nothing
     Tree(Tree),
     /// Write a completion script for a shell
@@ -59,6 +61,12 @@ pub(super) struct Input {
     /// Files and folders; `-` takes a list from standard input, one path a line or NUL-separated
     #[arg(required = true, value_name = "PATH", value_hint = ValueHint::AnyPath)]
     pub(super) paths: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(super) reading: Reading,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Reading {
     /// Argument for xacro files; may be repeated
     #[arg(long = "xacro-arg", value_name = "NAME:=VALUE", value_parser = xacro_arg)]
     pub(super) xacro_args: Vec<String>,
@@ -76,7 +84,7 @@ pub(super) struct Input {
     pub(super) budget: Option<std::time::Duration>,
 }
 
-impl Input {
+impl Reading {
     /// How much of recordings is read.
     pub(super) fn extent(&self) -> Extent {
         Extent {
@@ -91,8 +99,14 @@ impl Input {
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct Check {
+    /// Files and folders; `-` takes a list from standard input, one path a line or NUL-separated
+    #[arg(required_unless_present = "evidence", value_name = "PATH", value_hint = ValueHint::AnyPath)]
+    pub(super) paths: Vec<PathBuf>,
+    /// Evidence saved by `collect`, judged as the files were; may be repeated, and stand beside paths
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(super) evidence: Vec<PathBuf>,
     #[command(flatten)]
-    pub(super) input: Input,
+    pub(super) reading: Reading,
     /// Rules to run: codes, names or families, with commas between; all without it
     #[arg(long, value_name = "RULES", value_delimiter = ',')]
     pub(super) select: Vec<String>,
@@ -115,6 +129,15 @@ pub(super) struct Check {
     #[arg(long)]
     pub(super) all: bool,
     /// Write the report to a file; the counts and the verdict go to standard error
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(super) output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Collect {
+    #[command(flatten)]
+    pub(super) input: Input,
+    /// Write the evidence to a file instead of standard output
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) output: Option<PathBuf>,
 }

@@ -22,6 +22,7 @@ use std::sync::Arc;
 use crate::read::bag::{self, Channel, Extent, Message, Progress, Recording, Sampling, Visit, Wanted};
 use crate::read::messages::content::{Body, Content};
 use crate::read::messages::decoder::{Decoder, Format};
+use crate::read::messages::decoders::Decoders;
 use crate::read::messages::definition::Definitions;
 use crate::source::{MessageRef, Place, ReadStatus, Source};
 use crate::world::bag::Share as Examined;
@@ -69,7 +70,7 @@ pub struct How {
 /// `source`; what could be read before a fault is in the evidence.
 pub fn collect(path: &Path, how: &How, source: &mut Source, progress: Progress<'_>) -> Collected {
     let mut collector = Collector {
-        definitions: Arc::clone(&how.definitions),
+        decoders: Decoders::new(Arc::clone(&how.definitions)),
         ..Collector::default()
     };
     let wanted = Wanted {
@@ -99,7 +100,7 @@ struct Told {
 
 #[derive(Default)]
 struct Collector {
-    definitions: Arc<Definitions>,
+    decoders: Decoders,
     /// By the channel's number; `None` where there was no room for its topic.
     channels: Vec<Option<Told>>,
     topics: Vec<Topic>,
@@ -171,6 +172,7 @@ impl Visit for Collector {
             Body::Fix(fix) => topic.contents.fix(point, &fix),
             Body::Pose(pose) => topic.contents.pose(point, &pose),
             Body::Twist(twist) => topic.contents.twist(point, &twist),
+            Body::Frames(names) => topic.named(point, &names),
             Body::Description(text) => self.descriptions.push(point, &topic.name, &text),
             Body::Nothing | Body::Clock(_) => {}
         }
@@ -202,7 +204,7 @@ impl Collector {
             schema: &channel.schema,
             schema_encoding: &channel.schema_encoding,
         };
-        let decoder = Decoder::of(&format, &self.definitions);
+        let decoder = self.decoders.of(&format, &channel.schema);
         let next = self.topics.len();
         let number = match self.topic_of.get(&channel.topic).copied() {
             Some(known) => {

@@ -1,5 +1,6 @@
 //! What is gathered of one topic: counts, log times, header frames, stamps.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 
 use crate::read::bag::{Channel, Message};
@@ -115,6 +116,13 @@ impl Topic {
         self.stamps.push(point);
         self.frames.add(&header.frame_id, point);
         point
+    }
+
+    /// Takes in frames that a message names beyond its header's.
+    pub(super) fn named(&mut self, point: Point, frames: &[Cow<'_, str>]) {
+        for frame in frames {
+            self.frames.add(frame, point);
+        }
     }
 
     /// Notes a message that does not decode.

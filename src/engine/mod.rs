@@ -1,5 +1,6 @@
 //! The engine: plan, read, judge. Ties the rooms of the house together and knows no format and no rule by name.
 
+pub mod evidence;
 mod gather;
 mod judge;
 mod parallel;
@@ -21,6 +22,9 @@ use crate::source::Source;
 use crate::verdict::Verdict;
 use crate::world::World;
 
+use evidence::Saved;
+use plan::Enabled;
+
 pub use sampling::Extent;
 
 /// What the user asked for.
@@ -28,6 +32,8 @@ pub use sampling::Extent;
 pub struct Options {
     /// Files and folders.
     pub paths: Vec<PathBuf>,
+    /// Documents of evidence, judged beside the paths.
+    pub evidence: Vec<PathBuf>,
     /// Codes, names and families of the rules to run; all where empty.
     pub select: Vec<String>,
     /// Codes, names and families of the rules to leave out.
@@ -63,32 +69,86 @@ pub fn rules() -> Result<Vec<RuleInfo>, UsageError> {
 pub fn check(options: &Options) -> Result<Run, UsageError> {
     let rules = plan::enabled(&options.select, &options.ignore)?;
     let inputs = inputs(options)?;
-    let definitions = definitions(options)?;
-    let mut plan = sampling::Plan::new(options.extent, &rules);
-    let (mut worlds, verdicts) = loop {
-        let worlds = worlds(&inputs, options, &definitions, &plan);
-        let several = worlds.len() > 1;
-        let verdicts = parallel::map(worlds.iter().collect(), |world| {
-            judge::judge(world, &rules, several.then_some(world.label.as_str()))
-        });
-        if !plan.widen(&worlds, &verdicts) {
-            break (worlds, verdicts);
+    let saved: Vec<Saved> = options.evidence.iter().map(|path| evidence::read(path)).collect();
+    let others = saved.iter().map(|saved| saved.worlds.len()).sum();
+    let (mut worlds, verdicts) = settle(&inputs, options, &rules, others)?;
+    let mut verdict = merged(verdicts);
+    let several = worlds.len() + others > 1;
+    let mut sources = take_sources(&mut worlds);
+    let mut skipped = inputs.skipped;
+    for Saved {
+        worlds: known,
+        sources: read,
+        skipped: met,
+    } in saved
+    {
+        let mut part = merged(judge_all(&known, &rules, several));
+        drop(known);
+        let mut read = Arc::unwrap_or_clone(read);
+        evidence::shift(&mut read, &mut part, sources.len());
+        sources.extend(read);
+        verdict.rows.extend(part.rows);
+        verdict.findings.extend(part.findings);
+        for (what, count) in met {
+            *skipped.entry(what).or_default() += count;
         }
-    };
+    }
+    verdict.sort();
+    let rules = rules.iter().map(|rule| RuleInfo::new(&rule.front)).collect();
+    Ok(Run {
+        sources,
+        verdict,
+        worlds,
+        rules,
+        skipped,
+    })
+}
+
+/// Reads the inputs as far as [`check`] with every rule would, and keeps no judgement.
+pub fn collect(options: &Options) -> Result<Run, UsageError> {
+    let inputs = inputs(options)?;
+    let (mut worlds, _) = settle(&inputs, options, &plan::all()?, 0)?;
+    Ok(Run {
+        sources: take_sources(&mut worlds),
+        verdict: Verdict::default(),
+        worlds,
+        rules: Vec::new(),
+        skipped: inputs.skipped,
+    })
+}
+
+/// Reads and judges until no rule lacks evidence that may still be had. `others` worlds are judged beside these.
+fn settle(
+    inputs: &Inputs,
+    options: &Options,
+    rules: &[Enabled],
+    others: usize,
+) -> Result<(Vec<World>, Vec<Verdict>), UsageError> {
+    let definitions = definitions(options)?;
+    let mut plan = sampling::Plan::new(options.extent, rules);
+    loop {
+        let worlds = worlds(inputs, options, &definitions, &plan);
+        let verdicts = judge_all(&worlds, rules, worlds.len() + others > 1);
+        if !plan.widen(&worlds, &verdicts) {
+            return Ok((worlds, verdicts));
+        }
+    }
+}
+
+/// One verdict for each world; subjects say which where there are several.
+fn judge_all(worlds: &[World], rules: &[Enabled], several: bool) -> Vec<Verdict> {
+    parallel::map(worlds.iter().collect(), |world| {
+        judge::judge(world, rules, several.then_some(world.label.as_str()))
+    })
+}
+
+fn merged(verdicts: Vec<Verdict>) -> Verdict {
     let mut verdict = Verdict::default();
     for part in verdicts {
         verdict.rows.extend(part.rows);
         verdict.findings.extend(part.findings);
     }
-    verdict.sort();
-    let rules = rules.iter().map(|rule| RuleInfo::new(&rule.front)).collect();
-    Ok(Run {
-        sources: take_sources(&mut worlds),
-        verdict,
-        worlds,
-        rules,
-        skipped: inputs.skipped,
-    })
+    verdict
 }
 
 /// Reads the inputs and judges nothing.
@@ -111,7 +171,7 @@ pub fn read(options: &Options) -> Result<Run, UsageError> {
 }
 
 fn inputs(options: &Options) -> Result<Inputs, UsageError> {
-    if options.paths.is_empty() {
+    if options.paths.is_empty() && options.evidence.is_empty() {
         return Err(UsageError("no path was given".to_owned()));
     }
     Ok(discover(&options.paths))

@@ -126,6 +126,7 @@ fn named_file(path: &Path) -> Input {
             input.refusal = Some(format!("cannot be opened: {error}"));
         }
         Ok(head) => match recognise(path, &head) {
+            _ if own_document(&head).is_some() => input.refusal = own_document(&head).map(str::to_owned),
             Some(kind) => input.kind = kind,
             None => {
                 input.refusal = Some(unread_format(path).map_or_else(
@@ -205,6 +206,10 @@ fn met_file(path: &Path, root: &Path, group: usize, inputs: &mut Inputs) {
             input.refusal = Some(format!("cannot be opened: {error}"));
         }
         Ok(head) => {
+            if own_document(&head).is_some() {
+                *inputs.skipped.entry("frames-lint document".to_owned()).or_default() += 1;
+                return;
+            }
             if let Some(kind) = recognise(path, &head) {
                 input.kind = kind;
             } else if let Some(reason) = unread_format(path) {
@@ -310,6 +315,23 @@ fn recognise(path: &Path, head: &[u8]) -> Option<SourceKind> {
             Some(if xacro() { SourceKind::Xacro } else { SourceKind::Urdf })
         }
         None => None,
+    }
+}
+
+/// Documents that frames-lint writes itself lie beside what they are about: their numbers are nobody's statement.
+fn own_document(head: &[u8]) -> Option<&'static str> {
+    let start: Vec<u8> = head
+        .iter()
+        .copied()
+        .filter(|byte| !byte.is_ascii_whitespace())
+        .take(40)
+        .collect();
+    if start.starts_with(b"{\"schema\":\"frames-lint-evidence/") {
+        Some("is evidence saved by frames-lint: it is judged with `--evidence`")
+    } else if start.starts_with(b"{\"schema\":\"frames-lint/") {
+        Some("is a report of frames-lint")
+    } else {
+        None
     }
 }
 

@@ -40,6 +40,11 @@ const SENSOR_TYPES: &[&str] = &[
     "VelodyneScan",
     "RadarScan",
     "CustomMsg",
+    // Foxglove's.
+    "RawImage",
+    "CompressedVideo",
+    "CompressedPointCloud",
+    "CameraCalibration",
 ];
 
 const SPATIAL_TYPES: &[&str] = &[
@@ -59,6 +64,15 @@ const SPATIAL_TYPES: &[&str] = &[
     "Detection2DArray",
     "Detection3DArray",
     "Detection3D",
+    // Foxglove's. A fix is of use without a frame, and is often sent without.
+    "LocationFix",
+    "LocationFixes",
+    "PoseInFrame",
+    "PosesInFrame",
+    "Point3InFrame",
+    "Grid",
+    "VoxelGrid",
+    "SceneUpdate",
 ];
 
 const IGNORED_PACKAGES: &[&str] = &[
@@ -98,10 +112,10 @@ const IGNORED_TYPES: &[&str] = &[
     "tfMessage",
 ];
 
-/// What the header frame of a message type (`sensor_msgs/msg/Imu` or `sensor_msgs/Imu`) is for.
+/// What the header frame of a message type (`sensor_msgs/msg/Imu`, `sensor_msgs/Imu`, `foxglove.LaserScan`) is for.
 pub(crate) fn header_use(message_type: &str) -> HeaderUse {
-    let package = message_type.split('/').next().unwrap_or_default();
-    let name = message_type.rsplit('/').next().unwrap_or_default();
+    let package = message_type.split(['/', '.']).next().unwrap_or_default();
+    let name = message_type.rsplit(['/', '.']).next().unwrap_or_default();
     if IGNORED_PACKAGES.contains(&package) || IGNORED_TYPES.contains(&name) {
         HeaderUse::Ignored
     } else if SENSOR_TYPES.contains(&name) {
@@ -283,5 +297,9 @@ mod tests {
         assert_eq!(header_use("sensor_msgs/msg/JointState"), HeaderUse::Ignored);
         assert_eq!(header_use("diagnostic_msgs/msg/DiagnosticArray"), HeaderUse::Ignored);
         assert_eq!(header_use("my_msgs/msg/Tracks"), HeaderUse::Possible);
+        assert_eq!(header_use("foxglove.PointCloud"), HeaderUse::Sensor);
+        assert_eq!(header_use("foxglove_msgs/msg/RawImage"), HeaderUse::Sensor);
+        assert_eq!(header_use("foxglove.PoseInFrame"), HeaderUse::Spatial);
+        assert_eq!(header_use("acme.Tracks"), HeaderUse::Possible);
     }
 }

@@ -160,6 +160,7 @@ pub struct TfEdge {
     /// Quaternions with `| |q|² - 1 | >= 0.01`, which tf2 drops.
     pub denormalized: Faults,
     /// Largest `| |q| - 1 |` of the quaternions that tf2 accepts.
+    #[serde(with = "super::number")]
     pub worst_norm_error: f64,
     /// Stamps of the edge.
     pub stamps: StampEvidence,

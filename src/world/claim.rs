@@ -12,8 +12,10 @@ use super::frame::FrameId;
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pose {
     /// Position of the source frame's origin in the target frame, metres.
+    #[serde(with = "super::number::array")]
     pub translation_m: [f64; 3],
     /// Rotation of the source frame's axes into the target frame, `[x, y, z, w]`, unit norm.
+    #[serde(with = "super::number::array")]
     pub rotation_xyzw: [f64; 4],
 }
 
@@ -28,7 +30,7 @@ impl Pose {
     pub fn from_raw(translation_m: [f64; 3], xyzw: [f64; 4]) -> Option<Self> {
         let norm = xyzw.iter().map(|v| v * v).sum::<f64>().sqrt();
         let finite = translation_m.iter().chain(&xyzw).all(|v| v.is_finite());
-        (finite && norm > 1e-9).then(|| Self {
+        (finite && norm > 1e-9 && norm.is_finite()).then(|| Self {
             translation_m,
             rotation_xyzw: xyzw.map(|v| v / norm),
         })
@@ -61,6 +63,7 @@ pub struct Literal {
     /// The text, for example `1.57` or `-0.0`.
     pub text: CompactString,
     /// Its value; NaN where the text is no number.
+    #[serde(with = "super::number")]
     pub value: f64,
     /// Where it stands in the source's text.
     pub span: Span,
@@ -73,15 +76,19 @@ pub enum Spelling {
     /// Translation and fixed-axis roll, pitch, yaw (`R = Rz(yaw) Ry(pitch) Rx(roll)`), radians as declared.
     Rpy {
         /// Metres.
+        #[serde(with = "super::number::array")]
         xyz: [f64; 3],
         /// Radians, as the format declares them.
+        #[serde(with = "super::number::array")]
         rpy: [f64; 3],
     },
     /// Translation and quaternion.
     Quaternion {
         /// Metres.
+        #[serde(with = "super::number::array")]
         xyz: [f64; 3],
         /// As read: `[x, y, z, w]`, not normalised.
+        #[serde(with = "super::number::array")]
         xyzw: [f64; 4],
         /// Whether keys or the format fix the order; false for a bare list of four.
         order_known: bool,
@@ -93,11 +100,13 @@ pub enum Spelling {
         /// Columns.
         cols: usize,
         /// `rows * cols` numbers in the order of the file.
+        #[serde(with = "super::number::list")]
         values: Vec<f64>,
     },
     /// A bare translation.
     Translation {
         /// Metres.
+        #[serde(with = "super::number::array")]
         xyz: [f64; 3],
     },
 }

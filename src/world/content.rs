@@ -23,11 +23,13 @@ pub struct Step {
     /// Stamp of the later pose minus that of the earlier, nanoseconds; positive.
     pub dt_ns: i64,
     /// Distance between the two origins, metres.
+    #[serde(with = "super::number")]
     pub distance_m: f64,
     /// Angle between the two orientations, radians.
+    #[serde(with = "super::number")]
     pub angle_rad: f64,
     /// Distance between the later origin and the one that the velocity of the step before predicts, metres; NaN where
-    /// there was no step before (written as `null`).
+    /// there was no step before.
     #[serde(with = "super::number")]
     pub surprise_m: f64,
     /// Angle between the later orientation and the one that the angular velocity of the step before predicts, radians.

@@ -34,7 +34,8 @@ pub use robot::Robot;
 pub struct World {
     /// What the platform is called in reports: the path it was found at.
     pub label: String,
-    /// Every source of the run, by id; a platform's facts point only at its own.
+    /// Every source of the run, by id; a platform's facts point only at its own. Saved beside the worlds that share it.
+    #[serde(skip)]
     pub sources: Arc<Vec<Source>>,
     /// The sources that belong to this platform.
     pub members: Vec<SourceId>,

@@ -68,8 +68,10 @@ pub struct Inertial {
     /// The element.
     pub place: Place,
     /// Mass, kilograms.
+    #[serde(with = "super::number::option")]
     pub mass_kg: Option<f64>,
     /// `ixx ixy ixz iyy iyz izz`, kg m²; `None` where one is missing or no number.
+    #[serde(with = "super::number::option_array")]
     pub inertia: Option<[f64; 6]>,
     /// The `<mass>` element, if there is one.
     pub mass_place: Option<Place>,
@@ -179,8 +181,10 @@ pub struct ConsumerJoint {
     /// Child link.
     pub child: String,
     /// Metres.
+    #[serde(with = "super::number::array")]
     pub xyz: [f64; 3],
     /// Radians.
+    #[serde(with = "super::number::array")]
     pub rpy: [f64; 3],
 }
 

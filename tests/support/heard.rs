@@ -73,3 +73,9 @@ pub fn wanted(bytes: &[u8], wanted: &Wanted<'_>) -> (Source, Extent, Heard) {
     std::fs::write(&path, bytes).unwrap();
     wanted_from(&path, wanted)
 }
+
+/// Whether messages are some of others, in their order.
+pub fn are_some_of(part: &[Said], whole: &[Said]) -> bool {
+    let mut rest = whole.iter();
+    part.iter().all(|message| rest.any(|other| other == message))
+}

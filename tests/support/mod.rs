@@ -20,8 +20,11 @@ pub mod heard;
 pub mod motion;
 pub mod program;
 pub mod raw;
+pub mod reading;
 pub mod recipe;
 pub mod rosbag1;
+pub mod rosbag2;
+pub mod rosbag1_drive;
 pub mod schemas;
 pub mod topic;
 

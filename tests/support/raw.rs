@@ -48,6 +48,8 @@ pub struct RawChannel<'a> {
     pub schema_encoding: &'a str,
     /// The definition.
     pub schema: &'a str,
+    /// The definition where it is no text; stands instead of `schema` unless empty.
+    pub descriptor: &'a [u8],
     /// Encoding of the messages.
     pub message_encoding: &'a str,
     /// `offered_qos_profiles`, where given.
@@ -63,6 +65,7 @@ impl Default for RawChannel<'_> {
             message_type: "",
             schema_encoding: "ros2msg",
             schema: "",
+            descriptor: &[],
             message_encoding: "cdr",
             qos: None,
             writer: None,
@@ -91,8 +94,12 @@ impl<W: Write + Seek> RawBag<W> {
         let schema = if channel.message_type.is_empty() {
             0
         } else {
+            let schema = match channel.descriptor {
+                [] => channel.schema.as_bytes(),
+                descriptor => descriptor,
+            };
             self.writer
-                .add_schema(channel.message_type, channel.schema_encoding, channel.schema.as_bytes())
+                .add_schema(channel.message_type, channel.schema_encoding, schema)
                 .unwrap()
         };
         let noted = [("offered_qos_profiles", channel.qos), ("callerid", channel.writer)];

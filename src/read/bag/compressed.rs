@@ -40,8 +40,12 @@ pub(super) struct Unpacked {
 
 /// Unpacks a compressed file of `total` bytes to a temporary one. What stands before damage comes out.
 pub(super) fn unpack(file: File, total: u64, progress: Progress<'_>) -> Result<Unpacked, String> {
-    let cannot = |error: std::io::Error| format!("cannot be unpacked: {error}");
     let bound = (FREE + total.saturating_mul(MAX_RATIO)).min(MAX_UNPACKED);
+    unpack_within(bound, file, total, progress)
+}
+
+fn unpack_within(bound: u64, file: File, total: u64, progress: Progress<'_>) -> Result<Unpacked, String> {
+    let cannot = |error: std::io::Error| format!("cannot be unpacked: {error}");
     let mut out = NamedTempFile::with_prefix("frames-lint-").map_err(cannot)?;
     let mut counted = Counted { file, done: 0 };
     let mut decoder = zstd::Decoder::new(&mut counted).map_err(cannot)?;
@@ -62,8 +66,7 @@ pub(super) fn unpack(file: File, total: u64, progress: Progress<'_>) -> Result<U
         size += read as u64;
         if size > bound {
             fault = Some(format!(
-                "it unpacks to more than {} MB, what came after was not read",
-                bound >> 20
+                "it unpacks to more than {bound} bytes; what comes after them was not read"
             ));
             break;
         }
@@ -198,5 +201,39 @@ impl Visit for Inflate<'_> {
 
     fn annotation(&mut self, name: &str, fields: &BTreeMap<String, String>) {
         self.visit.annotation(name, fields);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn unpacked(bound: u64, bytes: &[u8]) -> Unpacked {
+        let mut file = tempfile::tempfile().unwrap();
+        file.write_all(bytes).unwrap();
+        std::io::Seek::rewind(&mut file).unwrap();
+        unpack_within(bound, file, bytes.len() as u64, &|_, _| {}).unwrap()
+    }
+
+    #[test]
+    fn a_file_that_unpacks_without_end_is_left_at_the_bound() {
+        let packed = zstd::encode_all(vec![0; 5 << 20].as_slice(), 3).unwrap();
+        let whole = unpacked(5 << 20, &packed);
+        assert_eq!((whole.size, whole.fault.clone()), (5 << 20, None));
+        let bounded = unpacked(3 << 20, &packed);
+        assert!(bounded.fault.unwrap().contains("more than 3145728 bytes"));
+        assert!(std::fs::metadata(bounded.file.path()).unwrap().len() <= 3 << 20);
+    }
+
+    #[test]
+    fn what_stands_before_a_cut_comes_out() {
+        let noise: Vec<u8> = (0..1_000_000_u32)
+            .flat_map(|i| i.wrapping_mul(2_654_435_761).to_le_bytes())
+            .collect();
+        let packed = zstd::encode_all(noise.as_slice(), 1).unwrap();
+        let cut = unpacked(1 << 30, &packed[..packed.len() / 2]);
+        assert!(cut.fault.unwrap().contains("cut off or damaged"));
+        let got = std::fs::read(cut.file.path()).unwrap();
+        assert!(got.len() > 1 << 20 && noise.starts_with(&got), "{}", got.len());
     }
 }

@@ -326,8 +326,14 @@ mod tests {
 
     #[test]
     fn chunks_come_out_in_order_and_whole_whatever_their_compression() {
-        let plain: Vec<Vec<u8>> = (0..40_u8).map(|n| vec![n; 3_000_000]).collect();
         for compression in ALL {
+            // Several batches; bzip2 is slow where it is not optimised.
+            let size = if compression == Compression::Bz2 {
+                300_000
+            } else {
+                3_000_000
+            };
+            let plain: Vec<Vec<u8>> = (0..40_u8).map(|n| vec![n; size]).collect();
             let chunks = (0..).zip(&plain).map(|(at, plain)| packed(compression, plain, at));
             let seen = all(chunks.collect());
             assert_eq!(seen.len(), plain.len());

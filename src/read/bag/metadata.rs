@@ -38,14 +38,10 @@ pub(in crate::read) struct Metadata {
     pub(super) version: At<u64>,
     /// `sqlite3` or `mcap`.
     pub(super) storage: At<String>,
-    /// `zstd`; empty where nothing is compressed.
+    /// Compression of files or messages; empty where nothing is compressed.
     pub(super) compression_format: At<String>,
-    /// `FILE`, `MESSAGE`, or empty.
-    pub(super) compression_mode: At<String>,
     /// The files as they are named, in order.
     pub(super) files: Vec<(String, Span)>,
-    /// Messages by file, where the version says (5 and later).
-    pub(super) messages_by_file: BTreeMap<String, u64>,
     /// Topics, by name.
     pub(super) topics: BTreeMap<String, TopicSaid>,
     /// Messages in all files.
@@ -68,7 +64,7 @@ pub(super) struct TopicSaid {
     /// Where its name stands.
     pub(super) name_at: Span,
     /// Type of the messages.
-    pub(super) message_type: String,
+    pub(super) message_type: At<String>,
     /// Offered QoS profiles, as the YAML text that older versions write.
     pub(super) offered_qos_profiles: String,
     /// Number of messages.
@@ -118,7 +114,6 @@ impl Metadata {
             version: placed(root, "version", number),
             storage: placed(root, "storage_identifier", string),
             compression_format: placed(root, "compression_format", string),
-            compression_mode: placed(root, "compression_mode", string),
             messages: placed(root, "message_count", number),
             start_ns: within(root, "starting_time", "nanoseconds_since_epoch"),
             duration_ns: within(root, "duration", "nanoseconds"),
@@ -135,14 +130,6 @@ impl Metadata {
             .filter_map(|file| Some((string(file).filter(|name| !name.is_empty())?, file.span)))
             .take(MAX_FILES)
             .collect();
-        for file in root.get("files").and_then(Node::items).unwrap_or_default() {
-            if let (Some(path), Some(messages)) = (
-                file.get("path").and_then(string),
-                file.get("message_count").and_then(number),
-            ) {
-                said.messages_by_file.insert(path, messages);
-            }
-        }
         let topics = root.get("topics_with_message_count").and_then(Node::items);
         for entry in topics.unwrap_or_default() {
             if let Some((name, topic)) = topic(entry) {
@@ -164,7 +151,7 @@ fn topic(entry: &Node) -> Option<(String, TopicSaid)> {
     let name = about.get("name")?;
     let topic = TopicSaid {
         name_at: name.span,
-        message_type: about.get("type").and_then(string).unwrap_or_default(),
+        message_type: placed(about, "type", string),
         offered_qos_profiles: about.get("offered_qos_profiles").map(profiles).unwrap_or_default(),
         messages: placed(entry, "message_count", number),
     };

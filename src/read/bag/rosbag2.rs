@@ -76,7 +76,7 @@ pub(super) fn read(
     if outcome.extent.whole && !outcome.extent.truncated && !lost {
         after(&metadata, &outcome, source);
     }
-    describe(&files, &metadata, source);
+    describe(&files, source);
     Extent {
         truncated: outcome.extent.truncated || lost,
         ..outcome.extent
@@ -190,6 +190,11 @@ fn before(metadata: &Metadata, files: &Files, folder: &Path, source: &mut Source
             format!("`metadata.yaml` could not be read further: {why}"),
         );
     }
+    let format = metadata.compression_format.as_ref();
+    if let Some((format, span)) = format.filter(|(format, _)| !matches!(format.as_str(), "" | "zstd")) {
+        let message = format!("the recording is compressed with `{format}`; only zstd is known");
+        source.problem(ReadStatus::Read, at(*span), message);
+    }
     if let Some((version, span)) = metadata.version.filter(|(version, _)| *version > LAST_VERSION) {
         let message = format!("version {version} of the metadata is newer than the last one known ({LAST_VERSION})");
         source.problem(ReadStatus::Read, at(span), message);
@@ -264,12 +269,10 @@ fn after(metadata: &Metadata, outcome: &Outcome, source: &mut Source) {
             }
             continue;
         };
-        if !is.is_empty() && !said.message_type.is_empty() && *is != said.message_type {
-            let message = format!(
-                "the metadata gives `{name}` the type `{}`, the files `{is}`",
-                said.message_type
-            );
-            say(ReadStatus::Read, said.name_at, message);
+        let differing = said.message_type.as_ref();
+        if let Some((said, span)) = differing.filter(|(said, _)| !is.is_empty() && !said.is_empty() && said != is) {
+            let message = format!("the metadata gives `{name}` the type `{said}`, the files `{is}`");
+            say(ReadStatus::Read, *span, message);
         }
     }
     if let Some((count, span)) = metadata.messages.filter(|(count, _)| *count != outcome.messages) {
@@ -311,18 +314,9 @@ fn differs(said: i64, is: i64) -> bool {
     said.abs_diff(is) > MAX_TIME_DIFFERENCE_NS
 }
 
-/// One line on the recording, where nothing went wrong.
-fn describe(files: &Files, metadata: &Metadata, source: &mut Source) {
-    if source.detail.is_some() {
-        return;
+/// One line on a recording of several files, where nothing went wrong.
+fn describe(files: &Files, source: &mut Source) {
+    if source.detail.is_none() && files.present.len() > 1 {
+        source.detail = Some(format!("{} files read as one recording", files.present.len()));
     }
-    let mut words = vec![match files.present.as_slice() {
-        [only] => parts::name(only),
-        several => format!("{} files read as one recording", several.len()),
-    }];
-    if let Some((mode, _)) = metadata.compression_mode.as_ref().filter(|(mode, _)| !mode.is_empty()) {
-        let format = metadata.compression_format.as_ref().map_or("", |(format, _)| format);
-        words.push(format!("{format} by {}", mode.to_lowercase()));
-    }
-    source.detail = Some(words.join(", "));
 }

@@ -35,6 +35,8 @@ pub enum Body<'m> {
     Twist(Box<Twist>),
     /// The text of a robot description.
     Description(Cow<'m, str>),
+    /// Frames that it names beyond its header's (`foxglove.SceneUpdate`).
+    Frames(Vec<Cow<'m, str>>),
     /// A time that everyone should use, nanoseconds: `rosgraph_msgs/Clock`.
     Clock(i64),
 }

@@ -26,6 +26,17 @@ pub struct Format<'a> {
     pub schema_encoding: &'a str,
 }
 
+impl Format<'_> {
+    /// The last part of the topic, by which some types are read; empty where it decides nothing.
+    pub fn topic_word(&self) -> &str {
+        let last = self.topic.rsplit('/').next().unwrap_or(self.topic);
+        if last == DESCRIPTION { last } else { "" }
+    }
+}
+
+/// The topics on which a text is a robot description, wherever they stand.
+const DESCRIPTION: &str = "robot_description";
+
 /// Reads the messages of one channel.
 #[derive(Clone, Debug)]
 pub struct Decoder {
@@ -82,7 +93,7 @@ impl Decoder {
             Carried::Nothing | Carried::Unread(_) => None,
         };
         let schema = Schema::link(&name, types, definitions);
-        if let Some(standard) = Standard::of(&name, format.topic) {
+        if let Some(standard) = Standard::of(&name, format) {
             let is_defined = types.is_some() || definitions.adds(&name);
             let differs = |schema: &Schema| {
                 Schema::published(&name).is_some_and(|published| schema.layout(&published, wire) == Layout::Different)
@@ -115,6 +126,19 @@ impl Decoder {
                 way,
                 note: Some(format!("{differs}: only headers are read")),
             },
+        }
+    }
+
+    /// A decoder that reads nothing, for a reason.
+    pub(super) fn refusing(why: String) -> Self {
+        Self::new(Way::unread(why))
+    }
+
+    /// How many fields of definitions are kept.
+    pub(super) fn fields(&self) -> usize {
+        match &self.way {
+            Way::Route(_, route) => route.fields(),
+            _ => 0,
         }
     }
 
@@ -184,7 +208,7 @@ impl Way {
 
 impl Standard {
     /// The type `name` (`package/Type`), if its content is read on this topic.
-    fn of(name: &str, topic: &str) -> Option<Self> {
+    fn of(name: &str, format: &Format<'_>) -> Option<Self> {
         Some(match name {
             "tf2_msgs/TFMessage" | "tf/tfMessage" => Self::Tf,
             "geometry_msgs/TransformStamped" => Self::Transform,
@@ -196,7 +220,7 @@ impl Standard {
             "geometry_msgs/TwistStamped" => Self::Twist { covariance: false },
             "geometry_msgs/TwistWithCovarianceStamped" => Self::Twist { covariance: true },
             "rosgraph_msgs/Clock" => Self::Clock,
-            "std_msgs/String" if topic.rsplit('/').next() == Some("robot_description") => Self::Description,
+            "std_msgs/String" if format.topic_word() == DESCRIPTION => Self::Description,
             _ => return None,
         })
     }

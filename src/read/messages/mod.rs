@@ -6,6 +6,7 @@ mod bodies;
 pub mod content;
 mod cursor;
 pub mod decoder;
+pub mod decoders;
 pub mod definition;
 pub mod foxglove;
 pub mod header;

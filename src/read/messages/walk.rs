@@ -56,11 +56,16 @@ impl Route {
             child = child.filter(|child| *child < at);
         }
         Ok(Some(Self {
-            schema,
+            schema: schema.up_to(child.unwrap_or(header).max(header)),
             header,
             has_seq,
             child,
         }))
+    }
+
+    /// How many fields are kept, for a bound on all routes together.
+    pub fn fields(&self) -> usize {
+        self.schema.types.iter().map(|one| one.fields.len()).sum()
     }
 
     /// Whether the message is read by its header alone, which stands first.
@@ -102,6 +107,35 @@ impl Route {
 }
 
 impl Schema {
+    /// Leaves only what is passed over on the way to the message's field `last`, that included, and no names.
+    fn up_to(mut self, last: usize) -> Self {
+        if let Some(root) = self.types.first_mut() {
+            root.fields.truncate(last + 1);
+        }
+        let mut reached = vec![false; self.types.len()];
+        let mut to_look = vec![0];
+        while let Some(index) = to_look.pop() {
+            let (Some(one), Some(seen)) = (self.types.get(index), reached.get_mut(index)) else {
+                continue;
+            };
+            if !std::mem::replace(seen, true) {
+                to_look.extend(one.fields.iter().filter_map(|field| match field.kind {
+                    Kind::Nested(nested) => Some(nested),
+                    _ => None,
+                }));
+            }
+        }
+        for (one, is_reached) in self.types.iter_mut().zip(reached) {
+            if !is_reached {
+                one.fields = Vec::new();
+            }
+            one.fields.shrink_to_fit();
+            one.fields.iter_mut().for_each(|field| field.name = String::new());
+            one.name = String::new();
+        }
+        self
+    }
+
     /// Whether a field of the message itself is of this type.
     fn holds(&self, name: &str) -> bool {
         let named = |field: &Field| match field.kind {

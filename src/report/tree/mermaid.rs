@@ -1,42 +1,38 @@
 //! The frame tree as Mermaid text, for Markdown pages.
 
-use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crate::run::Run;
 
-use super::super::place::Locator;
-use super::{Links, Names, label, outsiders, shown, title, worlds};
+use super::label;
+use super::sketch::sketches;
 
 /// A flowchart: solid edges are constant, dotted ones move, `!` marks disputed ones; frames outside every tree stand alone.
 pub fn render(run: &Run) -> String {
-    let locator = Locator::inside(&run.sources);
     let mut out = "flowchart TD\n".to_owned();
-    let several = worlds(run).count() > 1;
-    for (index, world) in worlds(run).enumerate() {
-        let names = Names::new(world, &locator);
+    let sketches = sketches(run);
+    let several = sketches.len() > 1;
+    for (index, sketch) in sketches.iter().enumerate() {
         if several {
-            let _ = writeln!(out, "  subgraph w{index}[{}]", quoted(&title(world, &names)));
+            let _ = writeln!(out, "  subgraph w{index}[{}]", quoted(&sketch.title));
         }
-        let links = Links::new(world, &names, "x");
-        let mut ids: BTreeMap<&str, String> = BTreeMap::new();
-        for frame in &world.graph().frames {
-            let id = format!("w{index}f{}", ids.len());
-            let _ = writeln!(out, "  {id}[{}]", quoted(&shown(frame.as_str())));
-            ids.insert(frame.as_str(), id);
+        for (number, frame) in sketch.frames.iter().enumerate() {
+            let _ = writeln!(out, "  w{index}f{number}[{}]", quoted(frame));
         }
-        for ((parent, child), link) in &links.of {
-            if let (Some(from), Some(to)) = (ids.get(parent.as_str()), ids.get(child.as_str())) {
-                let arrow = if link.moves() { "-.->" } else { "-->" };
-                let _ = writeln!(out, "  {from} {arrow}|{}| {to}", quoted(&label(link, "! ")));
-            }
+        for edge in &sketch.edges {
+            let arrow = if edge.link.moves() { "-.->" } else { "-->" };
+            let label = quoted(&label(&edge.link, "! "));
+            let _ = writeln!(
+                out,
+                "  w{index}f{} {arrow}|{label}| w{index}f{}",
+                edge.parent, edge.child
+            );
         }
-        let outside = outsiders(world, &names);
-        for (number, frame) in outside.iter().flat_map(BTreeMap::keys).enumerate() {
+        for (number, (frame, _)) in sketch.outside.iter().enumerate() {
             let _ = writeln!(
                 out,
                 "  w{index}o{number}([{}])",
-                quoted(&format!("{} (in no tree)", shown(frame)))
+                quoted(&format!("{frame} (in no tree)"))
             );
         }
         if several {

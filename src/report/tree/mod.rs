@@ -5,6 +5,7 @@
 pub mod dot;
 mod links;
 pub mod mermaid;
+mod sketch;
 #[cfg(test)]
 mod tests;
 pub mod text;

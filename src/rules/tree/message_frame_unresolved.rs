@@ -23,9 +23,10 @@ impl Rule for MessageFrameUnresolved {
         for bag in &world.bags {
             let uses = tf::header_frames(bag);
             let tree = &world.graph().frames;
-            let strange = !has_tf && !uses.keys().any(|frame| tree.contains(frame));
+            // The TF of another recording in the same folder may be of another robot.
+            let strange = bag.tf.is_empty() && !uses.keys().any(|frame| tree.contains(frame));
             if strange && !uses.is_empty() {
-                let reason = "no TF was recorded, and no frame of the messages is a link of the URDF";
+                let reason = "no TF was recorded, and no frame of the messages is in the tree";
                 out.not_evaluated(subject_of(world, bag), NotEvaluated::TooLittleEvidence, reason);
                 continue;
             }

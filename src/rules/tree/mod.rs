@@ -16,6 +16,7 @@ mod odometry;
 pub mod orphan_subtree;
 pub mod rep105_order;
 pub mod self_or_empty_transform;
+mod split_static;
 pub mod static_dynamic_conflict;
 pub mod static_transform_changes;
 mod steps;

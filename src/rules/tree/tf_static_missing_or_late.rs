@@ -10,6 +10,8 @@ use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::bag::TopicEvidence;
 use crate::world::{BagEvidence, FrameId, World};
 
+use super::split_static::split;
+
 /// TREE08.
 pub struct TfStaticMissingOrLate;
 
@@ -30,7 +32,11 @@ impl Rule for TfStaticMissingOrLate {
         for bag in world.bags.iter().filter(|bag| !bag.tf.is_empty()) {
             let subject = format!("latched transforms of {}", world.path(bag.source));
             let missing = absent(bag, &subject).or_else(|| unpublished(world, bag, &subject));
-            let others = [late(bag, &subject, limits), volatile(bag, &subject)];
+            let others = [
+                late(bag, &subject, limits),
+                volatile(bag, &subject),
+                split(bag, &subject),
+            ];
             let mut findings: Vec<Finding> = others.into_iter().flatten().collect();
             if missing.is_some() && bag.truncated {
                 let reason = "the recording is cut short, so a missing transform proves nothing";

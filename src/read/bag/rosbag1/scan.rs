@@ -125,9 +125,10 @@ impl Pass<'_, '_> {
             used: at,
             next: Some(next),
         };
-        // A chunk that runs over the next one lies.
+        // A chunk that runs over the next one lies, if there is one.
         let behind = self.sink.index.as_ref().and_then(|index| index.next_chunk(at));
-        let end = behind.unwrap_or(end);
+        let overrun = behind.filter(|behind| (body..next).contains(behind) && self.tape.is_chunk_at(*behind));
+        let end = overrun.unwrap_or(end);
         let chunk = Chunk::of(fields, len).map_err(damage)?;
         let is_open = chunk.is_open() && next < end && !self.tape.is_record_at(next);
         if is_open || next > end {

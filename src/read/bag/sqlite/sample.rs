@@ -44,11 +44,13 @@ pub(super) fn read(pass: &mut Pass<'_, '_>, sampling: &Sampling, wanted: &Wanted
     let span_ns = span(pass.connection);
     let mut picks = look.picks.iter().copied().peekable();
     let mut left_out = false;
-    for (start, end) in span_ns.map(|span| windows(span, sampling)).unwrap_or_default() {
+    let windows = span_ns.map(|span| windows(span, sampling)).unwrap_or_default();
+    let share = sampling.bytes / (windows.len() as u64).max(1);
+    for (start, end) in windows {
         while let Some(pick) = picks.next_if(|(at, _)| *at < start) {
             single(pass, pick, &mut left_out);
         }
-        window(pass, start, end, sampling, &mut left_out);
+        window(pass, (start, end), share, &mut left_out);
     }
     for pick in picks {
         single(pass, pick, &mut left_out);
@@ -188,25 +190,26 @@ fn single(pass: &mut Pass<'_, '_>, pick: (i64, i64), left_out: &mut bool) {
 }
 
 /// Reads a window of time up to its share of bytes.
-fn window(pass: &mut Pass<'_, '_>, start: i64, end: i64, sampling: &Sampling, left_out: &mut bool) {
-    let bound = pass.bytes + sampling.bytes / u64::from(sampling.windows.max(1));
+fn window(pass: &mut Pass<'_, '_>, (start, end): (i64, i64), share: u64, left_out: &mut bool) {
+    let bound = pass.bytes + share;
     let mut at_start = true;
     let sql = select("WHERE timestamp >= ?1 AND timestamp < ?2 ORDER BY timestamp, rowid");
     let result = pass.run(&sql, [start, end], |pass, row| {
-        let key = (time(row).unwrap_or(i64::MIN), row_number(row)?);
-        if pass.last.is_some_and(|last| key <= last) {
-            return Ok(Next::Go);
+        // A damaged index leads elsewhere.
+        if time(row).is_none_or(|time| time < start || time >= end) {
+            return Err("its messages are out of order".to_owned());
         }
         if pass.bytes >= bound {
             *left_out = true;
             return Ok(Next::Enough);
         }
-        let follows = pass.last.is_none_or(|(_, row)| row.checked_add(1) == Some(key.1));
+        let row_number = row_number(row).ok();
+        let follows = pass.last.is_none_or(|(_, row)| row.checked_add(1) == row_number);
         if at_start && (*left_out || !follows) {
             pass.seam();
         }
         (at_start, *left_out) = (false, false);
-        pass.deliver(row)
+        pass.in_order(row)
     });
     note(pass, result);
 }

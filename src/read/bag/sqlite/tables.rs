@@ -118,10 +118,14 @@ fn columns(connection: &Connection, table: &str) -> Result<BTreeSet<String>, Str
 }
 
 fn definitions(connection: &Connection, bytes: &mut usize) -> (BTreeMap<String, Definition>, Option<String>) {
-    let mut found = BTreeMap::new();
-    let sql = "SELECT topic_type, encoding, encoded_message_definition FROM message_definitions";
+    let (mut found, mut last) = (BTreeMap::new(), None);
+    let sql = "SELECT topic_type, encoding, encoded_message_definition, rowid FROM message_definitions";
     let fault = each(connection, sql, &mut |row| {
         let (of, encoding, body) = (text(row, 0)?, text(row, 1)?, text(row, 2)?);
+        let number = row.get::<_, i64>(3).map_err(|error| error.to_string())?;
+        if last.replace(number).is_some_and(|last| number <= last) {
+            return Err("definitions are out of order".to_owned());
+        }
         fits(bytes, of.len() + encoding.len() + body.len())?;
         let definition = Definition {
             // rosbag2 says `unknown` and leaves the text empty where it found no definition.

@@ -161,3 +161,87 @@ fn text(file: &Path) -> Result<String, String> {
     }
     fs::read_to_string(file).map_err(cannot)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::read::messages::definition::Schema;
+
+    fn write(root: &Path, path: &str, text: &str) {
+        let path = root.join(path);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    }
+
+    fn fields(name: &str, definitions: &Definitions) -> Option<String> {
+        let schema = Schema::link(name, None, definitions)?;
+        let root = schema.root()?;
+        let names: Vec<&str> = root.fields.iter().map(|field| field.name.as_str()).collect();
+        Some(format!(
+            "{} {}",
+            names.join(","),
+            root.fault.as_deref().unwrap_or_default()
+        ))
+    }
+
+    #[test]
+    fn every_way_a_package_lies_in_a_folder_is_found() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = folder.path();
+        write(root, "src/gps_driver/msg/Fix.msg", "std_msgs/Header header\nOther o\n");
+        write(root, "flat_msgs/Other.msg", "int8 x\n");
+        write(
+            root,
+            "checkout-of-imu/package.xml",
+            "<package><name> imu_msgs </name></package>",
+        );
+        write(root, "checkout-of-imu/msg/Raw.msg", "int8 raw\n");
+        write(
+            root,
+            "both/msg/Two.idl",
+            "module both { module msg { struct Two { long idl; }; }; };",
+        );
+        write(root, "both/msg/Two.msg", "int32 text\n");
+        write(
+            root,
+            "idl/msg/Only.idl",
+            "module idl { module msg { struct Only { long a; }; }; };",
+        );
+        write(root, "sensor_msgs/msg/Imu.msg", "int8 mine\n");
+        write(root, ".git/hidden/msg/A.msg", "int8 x\n");
+        write(root, "broken/msg/A.msg", "int8 x\n\nint9\n");
+        let mut definitions = Definitions::builtin();
+        assert_eq!(definitions.add_folder(root), Ok(8));
+        assert_eq!(fields("gps_driver/msg/Fix", &definitions).unwrap(), "header,o ");
+        assert_eq!(fields("flat_msgs/Other", &definitions).unwrap(), "x ");
+        assert_eq!(fields("imu_msgs/msg/Raw", &definitions).unwrap(), "raw ");
+        assert_eq!(fields("both/Two", &definitions).unwrap(), "text ");
+        assert_eq!(fields("idl/Only", &definitions).unwrap(), "a ");
+        assert_eq!(fields("sensor_msgs/Imu", &definitions).unwrap(), "mine ");
+        assert_eq!(fields("hidden/A", &definitions), None);
+        let broken = fields("broken/A", &definitions).unwrap();
+        assert!(broken.starts_with("x /"), "{broken}");
+        assert!(
+            broken.ends_with("broken/msg/A.msg, line 3: `int9` is no field"),
+            "{broken}"
+        );
+
+        // The package's own folder, and the folder of its messages.
+        for inside in ["src/gps_driver", "src/gps_driver/msg"] {
+            let mut definitions = Definitions::builtin();
+            assert_eq!(definitions.add_folder(&root.join(inside)), Ok(1));
+            assert!(definitions.adds("gps_driver/Fix"), "{inside}");
+        }
+    }
+
+    #[test]
+    fn a_folder_without_definitions_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut definitions = Definitions::builtin();
+        let refused = |definitions: &mut Definitions, path: &Path| definitions.add_folder(path).unwrap_err();
+        assert!(refused(&mut definitions, folder.path()).contains("holds no message definition"));
+        assert!(refused(&mut definitions, &folder.path().join("none")).contains("cannot be opened"));
+        write(folder.path(), "A.msg", "int8 x\n");
+        assert!(refused(&mut definitions, &folder.path().join("A.msg")).ends_with("is not a folder"));
+    }
+}

@@ -19,7 +19,7 @@ pub use library::Definitions;
 pub use link::{Field, Kind, Schema, Struct};
 
 /// Longest definition that is read, bytes. The largest types that are published have some 100 KB with all they use.
-pub const MAX_DEFINITION: usize = 2 << 20;
+pub const MAX_DEFINITION: usize = 1 << 20;
 
 /// How often a field stands in a message.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -1,5 +1,7 @@
 //! Definitions put together, and compared with what is published.
 
+use std::fmt::Write;
+
 use super::*;
 use crate::read::messages::Wire;
 
@@ -165,7 +167,7 @@ fn types_that_hold_themselves_and_each_other_are_made_once() {
     let mut text = "T0 a\nT0 b\n".to_owned();
     for index in 0..200 {
         let next = (index + 1) % 200;
-        text.push_str(&format!("{RULE}\nMSG: acme/T{index}\nT{next} a\nT{next} b\n"));
+        write!(text, "{RULE}\nMSG: acme/T{index}\nT{next} a\nT{next} b\n").unwrap();
     }
     let schema = link("acme/A", &text, "ros2msg");
     assert_eq!(schema.types.len(), 201);

@@ -1,6 +1,7 @@
 //! Wanted values become content.
 
 use std::borrow::Cow;
+use std::collections::BTreeSet;
 
 use super::time;
 use super::value::{Object, Value};
@@ -19,7 +20,7 @@ pub(super) fn of(kind: Kind, value: Value<'_>) -> Result<Content<'_>, DecodeErro
     let mut object = match value {
         Value::Object(object) => object,
         _ if kind == Kind::Unknown => return Ok(nothing(None)),
-        other => return Err(DecodeError(format!("is {}, not a message", other.noun()))),
+        other => return Err(DecodeError(format!("the message is {}, not an object", other.noun()))),
     };
     let object = &mut object;
     Ok(match kind {
@@ -128,16 +129,26 @@ fn odometry<'m>(object: &mut Object<'m>) -> Result<Odometry<'m>, DecodeError> {
     })
 }
 
-/// The frames of a scene's entities. Its stamp is that of the first one.
+/// The frames of a scene's entities. The header is that of the first entity; the frames of the others are told besides,
+/// each once.
 fn scene<'m>(object: &mut Object<'m>) -> Result<Content<'m>, DecodeError> {
-    let header = match elements(object, "entities")?.next() {
-        Some(first) => header(&mut first?)?,
-        None => None,
+    let mut first = None;
+    let mut others = BTreeSet::new();
+    for entity in elements(object, "entities")? {
+        match (header(&mut entity?)?, &first) {
+            (Some(header), None) => first = Some(header),
+            (Some(header), Some(known)) if header.frame_id != known.frame_id => {
+                others.insert(header.frame_id);
+            }
+            _ => {}
+        }
+    }
+    let body = if others.is_empty() {
+        Body::Nothing
+    } else {
+        Body::Frames(others.into_iter().collect())
     };
-    Ok(Content {
-        header,
-        body: Body::Nothing,
-    })
+    Ok(Content { header: first, body })
 }
 
 fn pose(object: &mut Object<'_>) -> Result<Pose, DecodeError> {
@@ -159,14 +170,17 @@ fn elements<'m>(
     };
     Ok(list.into_iter().map(move |element| match element {
         Value::Object(object) => Ok(object),
-        other => Err(not_a(field, "a list of messages", Some(&other))),
+        other => Err(DecodeError(format!(
+            "an element of `{field}` is {}, not an object",
+            other.noun()
+        ))),
     }))
 }
 
 fn nested<'m>(object: &mut Object<'m>, field: &str) -> Result<Object<'m>, DecodeError> {
     match object.take(field) {
         Some(Value::Object(inner)) => Ok(inner),
-        found => Err(not_a(field, "a message", found.as_ref())),
+        found => Err(not_a(field, "an object", found.as_ref())),
     }
 }
 
@@ -227,7 +241,7 @@ fn matrix<const N: usize>(object: &Object<'_>, field: &str) -> Result<[f64; N], 
         found => return Err(not_a(field, "a list", found)),
     };
     let numbers: Option<Vec<f64>> = list.iter().map(as_number).collect();
-    let numbers = numbers.ok_or_else(|| not_a(field, "a list of numbers", None))?;
+    let numbers = numbers.ok_or_else(|| DecodeError(format!("`{field}` holds more than numbers")))?;
     numbers
         .try_into()
         .map_err(|_| DecodeError(format!("`{field}` does not hold {N} numbers")))

@@ -19,7 +19,7 @@ pub(super) fn read<'m>(wanted: &'static Wanted, message: &'m [u8]) -> Result<Val
     };
     top.deserialize(&mut reader)
         .and_then(|value| reader.end().map(|()| value))
-        .map_err(|error| DecodeError(format!("is not sound JSON: {error}")))
+        .map_err(|error| DecodeError(format!("not sound JSON: {error}")))
 }
 
 /// Where a value stands: what is wanted of it decides how deep it is read.

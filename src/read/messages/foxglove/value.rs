@@ -35,7 +35,7 @@ impl Value<'_> {
             Self::Text(_) => "a text",
             Self::Integer(_) | Self::Number(_) => "a number",
             Self::Null => "null",
-            Self::Object(_) => "a message",
+            Self::Object(_) => "an object",
             Self::List(_) => "a list",
             Self::Other => "something else",
         }

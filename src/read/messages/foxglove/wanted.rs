@@ -99,12 +99,13 @@ pub(super) enum Kind {
 impl Kind {
     /// By the name of the type: `foxglove.Grid`, `foxglove_msgs/msg/Grid`.
     pub(super) fn of(message_type: &str) -> Self {
-        let (package, _) = message_type.split_once(['.', '/']).unwrap_or_default();
+        let within = |package| message_type.split(['.', '/']).any(|part| part == package);
         let name = message_type.rsplit(['.', '/']).next().unwrap_or_default();
-        if !matches!(package, "foxglove" | "foxglove_msgs") {
+        if !message_type.starts_with("foxglove.") && !message_type.starts_with("foxglove_msgs/") {
+            // ROS messages in another encoding keep their names behind some prefix.
             return match name {
-                "TransformStamped" => Self::Transform,
-                "TFMessage" => Self::Transforms,
+                "TransformStamped" if within("geometry_msgs") => Self::Transform,
+                "TFMessage" if within("tf2_msgs") || within("tf") => Self::Transforms,
                 _ => Self::Unknown,
             };
         }

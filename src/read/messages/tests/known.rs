@@ -31,18 +31,52 @@ fn read_transform(parent: &'static str, child: &'static str) -> Transform<'stati
     }
 }
 
-/// Every type with its topic, a message and what that says.
-fn all() -> Vec<(&'static str, &'static str, Vec<Piece>, Body<'static>)> {
+/// A type with its topic, a message and what that says.
+type Known = (&'static str, &'static str, Vec<Piece>, Body<'static>);
+
+/// Every type.
+fn all() -> Vec<Known> {
+    let mut all = transforms_and_texts();
+    all.extend(measurements());
+    all
+}
+
+fn transforms_and_texts() -> Vec<Known> {
     let mut tf = vec![Piece::Len(2)];
     tf.extend(transform("map", "odom"));
     tf.extend(transform("odom", "base_link"));
     let tf_body = Body::Transforms(vec![read_transform("map", "odom"), read_transform("odom", "base_link")]);
+    let text = Piece::Text("<robot/>".to_owned());
+    vec![
+        ("/tf", "tf2_msgs/TFMessage", tf.clone(), tf_body.clone()),
+        ("/tf", "tf/tfMessage", tf, tf_body),
+        (
+            "/vicon/drone",
+            "geometry_msgs/TransformStamped",
+            transform("map", "drone"),
+            Body::Transforms(vec![read_transform("map", "drone")]),
+        ),
+        (
+            "/ns/robot_description",
+            "std_msgs/String",
+            vec![text],
+            Body::Description("<robot/>".into()),
+        ),
+        (
+            "/clock",
+            "rosgraph_msgs/Clock",
+            vec![Piece::Time(7, 8)],
+            Body::Clock(STAMP_NS),
+        ),
+    ]
+}
+
+fn measurements() -> Vec<Known> {
     let mut odometry = vec![header("map"), Piece::Text("base".to_owned())];
     odometry.extend(floats(0, 7 + 36 + 6 + 36));
     let mut fix = vec![header("map"), Piece::Bits(1, 0xff), Piece::Bits(2, 3)];
     fix.extend(floats(0, 12));
     fix.push(Piece::Bits(1, 2));
-    let text = Piece::Text("<robot/>".to_owned());
     let pose = |covariance| Pose {
         position: row(0),
         orientation: row(3),
@@ -54,14 +88,6 @@ fn all() -> Vec<(&'static str, &'static str, Vec<Piece>, Body<'static>)> {
         covariance,
     };
     vec![
-        ("/tf", "tf2_msgs/TFMessage", tf.clone(), tf_body.clone()),
-        ("/tf", "tf/tfMessage", tf, tf_body),
-        (
-            "/vicon/drone",
-            "geometry_msgs/TransformStamped",
-            transform("map", "drone"),
-            Body::Transforms(vec![read_transform("map", "drone")]),
-        ),
         (
             "/odom",
             "nav_msgs/Odometry",
@@ -124,18 +150,6 @@ fn all() -> Vec<(&'static str, &'static str, Vec<Piece>, Body<'static>)> {
             "geometry_msgs/TwistWithCovarianceStamped",
             with(header("map"), 42),
             Body::Twist(Box::new(twist(Some(row(6))))),
-        ),
-        (
-            "/ns/robot_description",
-            "std_msgs/String",
-            vec![text],
-            Body::Description("<robot/>".into()),
-        ),
-        (
-            "/clock",
-            "rosgraph_msgs/Clock",
-            vec![Piece::Time(7, 8)],
-            Body::Clock(STAMP_NS),
         ),
     ]
 }

@@ -1,0 +1,27 @@
+//! Any text as a rosbag2 folder's `metadata.yaml`, beside a file that is no recording: no panic, and a status that says
+//! what was read.
+#![no_main]
+
+use frames_lint::collect::{How, collect};
+use frames_lint::read::discover::discover;
+use frames_lint::source::{At, Source, SourceId, SourceKind};
+use libfuzzer_sys::fuzz_target;
+
+fuzz_target!(|bytes: &[u8]| {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("metadata.yaml");
+    std::fs::write(&path, bytes).expect("writable");
+    std::fs::write(folder.path().join("drive_0.mcap"), b"\x89MCAP0\r\n").expect("writable");
+    let inputs = discover(&[folder.path().to_path_buf()]);
+    assert!(!inputs.files.is_empty());
+    let mut source = Source::new(SourceId(0), "metadata.yaml", SourceKind::Rosbag2);
+    let collected = collect(&path, &How::default(), &mut source, &|_, _| {});
+    // A file that was not closed is never read wholly.
+    assert!(!source.problems.is_empty());
+    for problem in &source.problems {
+        if let At::Text(span) = problem.place.at {
+            assert!(source.text.get(span.start..span.end).is_some());
+        }
+    }
+    drop(collected);
+});

@@ -1,0 +1,200 @@
+//! Evidence as a document: what was read, saved to be judged again where the files are not.
+//!
+//! Owns the document's form and its version, and putting several documents into one run. Must not judge.
+//!
+//! ```json
+//! {"schema": "frames-lint-evidence/1", "tool": {"name": "frames-lint", "version": "0.1.0"},
+//!  "skipped": {"pcd": 3}, "sources": [...], "worlds": [...]}
+//! ```
+//!
+//! Sources and worlds stand there as the library keeps them; texts of sources are kept, because findings point into
+//! them. Numbers that JSON cannot hold are words (see [`crate::world::number`]). A change that an older or newer reader
+//! would misread needs a new schema name.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::Read;
+use std::path::Path;
+use std::sync::Arc;
+
+use serde::{Deserialize, Serialize};
+
+use crate::run::Run;
+use crate::source::{Place, ReadStatus, Source, SourceId, SourceKind};
+use crate::verdict::Verdict;
+use crate::world::World;
+
+/// Name of the document's form.
+pub const SCHEMA: &str = "frames-lint-evidence/1";
+/// Bound on a document, bytes. Evidence of a recording has some megabytes, whatever the recording's length.
+const MAX_BYTES: u64 = 1 << 30;
+
+#[derive(Serialize)]
+struct Written<'a> {
+    schema: &'static str,
+    tool: Tool<'a>,
+    skipped: &'a BTreeMap<String, usize>,
+    sources: &'a [Source],
+    worlds: &'a [World],
+}
+
+#[derive(Serialize)]
+struct Tool<'a> {
+    name: &'a str,
+    version: &'a str,
+}
+
+#[derive(Deserialize)]
+struct Document {
+    skipped: BTreeMap<String, usize>,
+    sources: Vec<Source>,
+    worlds: Vec<World>,
+}
+
+/// The start of a document, whatever its version.
+#[derive(Deserialize)]
+struct Head {
+    schema: Option<String>,
+    tool: Option<HeadTool>,
+}
+
+#[derive(Deserialize)]
+struct HeadTool {
+    version: Option<String>,
+}
+
+/// What was saved of one run.
+#[derive(Debug, Default)]
+pub struct Saved {
+    /// The worlds, each with all sources of the document.
+    pub worlds: Vec<World>,
+    /// The sources.
+    pub sources: Arc<Vec<Source>>,
+    /// Files met in folders that no reader exists for.
+    pub skipped: BTreeMap<String, usize>,
+}
+
+/// The document of what a run read. The same run gives the same bytes.
+pub fn write(run: &Run) -> Result<String, serde_json::Error> {
+    let mut text = serde_json::to_string(&Written {
+        schema: SCHEMA,
+        tool: Tool {
+            name: env!("CARGO_PKG_NAME"),
+            version: env!("CARGO_PKG_VERSION"),
+        },
+        skipped: &run.skipped,
+        sources: &run.sources,
+        worlds: &run.worlds,
+    })?;
+    text.push('\n');
+    Ok(text)
+}
+
+/// Reads a document. Where that is not possible there is one source, which says why, and a world with nothing else.
+pub(super) fn read(path: &Path) -> Saved {
+    load(path)
+        .and_then(|bytes| parse(&bytes))
+        .unwrap_or_else(|why| unreadable(path, why))
+}
+
+fn unreadable(path: &Path, why: String) -> Saved {
+    let id = SourceId(0);
+    let display = path.to_string_lossy().into_owned();
+    let mut source = Source::new(id, display.clone(), SourceKind::Json);
+    let help = "save it again with `frames-lint collect PATH... -o FILE`";
+    source.problem_with_help(ReadStatus::Unreadable, Place::whole(id), why, Some(help.to_owned()));
+    let mut world = World::default();
+    world.label = display;
+    world.members = vec![id];
+    let sources = Arc::new(vec![source]);
+    world.sources = Arc::clone(&sources);
+    Saved {
+        worlds: vec![world],
+        sources,
+        skipped: BTreeMap::new(),
+    }
+}
+
+/// The bytes of a regular file of bounded size.
+fn load(path: &Path) -> Result<Vec<u8>, String> {
+    let cannot = |error: std::io::Error| format!("cannot be read: {error}");
+    let meta = std::fs::metadata(path).map_err(cannot)?;
+    if !meta.is_file() {
+        return Err("cannot be read: it is not a regular file".to_owned());
+    }
+    let mut bytes = Vec::new();
+    let file = File::open(path).map_err(cannot)?;
+    file.take(MAX_BYTES + 1).read_to_end(&mut bytes).map_err(cannot)?;
+    if bytes.len() as u64 > MAX_BYTES {
+        return Err(format!(
+            "is larger than the {} MB that evidence may have",
+            MAX_BYTES >> 20
+        ));
+    }
+    Ok(bytes)
+}
+
+/// The contents of a document; the error says what is wrong with it, and where.
+pub fn parse(bytes: &[u8]) -> Result<Saved, String> {
+    let head = match serde_json::from_slice::<Head>(bytes) {
+        Ok(head) => head,
+        Err(error) => return Err(format!("is no evidence: {error}")),
+    };
+    let version = head.tool.and_then(|tool| tool.version);
+    let by = version.map_or_else(String::new, |version| format!(" (written by frames-lint {version})"));
+    match head.schema {
+        Some(schema) if schema == SCHEMA => {}
+        Some(schema) => return Err(format!("is of the form `{schema}`{by}, but `{SCHEMA}` is read")),
+        None => return Err(format!("is no evidence: it does not say `\"schema\": \"{SCHEMA}\"`")),
+    }
+    let document: Document =
+        serde_json::from_slice(bytes).map_err(|error| format!("is no evidence that can be read{by}: {error}"))?;
+    if let Some(fault) = fault(&document) {
+        return Err(format!("contradicts itself: {fault}"));
+    }
+    let sources = Arc::new(document.sources);
+    let mut worlds = document.worlds;
+    for world in &mut worlds {
+        world.sources = Arc::clone(&sources);
+    }
+    Ok(Saved {
+        worlds,
+        sources,
+        skipped: document.skipped,
+    })
+}
+
+/// What is wrong with ids: every source stands at its own, and worlds have members that are there.
+fn fault(document: &Document) -> Option<String> {
+    let count = document.sources.len();
+    let is_known = |id: &SourceId| (id.0 as usize) < count;
+    let misplaced = (0..).zip(&document.sources).find(|(at, source)| source.id.0 != *at);
+    if let Some((at, source)) = misplaced {
+        return Some(format!("source {at} has the id {}", source.id.0));
+    }
+    let members = document.worlds.iter().flat_map(|world| &world.members);
+    let places = document.sources.iter().flat_map(|source| &source.problems);
+    let bags = document.worlds.iter().flat_map(|world| &world.bags);
+    let robots = document.worlds.iter().flat_map(|world| &world.robots);
+    members
+        .chain(places.map(|problem| &problem.place.source))
+        .chain(bags.map(|bag| &bag.source))
+        .chain(robots.map(|robot| &robot.source))
+        .find(|id| !is_known(id))
+        .map(|id| format!("there is no source {}", id.0))
+}
+
+/// Sources and a verdict about them whose ids follow those of `before` other sources.
+pub(super) fn shift(sources: &mut [Source], verdict: &mut Verdict, before: usize) {
+    let by = u32::try_from(before).unwrap_or(u32::MAX);
+    let place = |place: &mut Place| place.source.0 = place.source.0.saturating_add(by);
+    for source in sources {
+        source.id.0 = source.id.0.saturating_add(by);
+        source.problems.iter_mut().for_each(|problem| place(&mut problem.place));
+    }
+    for finding in &mut verdict.findings {
+        finding.places.iter_mut().for_each(|label| place(&mut label.place));
+        let edits = finding.fix.iter_mut().flat_map(|fix| &mut fix.edits);
+        edits.for_each(|edit| place(&mut edit.place));
+    }
+}
