@@ -157,6 +157,7 @@ pub static RULES: &[Entry] = &[
     entry::<time::tf_vs_sensor_time::TfVsSensorTime>(),
     entry::<time::leap_table_expiry::LeapTableExpiry>(),
     entry::<sensor::mavros_frames::MavrosFrames>(),
+    entry::<auth::calibration_artifact_id::CalibrationArtifactId>(),
     entry::<auth::adhoc_static_transform::AdhocStaticTransform>(),
     entry::<auth::calibration_missing_default::CalibrationMissingDefault>(),
     entry::<cross::extrinsic_consistency::ExtrinsicConsistency>(),

@@ -10,7 +10,8 @@ use crate::world::{BagEvidence, World};
 use super::epoch_offset::EpochOffset;
 use super::lateness::{Fault, faults};
 use super::naming::{Naming, limits_of};
-use super::streams::{Of, Stream, is_simulated, log_clock, streams};
+use super::simulated::Time;
+use super::streams::{Clock, Of, Stream, log_clock, streams};
 use super::tf_vs_sensor_time::{self, TfVsSensorTime};
 use super::together::tell_once;
 
@@ -53,7 +54,9 @@ impl Rule for StampVsLog {
             let naming = Naming::new(bag, &streams, &names);
             let judged: Vec<&Stream<'_>> = streams
                 .iter()
-                .filter(|stream| matches!(stream.of, Of::Topic(_)) && is_judged(bag, stream, (limits, &reused), out))
+                .filter(|stream| {
+                    matches!(stream.of, Of::Topic(_)) && is_judged(bag, stream, &streams, (limits, &reused), out)
+                })
                 .collect();
             let found = judged
                 .iter()
@@ -67,6 +70,7 @@ impl Rule for StampVsLog {
 fn is_judged(
     bag: &BagEvidence,
     stream: &Stream<'_>,
+    all: &[Stream<'_>],
     (limits, reused): (&Limits, &tf_vs_sensor_time::Limits),
     out: &mut Judge,
 ) -> bool {
@@ -80,7 +84,7 @@ fn is_judged(
     } else if stream.is_reused(reused) {
         let why = "stamps hardly change; see TIME10";
         (NotEvaluated::NotApplicable, why.to_owned())
-    } else if stream.clock() == Some(log_clock(bag)) || runs_apart(bag, stream) {
+    } else if stream.clock() == Some(log_clock(bag)) || runs_apart(bag, stream, all) {
         return true;
     } else {
         let why = "stamps and log time are of different kinds of clock; see TIME04";
@@ -90,10 +94,11 @@ fn is_judged(
     false
 }
 
-/// Whether an uptime clock beside a log in calendar time must still advance like it: it is a receiver's. The clock of a
-/// simulation may run at any rate, and TIME04 says that it stands beside calendar time.
-fn runs_apart(bag: &BagEvidence, stream: &Stream<'_>) -> bool {
-    !is_simulated(bag) && stream.is_gnss()
+/// Whether an uptime clock beside a log in calendar time must still advance like it: it is a receiver's, or other
+/// streams show calendar time. The clock of a simulation may run at any rate.
+fn runs_apart(bag: &BagEvidence, stream: &Stream<'_>, all: &[Stream<'_>]) -> bool {
+    let calendar = all.iter().any(|other| other.clock() == Some(Clock::Calendar));
+    Time::of(bag, all) == Time::Wall && (calendar || stream.is_gnss())
 }
 
 fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: &mut Judge) -> Vec<Fault> {
@@ -103,7 +108,9 @@ fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: 
     let found = faults(stream, naming, limits);
     if found.is_empty() {
         let named = naming.has_word(stream);
-        let measured = Measured::new("stamp minus log time", offset, "s").spread(spread);
+        let measured = Measured::new("stamp minus log time", offset, "s")
+            .spread(spread)
+            .limit(limits.late_s);
         if named || !naming.is_comparable(stream) {
             let why = format!(
                 "stamps run {offset:.3} s off the log clock, which {} names",
@@ -111,10 +118,7 @@ fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: 
             );
             out.not_evaluated(stream.subject.clone(), NotEvaluated::NotApplicable, why);
         } else {
-            out.pass(
-                stream.subject.clone(),
-                [measured.limit(limits.late_s).samples(stream.stamps.count)],
-            );
+            out.pass(stream.subject.clone(), [measured.samples(stream.stamps.count)]);
         }
     }
     found
