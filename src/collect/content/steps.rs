@@ -250,6 +250,9 @@ impl Top {
             self.kept.pop();
         }
         let place = self.kept.partition_point(|(known, _)| !is_larger(*known));
+        if self.kept.capacity() == 0 {
+            self.kept.reserve_exact(self.bound);
+        }
         self.kept.insert(place, (key, *between));
     }
 
