@@ -4,6 +4,7 @@
 //! Does not print: that is `main`'s.
 
 mod args;
+mod stamp;
 #[cfg(test)]
 mod tests;
 
@@ -19,7 +20,7 @@ use crate::engine::{self, UsageError, evidence};
 use crate::page::{Front, PageError};
 use crate::report::{Style, explain, json, rules_table, terminal, tree};
 use crate::rules::RULES;
-use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, RuleInfo};
+use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_FINDINGS, EXIT_USAGE, RuleInfo};
 
 use args::{Check, Cli, Collect, Color, Format, RulesFormat, Tree, TreeFormat, Verb};
 
@@ -231,29 +232,46 @@ fn run_collect(collect: Collect, stdin: &mut dyn Read, surroundings: Surrounding
 }
 
 fn run_tree(tree: Tree, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
+    let is_of_a_moment = tree.at.is_some() || !tree.chain.is_empty();
+    if is_of_a_moment && !matches!(tree.format, TreeFormat::Text) {
+        return Err(Failure::Usage("--at and --chain are written as text only".to_owned()));
+    }
+    let mut extent = tree.input.reading.extent();
+    // Between two windows there is nothing to interpolate.
+    extent.full |= is_of_a_moment && extent.windows.is_none();
     let run = engine::read(&engine::Options {
-        extent: tree.input.reading.extent(),
+        extent,
         paths: paths(tree.input.paths, stdin)?,
         xacro_args: tree.input.reading.xacro_args,
         msg_paths: tree.input.reading.msg_paths,
         progress: surroundings.progress,
         ..engine::Options::default()
     })?;
-    let out = match tree.format {
-        TreeFormat::Text => tree::text::render(&run, surroundings.style),
-        TreeFormat::Dot => tree::dot::render(&run),
-        TreeFormat::Mermaid => tree::mermaid::render(&run),
-    };
     // The drawing may be piped into a tool: what could not be read is said beside it.
     let style = Style {
         color: false,
         ..surroundings.style
     };
-    Ok(Answer {
-        out,
-        err: terminal::render_unread(&run, style),
-        code: run.exit_code_of_reading(),
-    })
+    let mut err = terminal::render_unread(&run, style);
+    let mut code = run.exit_code_of_reading();
+    let out = match (tree.chain.as_slice(), tree.at) {
+        ([target, source], at_ns) => match tree::chain::render(&run, target, source, at_ns, surroundings.style) {
+            Ok(chain) => chain,
+            Err(failure) => {
+                err.push_str(&failure);
+                code = code.max(EXIT_FINDINGS);
+                String::new()
+            }
+        },
+        (_, Some(at_ns)) => tree::moment::render(&run, at_ns, surroundings.style),
+        (_, None) => match tree.format {
+            TreeFormat::Text => tree::text::render(&run, surroundings.style),
+            TreeFormat::Dot => tree::dot::render(&run),
+            TreeFormat::Mermaid => tree::mermaid::render(&run),
+            TreeFormat::Svg => tree::svg::render(&run),
+        },
+    };
+    Ok(Answer { out, err, code })
 }
 
 fn run_explain(word: &str, style: Style) -> Result<Answer, Failure> {

@@ -16,6 +16,7 @@ use frames_lint::source::ReadStatus;
 use support::bag;
 use support::encode::{Body, Endian, Header, Transform};
 use support::raw::{Layout, RawBag, RawChannel};
+use support::rosbag1::{self, Rosbag1};
 
 /// Peak resident memory of this process since the last call, in MB, and 0 where the system does not say.
 fn peak_mb() -> u64 {
@@ -163,4 +164,25 @@ fn a_hostile_recording_takes_little_memory() {
     }
     out.finish();
     assert_eq!(measure(&path, "hostile"), ReadStatus::Partial);
+}
+
+/// A small ROS 1 bag whose chunks decompress to a gigabyte each, in messages of a hundred megabytes.
+#[test]
+#[ignore = "decompresses 3 GB"]
+fn a_bag_that_decompresses_to_gigabytes_takes_little_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bomb.bag");
+    let mut out = Rosbag1::new(rosbag1::Layout {
+        compression: rosbag1::Compression::Lz4,
+        chunk_bytes: 900 << 20,
+        ..rosbag1::Layout::default()
+    });
+    let zeros = out.connection(&rosbag1::Connection::default());
+    let message = vec![0; 100 << 20];
+    for tick in 0..27 {
+        out.message(zeros, tick * 1_000_000_000, &message);
+    }
+    drop(message);
+    std::fs::write(&path, out.finish().bytes).unwrap();
+    assert_ne!(measure(&path, "bomb"), ReadStatus::Unreadable);
 }

@@ -149,6 +149,14 @@ pub(super) struct Tree {
     /// Form of the drawing
     #[arg(long, value_enum, default_value = "text")]
     pub(super) format: TreeFormat,
+    /// Show the trees as they are at a stamp, in the stamps' own clock: seconds, or a date and time; recordings are read
+    /// wholly
+    #[arg(long, value_name = "STAMP", value_parser = super::stamp::parse)]
+    pub(super) at: Option<i64>,
+    /// Show every transform between two frames and their product, at --at or at the latest stamp that all of them have;
+    /// recordings are read wholly
+    #[arg(long, num_args = 2, value_names = ["TARGET", "SOURCE"])]
+    pub(super) chain: Vec<String>,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
@@ -169,6 +177,7 @@ pub(super) enum TreeFormat {
     Text,
     Dot,
     Mermaid,
+    Svg,
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

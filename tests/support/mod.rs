@@ -23,8 +23,8 @@ pub mod raw;
 pub mod reading;
 pub mod recipe;
 pub mod rosbag1;
-pub mod rosbag2;
 pub mod rosbag1_drive;
+pub mod rosbag2;
 pub mod schemas;
 pub mod topic;
 

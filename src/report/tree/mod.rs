@@ -2,10 +2,15 @@
 //!
 //! Owns the words that the drawings share. Shows and judges nothing: the mark on sources that differ is for the eye.
 
+pub mod chain;
 pub mod dot;
+mod layout;
 mod links;
 pub mod mermaid;
+pub mod moment;
+mod origin;
 mod sketch;
+pub mod svg;
 #[cfg(test)]
 mod tests;
 pub mod text;

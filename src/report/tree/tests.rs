@@ -2,7 +2,7 @@
 
 use super::super::Style;
 use super::super::samples::{ROBOT, Sample, message, pose};
-use super::{dot, mermaid, text};
+use super::{chain, dot, layout, mermaid, sketch, svg, text};
 use crate::run::Run;
 use crate::source::{Place, SourceKind};
 use crate::world::bag::TfSample;
@@ -195,4 +195,112 @@ fn a_common_folder_is_said_once() {
     run.worlds.push(run.worlds[0].clone());
     assert!(draw(&run).starts_with("Platform cart/calib/a.yaml, cart/robot.urdf, carts.yaml\n\nbase\n"));
     assert_eq!(draw(&run).matches("\n\nPlatform").count(), 1);
+}
+
+/// Frames below several parents, on a cycle, alone, and outside of every tree.
+fn tangle() -> Run {
+    let mut s = Sample::default();
+    let bag = s.source("a.mcap", SourceKind::Mcap, "");
+    for edge in [
+        ("a", "b"),
+        ("b", "a"),
+        ("b", "c"),
+        ("r", "c"),
+        ("c", "d"),
+        ("r", "e"),
+        ("r", "f"),
+        ("x", "x"),
+    ] {
+        s.tf(bag, "/tf_static", edge, 1, Pose::IDENTITY);
+    }
+    s.named("alone", FrameRole::Link, Place::whole(bag));
+    s.named(
+        "<gps> & \u{1b}\u{ffff}",
+        FrameRole::Header,
+        Place::message(bag, message("/fix", 0)),
+    );
+    s.run()
+}
+
+#[test]
+fn a_drawing_shows_every_frame_and_every_edge_once() {
+    let run = tangle();
+    let sketches = sketch::sketches(&run);
+    let trees = layout::trees(&sketches[0]);
+    let mut frames: Vec<usize> = trees
+        .iter()
+        .flat_map(|tree| &tree.frames)
+        .map(|laid| laid.frame)
+        .collect();
+    frames.sort_unstable();
+    assert_eq!(frames, (0..sketches[0].frames.len()).collect::<Vec<_>>());
+    let drawn = trees
+        .iter()
+        .flat_map(|tree| tree.frames.iter().filter_map(|laid| laid.edge));
+    let mut edges: Vec<usize> = drawn.chain(trees.iter().flat_map(|tree| tree.others.clone())).collect();
+    edges.sort_unstable();
+    assert_eq!(edges, (0..sketches[0].edges.len()).collect::<Vec<_>>());
+    for tree in &trees {
+        for (place, laid) in tree.frames.iter().enumerate() {
+            assert!(laid.half_row + 2 <= tree.half_rows);
+            // Boxes of one column do not overlap, and a child stands right of its parent.
+            let clash = |other: &layout::Laid| other.depth == laid.depth && other.half_row.abs_diff(laid.half_row) < 2;
+            assert!(!tree.frames[..place].iter().any(clash), "{}", laid.frame);
+            assert!(
+                laid.parent
+                    .is_none_or(|parent| tree.frames[parent].depth + 1 == laid.depth)
+            );
+        }
+    }
+    let drawing = svg::render(&run);
+    let document = roxmltree::Document::parse(&drawing).unwrap();
+    let named = |name: &str| {
+        document
+            .descendants()
+            .filter(|node| node.is_text() && node.text() == Some(name))
+            .count()
+    };
+    assert_eq!((named("alone"), named("<gps> & \\u{1b}\u{fffd}")), (2, 1), "{drawing}");
+    let paths = document.descendants().filter(|node| node.has_tag_name("path")).count();
+    assert_eq!(paths, 8 + 4, "edges and the legend");
+    assert!(drawing.contains("prefers-color-scheme: dark") && !drawing.contains("href"));
+}
+
+#[test]
+fn a_drawing_of_thousands_ends() {
+    let mut s = Sample::default();
+    let urdf = s.source("robot.urdf", SourceKind::Urdf, ROBOT);
+    for index in 0..20_000 {
+        let (parent, child) = (format!("f{index:05}"), format!("f{:05}", index + 1));
+        s.joint(urdf, "joint", &parent, &child, Pose::IDENTITY);
+    }
+    let drawing = svg::render(&s.run());
+    assert!(
+        drawing.contains("f20000") && drawing.len() < 20_000 * 900,
+        "{}",
+        drawing.len()
+    );
+    assert!(svg::render(&Run::default()).contains("No frames"));
+}
+
+#[test]
+fn the_chain_that_is_shown_is_the_product_of_its_factors() {
+    let mut s = Sample::default();
+    let urdf = s.source("robot.urdf", SourceKind::Urdf, ROBOT);
+    s.joint(urdf, "one", "base_link", "mast", pose([1.0, 2.0, 0.0], 90.0));
+    s.joint(urdf, "two", "mast", "lidar", pose([0.0, 0.0, 1.0], 45.0));
+    s.joint(urdf, "wheel", "base_link", "wheel", pose([0.0, -0.5, 0.0], 0.0));
+    let text = chain::render(&s.run(), "wheel", "lidar", None, Style::PLAIN).unwrap();
+    assert_eq!(
+        text,
+        "\
+wheel_from_lidar = wheel_from_base_link * base_link_from_mast * mast_from_lidar at any time
+  wheel_from_base_link  xyz 0 0.5 0 m, rpy 0 0 0 deg  robot.urdf joint wheel (at zero), static, inverted
+  base_link_from_mast   xyz 1 2 0 m, rpy 0 0 90 deg   robot.urdf joint one (fixed), static
+  mast_from_lidar       xyz 0 0 1 m, rpy 0 0 45 deg   robot.urdf joint two (fixed), static
+  wheel_from_lidar      xyz 1 2.5 1 m, rpy 0 0 135 deg
+"
+    );
+    let none = chain::render(&Run::default(), "a", "b", None, Style::PLAIN);
+    assert!(none.unwrap_err().starts_with("LookupException"));
 }

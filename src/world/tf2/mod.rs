@@ -186,6 +186,23 @@ impl Buffer {
         self.numbers.contains_key(frame)
     }
 
+    /// Every frame that has a parent at some time, with its edge at a stamp; zero asks for the latest of each.
+    pub fn edges_at(&self, stamp_ns: i64) -> Vec<(&FrameId, Result<Factor, Extrapolation>)> {
+        let at = |frame: &Frame| Some(frame.history.as_ref()?.at(stamp_ns));
+        let factor = |child: &FrameId, edge: history::Edge| Factor {
+            parent: self.name(edge.parent),
+            child: child.clone(),
+            is_forward: true,
+            parent_from_child: edge.parent_from_child,
+            made_from: edge.made_from,
+            tags: edge.tags,
+        };
+        self.frames
+            .iter()
+            .filter_map(|frame| Some((&frame.name, at(frame)?.map(|edge| factor(&frame.name, edge)))))
+            .collect()
+    }
+
     /// Every parent that the history of a frame names, each once, in the order of their stamps.
     pub fn parents_ever(&self, frame: &FrameId) -> Vec<&FrameId> {
         let mut parents: Vec<&FrameId> = Vec::new();

@@ -1,0 +1,77 @@
+//! Where an edge of a buffer comes from, and how old it is, in words.
+
+use std::collections::BTreeSet;
+
+use crate::run::Run;
+use crate::world::graph::EdgeOrigin;
+use crate::world::tf2::{Factor, MadeFrom, namespaces};
+use crate::world::{ClaimKind, World};
+
+use super::super::text::{one_line, trimmed};
+use super::Names;
+
+/// The worlds of a run with the namespaces of their TF; `/` where nothing was recorded.
+pub(super) fn rooms(run: &Run) -> Vec<(&World, &str)> {
+    let mut rooms = Vec::new();
+    for world in super::worlds(run) {
+        let mut of: BTreeSet<&str> = world.bags.iter().flat_map(namespaces).collect();
+        if of.is_empty() {
+            of.insert("/");
+        }
+        rooms.extend(of.into_iter().map(|namespace| (world, namespace)));
+    }
+    rooms
+}
+
+/// `drive.mcap /tf`, `robot.urdf:12 joint lidar_joint (fixed)`.
+pub(super) fn who(world: &World, origins: &[EdgeOrigin], factor: &Factor, names: &Names<'_>) -> String {
+    let said = match origins.get(factor.tags.0) {
+        Some(EdgeOrigin::Tf(bag, edge)) => world.bags.get(*bag).and_then(|bag| {
+            let edge = bag.tf.get(*edge)?;
+            Some(format!("{} {}", names.name(bag.source), edge.topic))
+        }),
+        Some(EdgeOrigin::Joint(claim)) => world.claims.get(*claim).map(|claim| match &claim.kind {
+            ClaimKind::Joint { joint, fixed, .. } => {
+                let kind = if *fixed { "fixed" } else { "at zero" };
+                format!("{} joint {joint} ({kind})", names.line(&claim.place))
+            }
+            ClaimKind::File { .. } => names.line(&claim.place),
+        }),
+        None => None,
+    };
+    one_line(&said.unwrap_or_default())
+}
+
+/// How many transforms of an edge were kept, of how many, where the value between two of them passes over others.
+pub(super) fn thinned(world: &World, origins: &[EdgeOrigin], factor: &Factor) -> Option<(usize, u64)> {
+    let MadeFrom::Between(..) = factor.made_from else {
+        return None;
+    };
+    let Some(EdgeOrigin::Tf(bag, edge)) = origins.get(factor.tags.0) else {
+        return None;
+    };
+    let edge = world.bags.get(*bag)?.tf.get(*edge)?;
+    (edge.count > edge.samples.len() as u64).then_some((edge.samples.len(), edge.count))
+}
+
+/// `static`, `0.02 s old`, `0.01 s after a sample, 0.01 s before the next`.
+pub(super) fn age(made_from: MadeFrom, stamp_ns: i64) -> String {
+    match made_from {
+        MadeFrom::Static => "static".to_owned(),
+        MadeFrom::Sample(at) if at == stamp_ns || stamp_ns == 0 => "a sample of this stamp".to_owned(),
+        MadeFrom::Sample(at) => format!(
+            "{} s old: the parent changes after it",
+            seconds(stamp_ns.saturating_sub(at))
+        ),
+        MadeFrom::Between(before, after) => format!(
+            "{} s after a sample, {} s before the next",
+            seconds(stamp_ns.saturating_sub(before)),
+            seconds(after.saturating_sub(stamp_ns))
+        ),
+    }
+}
+
+/// A length of time, to the tenth of a millisecond.
+pub(super) fn seconds(ns: i64) -> String {
+    trimmed(&format!("{:.4}", ns as f64 / 1e9))
+}
