@@ -104,27 +104,25 @@ fn judge_description(world: &World, recorded: &Robot, limits: &Limits, out: &mut
 /// Metadata that somebody wrote should say which calibration it was; where nobody wrote any, nothing can be said.
 fn judge_notes(world: &World, bag: &BagEvidence, out: &mut Judge) {
     let subject = format!("calibration of {}", world.path(bag.source));
-    let written: Vec<(&String, &String)> = bag
-        .annotations
-        .iter()
-        .filter(|(name, _)| !is_recorders_own(name))
-        .flat_map(|(name, fields)| fields.keys().map(move |key| (name, key)))
-        .collect();
-    if written.is_empty() {
-        let why = "the recording carries no metadata of its maker's";
-        out.not_evaluated(subject, NotEvaluated::MissingInput, why);
-        return;
-    }
+    let fields = || {
+        let records = bag.annotations.iter();
+        records.flat_map(|(name, fields)| fields.keys().map(move |key| (name.as_str(), key.as_str())))
+    };
+    let written = fields().filter(|(name, key)| !is_by_itself(name, key)).count();
     let says = |text: &str| IDENTITY.iter().any(|word| FrameId::new(text).has_token(word));
-    let naming = written.iter().filter(|(name, key)| says(name) || says(key)).count();
-    let measured = Measured::count("fields that may name a calibration", naming).samples(written.len() as u64);
+    let naming = fields().filter(|(name, key)| says(name) || says(key)).count();
+    let measured = Measured::count("fields that may name a calibration", naming).samples(written as u64);
     if naming > 0 {
         out.pass(subject, [measured]);
         return;
     }
+    if written == 0 {
+        let why = "the recording carries no metadata of its maker's";
+        out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return;
+    }
     let message = format!(
-        "none of the {} fields of metadata names a calibration: which one the recording was made with is not known",
-        written.len()
+        "none of the {written} fields of metadata names a calibration: which one the recording was made with is not known",
     );
     out.fail(
         Finding::note(subject, message, Place::whole(bag.source))
@@ -134,7 +132,7 @@ fn judge_notes(world: &World, bag: &BagEvidence, out: &mut Judge) {
     );
 }
 
-/// Records that recorders write by themselves.
-fn is_recorders_own(name: &str) -> bool {
-    matches!(name, "rosbag2" | "rosbag" | "ros2" | "metadata")
+/// What is there without anybody's writing it for the drive: the recorder's own, and attached files.
+fn is_by_itself(name: &str, key: &str) -> bool {
+    matches!(name, "rosbag2" | "rosbag" | "attachments") || key == "ros_distro"
 }

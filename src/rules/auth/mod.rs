@@ -3,4 +3,5 @@
 pub mod adhoc_static_transform;
 pub mod calibration_artifact_id;
 pub mod calibration_missing_default;
+pub mod multiple_authorities;
 mod revision;
