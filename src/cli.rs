@@ -7,6 +7,7 @@ mod args;
 mod stamp;
 #[cfg(test)]
 mod tests;
+mod tree;
 
 use std::ffi::OsString;
 use std::fmt::Write;
@@ -18,11 +19,11 @@ use clap::{CommandFactory, Parser};
 
 use crate::engine::{self, UsageError, evidence};
 use crate::page::{Front, PageError};
-use crate::report::{Style, explain, json, rules_table, terminal, tree};
+use crate::report::{Style, explain, json, rules_table, terminal};
 use crate::rules::RULES;
-use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_FINDINGS, EXIT_USAGE, RuleInfo};
+use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, RuleInfo};
 
-use args::{Check, Cli, Collect, Color, Format, RulesFormat, Tree, TreeFormat, Verb};
+use args::{Check, Cli, Collect, Color, Format, RulesFormat, Verb};
 
 /// What the program answers: texts for standard output and standard error, and the exit code.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -101,7 +102,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, stdin: &mut dyn Read, 
     let answer = match cli.verb {
         Verb::Check(check) => run_check(check, stdin, surroundings),
         Verb::Collect(collect) => run_collect(collect, stdin, surroundings),
-        Verb::Tree(tree) => run_tree(tree, stdin, surroundings),
+        Verb::Tree(tree) => tree::run(tree, stdin, surroundings),
         Verb::Explain { rule } => run_explain(&rule, surroundings.style),
         Verb::Rules { format } => run_rules(format, surroundings.style),
         Verb::Completions { shell } => Ok(completions(shell)),
@@ -229,49 +230,6 @@ fn run_collect(collect: Collect, stdin: &mut dyn Read, surroundings: Surrounding
         err: terminal::render_unread(&run, style),
         code: run.exit_code_of_reading(),
     })
-}
-
-fn run_tree(tree: Tree, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
-    let is_of_a_moment = tree.at.is_some() || !tree.chain.is_empty();
-    if is_of_a_moment && !matches!(tree.format, TreeFormat::Text) {
-        return Err(Failure::Usage("--at and --chain are written as text only".to_owned()));
-    }
-    let mut extent = tree.input.reading.extent();
-    // Between two windows there is nothing to interpolate.
-    extent.full |= is_of_a_moment && extent.windows.is_none();
-    let run = engine::read(&engine::Options {
-        extent,
-        paths: paths(tree.input.paths, stdin)?,
-        xacro_args: tree.input.reading.xacro_args,
-        msg_paths: tree.input.reading.msg_paths,
-        progress: surroundings.progress,
-        ..engine::Options::default()
-    })?;
-    // The drawing may be piped into a tool: what could not be read is said beside it.
-    let style = Style {
-        color: false,
-        ..surroundings.style
-    };
-    let mut err = terminal::render_unread(&run, style);
-    let mut code = run.exit_code_of_reading();
-    let out = match (tree.chain.as_slice(), tree.at) {
-        ([target, source], at_ns) => match tree::chain::render(&run, target, source, at_ns, surroundings.style) {
-            Ok(chain) => chain,
-            Err(failure) => {
-                err.push_str(&failure);
-                code = code.max(EXIT_FINDINGS);
-                String::new()
-            }
-        },
-        (_, Some(at_ns)) => tree::moment::render(&run, at_ns, surroundings.style),
-        (_, None) => match tree.format {
-            TreeFormat::Text => tree::text::render(&run, surroundings.style),
-            TreeFormat::Dot => tree::dot::render(&run),
-            TreeFormat::Mermaid => tree::mermaid::render(&run),
-            TreeFormat::Svg => tree::svg::render(&run),
-        },
-    };
-    Ok(Answer { out, err, code })
 }
 
 fn run_explain(word: &str, style: Style) -> Result<Answer, Failure> {

@@ -322,6 +322,28 @@ fn faults() -> Vec<Fault> {
             &["CROSS01 error /tf_static"],
         )
         .beside_a_urdf(),
+        topic(
+            "static extrinsic changes in the middle",
+            "  - topic: /tf_static\n    at_s: 30\n    transforms:\n      - {parent: base_link, child: lidar, xyz: [0.95, 0.04, 1.85], rpy_deg: [0.3, 1.2, 6]}\n",
+            &["TREE11 error /tf_static"],
+        ),
+        fault(
+            "map -> odom jumps 5 m",
+            MAP,
+            MAP.replace("14]", "14], jumps: [{at_s: 30, by: [5, 0, 0]}]"),
+            &["TREE14 note /tf"],
+        ),
+        fault(
+            "odom -> base_link jumps 1 m",
+            ODOM,
+            ODOM.replace("deg_s: 4", "deg_s: 4, jumps: [{at_s: 30, by: [1, 0, 0]}]"),
+            &["TREE15 error /tf"],
+        ),
+        topic(
+            "image in the camera's link",
+            "  - {topic: /image, type: sensor_msgs/msg/Image, rate_hz: 10, frame_id: camera, stamp_offset_s: -0.05}\n",
+            &["NAME07 error /image optical"],
+        ),
     ]
 }
 

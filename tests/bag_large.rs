@@ -16,6 +16,7 @@ use frames_lint::source::ReadStatus;
 use support::bag;
 use support::encode::{Body, Endian, Header, Transform};
 use support::raw::{Layout, RawBag, RawChannel};
+use support::rosbag1::{self, Rosbag1};
 
 /// Peak resident memory of this process since the last call, in MB, and 0 where the system does not say.
 fn peak_mb() -> u64 {
@@ -31,6 +32,10 @@ fn peak_mb() -> u64 {
 
 /// Collects a file, writes down time and peak memory, and holds the peak under 300 MB.
 fn measure(path: &std::path::Path, what: &str) -> ReadStatus {
+    measure_under(300, path, what)
+}
+
+fn measure_under(limit_mb: u64, path: &std::path::Path, what: &str) -> ReadStatus {
     peak_mb();
     let begin = std::time::Instant::now();
     let (source, collected) = support::collected_from(path);
@@ -42,7 +47,7 @@ fn measure(path: &std::path::Path, what: &str) -> ReadStatus {
         source.detail
     );
     eprintln!("{report}");
-    assert!(peak < 300, "{report}");
+    assert!(peak < limit_mb, "{report}");
     source.status
 }
 
@@ -163,4 +168,73 @@ fn a_hostile_recording_takes_little_memory() {
     }
     out.finish();
     assert_eq!(measure(&path, "hostile"), ReadStatus::Partial);
+}
+
+/// A small ROS 1 bag whose chunks decompress to a gigabyte each, in messages of a hundred megabytes.
+#[test]
+#[ignore = "decompresses 3 GB"]
+fn a_bag_that_decompresses_to_gigabytes_takes_little_memory() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("bomb.bag");
+    let mut out = Rosbag1::new(rosbag1::Layout {
+        compression: rosbag1::Compression::Lz4,
+        chunk_bytes: 900 << 20,
+        ..rosbag1::Layout::default()
+    });
+    let zeros = out.connection(&rosbag1::Connection::default());
+    let message = vec![0; 100 << 20];
+    for tick in 0..27 {
+        out.message(zeros, tick * 1_000_000_000, &message);
+    }
+    drop(message);
+    std::fs::write(&path, out.finish().bytes).unwrap();
+    assert_ne!(measure(&path, "bomb"), ReadStatus::Unreadable);
+}
+
+/// As many topics as are kept, each with poses that jump and covariances that never repeat.
+#[test]
+#[ignore = "takes a minute"]
+fn ten_thousand_odometries_take_little_memory() {
+    use support::encode::Field;
+
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("odometries.mcap");
+    let mut out = RawBag::new(std::fs::File::create(&path).unwrap(), Layout::default());
+    let long = "x".repeat(240);
+    let schema = support::schemas::definition("nav_msgs/msg/Odometry");
+    let topics: Vec<u16> = (0..10_000)
+        .map(|topic| {
+            out.channel(&RawChannel {
+                topic: &format!("/{long}/{topic}"),
+                message_type: "nav_msgs/msg/Odometry",
+                schema: &schema,
+                ..RawChannel::default()
+            })
+        })
+        .collect();
+    for tick in 0..30 {
+        let value = f64::from(tick);
+        let stamp_ns = i64::from(tick) * 1_000_000_000;
+        let header = Header {
+            stamp_ns,
+            frame_id: &long,
+        };
+        let mut matrix = vec![0.0; 36];
+        matrix[1] = value + 1.0;
+        matrix[35] = if tick % 5 == 0 { f64::NAN } else { 1.0 };
+        let fields = vec![
+            Field::Text("base_link"),
+            Field::F64s(vec![value * value, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]),
+            Field::F64s(matrix.clone()),
+            Field::F64s(vec![value; 6]),
+            Field::F64s(matrix),
+        ];
+        let message = Body::Fields(header, fields).encode(Endian::Little);
+        for topic in &topics {
+            out.message(*topic, stamp_ns, &message);
+        }
+    }
+    out.finish();
+    // Much of it is the topic's name, of 240 bytes, in every reference to a message.
+    assert_eq!(measure_under(400, &path, "odometries"), ReadStatus::Read);
 }

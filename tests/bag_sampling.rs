@@ -137,7 +137,8 @@ fn a_recording_that_is_small_enough_is_read_wholly() {
     let (source, sampled) = read(&bytes, Some(large));
     assert!(bag(&sampled).share.whole);
     assert_eq!(source.examined.windows, None);
-    assert_eq!(bag(&sampled), bag(&read(&bytes, None).1));
+    let whole = read(&bytes, None).1;
+    assert!(support::written(bag(&sampled)) == support::written(bag(&whole)));
 }
 
 #[test]

@@ -231,6 +231,12 @@ fn every_real_recording_is_judged_the_same() {
             }
         }
     }
+    // A folder with its metadata is one recording, however many files it has.
+    for metadata in support::files(&folder, "metadata.yaml") {
+        let recording = metadata.parent().unwrap();
+        is_the_same(&[recording], &recording.display().to_string());
+        count += 1;
+    }
     eprintln!("{count} recordings");
 }
 

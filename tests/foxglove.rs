@@ -1,6 +1,13 @@
 //! Recordings of Foxglove's schemas: an MCAP with protobuf and JSON channels becomes evidence.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)]
+#![allow(
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::indexing_slicing,
+    clippy::panic,
+    clippy::print_stderr,
+    clippy::unnecessary_wraps
+)]
 
 mod support;
 

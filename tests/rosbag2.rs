@@ -21,7 +21,7 @@ use support::rosbag2::{DRIVE, Db3, Drive, MESSAGES, Schema, Yaml, write_parts, z
 use support::{bag, collected_from};
 
 /// What must not depend on how a drive was stored.
-fn essence(bag: &BagEvidence) -> impl PartialEq + std::fmt::Debug + use<> {
+fn essence(bag: &BagEvidence) -> String {
     let topics: Vec<_> = bag
         .topics
         .values()
@@ -35,7 +35,12 @@ fn essence(bag: &BagEvidence) -> impl PartialEq + std::fmt::Debug + use<> {
             )
         })
         .collect();
-    (topics, bag.tf.clone(), bag.start_ns, bag.end_ns, bag.messages)
+    said(&(topics, &bag.tf, bag.start_ns, bag.end_ns, bag.messages))
+}
+
+/// Evidence as text: some of its numbers are NaN, which equals nothing.
+fn said(evidence: &impl std::fmt::Debug) -> String {
+    format!("{evidence:?}")
 }
 
 #[test]
@@ -59,9 +64,9 @@ fn a_database_of_every_distribution_shows_what_the_mcap_shows() {
                 assert_eq!(source.examined.bytes, fs::metadata(&path).unwrap().len());
                 let (is, should) = (bag(&collected), bag(&mcap));
                 assert_eq!((is.messages, is.truncated), (MESSAGES, false), "{layout:?}");
-                assert_eq!(is.tf, should.tf, "{layout:?}");
+                assert!(said(&is.tf) == said(&should.tf), "{layout:?}");
                 if schema == Schema::Jazzy {
-                    assert_eq!(essence(is), essence(should), "{layout:?}");
+                    assert!(essence(is) == essence(should), "{layout:?}");
                 }
             }
         }

@@ -402,3 +402,46 @@ fn the_program_reads_a_folder_and_says_so() {
     let text = support::program::run(folder.path(), ["check", "."]).text();
     assert!(text.contains("drive_2.mcap"), "{text}");
 }
+
+/// A ROS 1 bag of these seconds, with one message a tenth of a second.
+fn rosbag1(from_s: i64, until_s: i64) -> Vec<u8> {
+    let mut bag = support::rosbag1::Rosbag1::new(support::rosbag1::Layout::default());
+    let connection = bag.connection(&support::rosbag1::Connection {
+        topic: "/label",
+        message_type: "std_msgs/String",
+        definition: "string data\n",
+        ..support::rosbag1::Connection::default()
+    });
+    for tick in from_s * 10..until_s * 10 {
+        bag.message(connection, tick * 100_000_000, &[0; 4]);
+    }
+    bag.finish().bytes
+}
+
+#[test]
+fn ros_1_bags_that_were_split_are_one_recording() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    fs::write(path("drive_2020-01-31-10-00-00_0.bag"), rosbag1(1000, 1010)).unwrap();
+    fs::write(path("drive_2020-01-31-10-00-10_1.bag"), rosbag1(1010, 1020)).unwrap();
+    let (source, collected) = found(folder.path());
+    assert_eq!(
+        (source.kind, source.status),
+        (SourceKind::Rosbag1, ReadStatus::Read),
+        "{source:?}"
+    );
+    assert_eq!((bag(&collected).messages, bag(&collected).parts.len()), (200, 2));
+    let stretches = &bag(&collected).share.stretches_ns;
+    assert_eq!(stretches.len(), 1, "{stretches:?}");
+
+    fs::write(path("drive_2020-01-31-11-00-00_2.bag"), rosbag1(4600, 4610)).unwrap();
+    assert_eq!(discover(&[folder.path().to_path_buf()]).files.len(), 2, "an hour later");
+
+    let packed = support::rosbag2::zstd_file(&path("drive_2020-01-31-11-00-00_2.bag"));
+    let (source, collected) = found(&packed);
+    assert_eq!(
+        (source.status, bag(&collected).messages),
+        (ReadStatus::Read, 100),
+        "{source:?}"
+    );
+}

@@ -32,11 +32,11 @@ impl Share {
         let (stamps, steps, poses, names, examples) = match rank {
             0..200 => (2048, 4096, 512, 256, MAX_EXAMPLES),
             200..2_000 => (128, 256, 32, 32, MAX_EXAMPLES),
-            _ => (16, 32, 8, 4, 1),
+            _ => (16, 32, 4, 4, 1),
         };
         let (moves, largest, matrices) = match rank {
             0..200 => (1024, 16, 8),
-            200..2_000 => (64, 4, 4),
+            200..2_000 => (64, 2, 2),
             _ => (8, 1, 1),
         };
         Self {
@@ -87,6 +87,10 @@ impl<T: Copy> Thinned<T> {
                 self.stride *= 2;
             }
             if self.seen.is_multiple_of(self.stride) {
+                if self.bound <= 4 {
+                    // By itself a vector makes room for four at once.
+                    self.kept.reserve_exact(1);
+                }
                 self.kept.push(value);
             }
         }

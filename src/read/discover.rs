@@ -130,7 +130,10 @@ fn named_file(path: &Path) -> Input {
             Some(kind) => input.kind = kind,
             None => {
                 input.refusal = Some(unread_format(path).map_or_else(
-                    || "not a format that frames-lint reads (URDF, xacro, YAML, JSON, MCAP)".to_owned(),
+                    || {
+                        "not a format that frames-lint reads (URDF, xacro, YAML, JSON, MCAP, ROS 1 bags, rosbag2)"
+                            .to_owned()
+                    },
                     str::to_owned,
                 ));
             }

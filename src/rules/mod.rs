@@ -5,7 +5,9 @@
 
 pub mod auth;
 mod axes;
+pub mod cov;
 pub mod cross;
+pub mod geo;
 mod judge;
 mod literal;
 pub mod name;
@@ -151,6 +153,7 @@ pub static RULES: &[Entry] = &[
     entry::<rot::angle_unit::AngleUnit>(),
     entry::<rot::truncated_literal::TruncatedLiteral>(),
     entry::<quat::quaternion_order_static::QuaternionOrderStatic>(),
+    entry::<geo::navsatfix_sanity::NavsatfixSanity>(),
     entry::<time::epoch_offset::EpochOffset>(),
     entry::<time::stamp_vs_log::StampVsLog>(),
     entry::<time::stamp_monotonic::StampMonotonic>(),
@@ -158,6 +161,10 @@ pub static RULES: &[Entry] = &[
     entry::<time::tf_vs_sensor_time::TfVsSensorTime>(),
     entry::<time::leap_table_expiry::LeapTableExpiry>(),
     entry::<sensor::mavros_frames::MavrosFrames>(),
+    entry::<cov::cov_psd::CovPsd>(),
+    entry::<cov::cov_unknown_marking::CovUnknownMarking>(),
+    entry::<auth::multiple_authorities::MultipleAuthorities>(),
+    entry::<auth::calibration_artifact_id::CalibrationArtifactId>(),
     entry::<auth::adhoc_static_transform::AdhocStaticTransform>(),
     entry::<auth::calibration_missing_default::CalibrationMissingDefault>(),
     entry::<cross::extrinsic_consistency::ExtrinsicConsistency>(),

@@ -74,6 +74,11 @@ pub fn bag(collected: &Collected) -> &BagEvidence {
     &collected.facts.bags[0]
 }
 
+/// Evidence as it is saved: to compare with, since a NaN equals none.
+pub fn written(bag: &BagEvidence) -> String {
+    serde_json::to_string_pretty(bag).expect("evidence is written")
+}
+
 /// The edge between two frames as spelled.
 pub fn edge<'a>(bag: &'a BagEvidence, parent: &str, child: &str) -> &'a TfEdge {
     let named = |edge: &&TfEdge| edge.parent.as_str() == parent && edge.child.as_str() == child;

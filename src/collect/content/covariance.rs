@@ -104,6 +104,8 @@ impl<const N: usize, const L: usize> Covariances<N, L> {
         let was_known = self.place.is_some();
         if !was_known && self.first.len() < self.bound {
             self.place = Some(self.first.len());
+            // A vector that grows by itself has room for four at once: too much where there are thousands of topics.
+            self.first.reserve_exact(1);
             self.first.push(kept);
         } else if !was_known {
             self.current = Some(kept);

@@ -2,7 +2,7 @@
 //!
 //! Owns step, surprise and undone step as [`StepEvidence`] defines them. Must not know whose poses they are.
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
 use crate::world::Pose;
 use crate::world::content::{PoseAt, Step, StepAt, StepEvidence};
@@ -43,13 +43,11 @@ struct Known {
     point: Point,
     stamp_ns: i64,
     pose: Pose,
+    /// That of the pose, whose quaternion has unit norm.
+    rotation: UnitQuaternion<f64>,
 }
 
 impl Known {
-    fn rotation(&self) -> UnitQuaternion<f64> {
-        self.pose.isometry().rotation
-    }
-
     fn position(&self) -> Vector3<f64> {
         Vector3::from(self.pose.translation_m)
     }
@@ -97,7 +95,13 @@ impl Steps {
         let Some(stamp_ns) = point.stamp_ns.filter(|stamp| *stamp != 0) else {
             return;
         };
-        let now = Known { point, stamp_ns, pose };
+        let [x, y, z, w] = pose.rotation_xyzw;
+        let now = Known {
+            point,
+            stamp_ns,
+            pose,
+            rotation: UnitQuaternion::new_unchecked(Quaternion::new(w, x, y, z)),
+        };
         let Some(last) = self.last else {
             self.last = Some(now);
             return;
@@ -120,7 +124,7 @@ impl Steps {
         } else {
             (
                 length(now.position() - last.position()),
-                angle_between(&last.rotation(), &now.rotation()),
+                angle_between(&last.rotation, &now.rotation),
             )
         };
         let (surprise_m, surprise_rad) = self.surprise(&last, &now, dt_ns);
@@ -162,14 +166,14 @@ impl Steps {
         let share = dt_ns as f64 / step.dt_ns as f64;
         if step.distance_m == 0.0 && step.angle_rad == 0.0 {
             let distance_m = length(now.position() - last.position());
-            return (distance_m, angle_between(&last.rotation(), &now.rotation()));
+            return (distance_m, angle_between(&last.rotation, &now.rotation));
         }
         let predicted = last.position() + (last.position() - from.position()) * share;
-        let turn = from.rotation().rotation_to(&last.rotation());
-        let turned = UnitQuaternion::from_scaled_axis(turn.scaled_axis() * share) * last.rotation();
+        let turn = from.rotation.rotation_to(&last.rotation);
+        let turned = UnitQuaternion::from_scaled_axis(turn.scaled_axis() * share) * last.rotation;
         (
             length(now.position() - predicted),
-            angle_between(&turned, &now.rotation()),
+            angle_between(&turned, &now.rotation),
         )
     }
 
@@ -203,8 +207,7 @@ fn angle_between(a: &UnitQuaternion<f64>, b: &UnitQuaternion<f64>) -> f64 {
 fn is_undone(before: &Before, now: &Known) -> bool {
     let Before { from, step } = before;
     let shifted = || step.distance_m > LARGE_M && length(now.position() - from.position()) <= LEFT * step.distance_m;
-    let turned =
-        || step.angle_rad > LARGE_RAD && angle_between(&from.rotation(), &now.rotation()) <= LEFT * step.angle_rad;
+    let turned = || step.angle_rad > LARGE_RAD && angle_between(&from.rotation, &now.rotation) <= LEFT * step.angle_rad;
     shifted() || turned()
 }
 
@@ -250,6 +253,9 @@ impl Top {
             self.kept.pop();
         }
         let place = self.kept.partition_point(|(known, _)| !is_larger(*known));
+        if self.kept.capacity() == 0 {
+            self.kept.reserve_exact(self.bound);
+        }
         self.kept.insert(place, (key, *between));
     }
 

@@ -7,8 +7,8 @@ use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{BagEvidence, World};
 
-use super::simulated::{is_simulation, judge_simulated, tell_simulation};
-use super::streams::{Stream, UPTIME_BELOW_S, is_simulated, log_start_s, streams};
+use super::simulated::{Time, judge_simulated, tell_simulation};
+use super::streams::{Stream, UPTIME_BELOW_S, log_start_s, streams};
 use super::together::tell_once;
 use super::units::unit_error;
 
@@ -39,24 +39,32 @@ impl Rule for ClockDomain {
 }
 
 fn judge_bag(bag: &BagEvidence, limits: &Limits, out: &mut Judge) {
-    let simulated = is_simulated(bag);
     let streams = streams(bag);
+    let time = Time::of(bag, &streams);
     let mut since_start: Vec<(f64, Finding)> = streams
         .iter()
-        .filter_map(|stream| judge_stream(bag, stream, simulated.then_some(&streams), limits, out))
+        .filter_map(|stream| judge_stream(bag, stream, (time, &streams), limits, out))
         .collect();
     since_start.sort_by(|(a, _), (b, _)| a.total_cmp(b));
     while let Some((earliest, _)) = since_start.first() {
-        let same = earliest + limits.same_start_s;
+        // A simulation may run at any rate: its medians lie apart.
+        let beside_wall = time == Time::SimulatedBesideWall;
+        let same = if beside_wall {
+            f64::INFINITY
+        } else {
+            earliest + limits.same_start_s
+        };
         let rest = since_start.split_off(since_start.partition_point(|(offset, _)| *offset <= same));
         let group = std::mem::replace(&mut since_start, rest);
         let mut findings: Vec<Finding> = group.into_iter().map(|(_, finding)| finding).collect();
         findings.sort_by(|a, b| a.subject.cmp(&b.subject));
         let mut more = "count from the same start";
-        if is_simulation(findings.len(), &streams, limits.min_simulated)
-            && let Some(first) = findings.first_mut()
+        let (n, enough) = (findings.len(), findings.len() >= limits.min_simulated);
+        if let Some(first) = findings
+            .first_mut()
+            .filter(|_| beside_wall || (n == streams.len() && enough))
         {
-            tell_simulation(first, streams.len());
+            tell_simulation(first, n);
             more = "";
         }
         tell_once(findings, more, out);
@@ -67,7 +75,7 @@ fn judge_bag(bag: &BagEvidence, limits: &Limits, out: &mut Judge) {
 fn judge_stream(
     bag: &BagEvidence,
     stream: &Stream<'_>,
-    simulated: Option<&Vec<Stream<'_>>>,
+    (time, all): (Time, &[Stream<'_>]),
     limits: &Limits,
     out: &mut Judge,
 ) -> Option<(f64, Finding)> {
@@ -91,9 +99,10 @@ fn judge_stream(
         .limit(limits.same_clock_s)
         .spread(spread)
         .samples(n);
-    if let Some(all) = simulated {
+    let counts = stamp_s < UPTIME_BELOW_S;
+    if time == Time::Simulated || (time == Time::SimulatedBesideWall && !counts) {
         judge_simulated(stream, all, measured, out);
-    } else if stamp_s < UPTIME_BELOW_S && unit_error(stream, log_start_s(bag)).is_none() {
+    } else if counts && unit_error(stream, log_start_s(bag)).is_none() {
         return Some((offset, uptime(stream, stamp_s, measured)));
     } else if offset.abs() > limits.same_clock_s {
         // A calendar clock that is off is TIME01's: it names the offset where it has a name.

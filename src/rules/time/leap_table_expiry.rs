@@ -18,6 +18,7 @@ pub struct LeapTableExpiry;
 #[serde(deny_unknown_fields)]
 pub struct Limits {
     beyond_days: f64,
+    absurd_days: f64,
 }
 
 impl Rule for LeapTableExpiry {
@@ -36,6 +37,11 @@ impl Rule for LeapTableExpiry {
             };
             let days = (end_ns as f64 / 1e9 - table.expires.unix_s as f64) / 86_400.0;
             let measured = Measured::new("recorded after the table's end", days, "d").limit(limits.beyond_days);
+            if days > limits.absurd_days {
+                let why = format!("the log clock shows a day {days:.0} days ahead: it was not set");
+                out.not_evaluated(subject, NotEvaluated::InputBroken, why);
+                continue;
+            }
             if days <= limits.beyond_days {
                 out.pass(subject, [measured]);
                 continue;

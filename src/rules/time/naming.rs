@@ -9,7 +9,8 @@ use crate::world::BagEvidence;
 
 use super::epoch_offset::Limits;
 use super::known_offsets::{Explanation, Tolerance, explain};
-use super::streams::{Clock, Of, Stream, is_simulated, log_clock, log_start_s};
+use super::simulated::Time;
+use super::streams::{Clock, Of, Stream, log_clock, log_start_s};
 use super::units::unit_error;
 
 /// The limits of another rule, as its page has them.
@@ -44,7 +45,7 @@ impl<'l> Naming<'l> {
             log_s: log_start_s(bag),
             log_clock: log_clock(bag),
             common_s: common.filter(|_| offsets.len() >= 2),
-            is_simulated: is_simulated(bag),
+            is_simulated: Time::of(bag, streams) != Time::Wall,
         }
     }
 

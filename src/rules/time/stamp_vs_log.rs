@@ -10,7 +10,8 @@ use crate::world::{BagEvidence, World};
 use super::epoch_offset::EpochOffset;
 use super::lateness::{Fault, faults};
 use super::naming::{Naming, limits_of};
-use super::streams::{Clock, Of, Stream, is_simulated, log_clock, streams};
+use super::simulated::Time;
+use super::streams::{Clock, Of, Stream, log_clock, streams};
 use super::tf_vs_sensor_time::{self, TfVsSensorTime};
 use super::together::tell_once;
 
@@ -97,7 +98,7 @@ fn is_judged(
 /// streams show calendar time. The clock of a simulation may run at any rate.
 fn runs_apart(bag: &BagEvidence, stream: &Stream<'_>, all: &[Stream<'_>]) -> bool {
     let calendar = all.iter().any(|other| other.clock() == Some(Clock::Calendar));
-    !is_simulated(bag) && (calendar || stream.is_gnss())
+    Time::of(bag, all) == Time::Wall && (calendar || stream.is_gnss())
 }
 
 fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: &mut Judge) -> Vec<Fault> {
@@ -107,7 +108,9 @@ fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: 
     let found = faults(stream, naming, limits);
     if found.is_empty() {
         let named = naming.has_word(stream);
-        let measured = Measured::new("stamp minus log time", offset, "s").spread(spread);
+        let measured = Measured::new("stamp minus log time", offset, "s")
+            .spread(spread)
+            .limit(limits.late_s);
         if named || !naming.is_comparable(stream) {
             let why = format!(
                 "stamps run {offset:.3} s off the log clock, which {} names",
@@ -115,10 +118,7 @@ fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: 
             );
             out.not_evaluated(stream.subject.clone(), NotEvaluated::NotApplicable, why);
         } else {
-            out.pass(
-                stream.subject.clone(),
-                [measured.limit(limits.late_s).samples(stream.stamps.count)],
-            );
+            out.pass(stream.subject.clone(), [measured.samples(stream.stamps.count)]);
         }
     }
     found

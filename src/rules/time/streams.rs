@@ -21,7 +21,7 @@ pub(super) struct Stream<'w> {
     pub(super) subject: String,
     /// The stamps.
     pub(super) stamps: &'w StampEvidence,
-    /// Whether the stream comes from one publisher as far as can be seen: one frame id.
+    /// Whether the stream comes from one publisher as far as can be seen: one frame id, one writer.
     pub(super) single_frame: bool,
     /// What it is a stream of.
     pub(super) of: Of<'w>,
@@ -97,6 +97,7 @@ impl Stream<'_> {
             || STATES.contains(&name)
             || self.is_gnss()
             || name.to_ascii_lowercase().contains("imu")
+            || self.topic().rsplit('/').next() == Some("imu")
     }
 
     /// Whether many messages share each stamp, though what they say is measured or moves.
@@ -125,6 +126,14 @@ impl Stream<'_> {
         match self.of {
             Of::Topic(topic) => &topic.message_type,
             Of::Edge(_) => "",
+        }
+    }
+
+    /// The topic.
+    fn topic(&self) -> &str {
+        match self.of {
+            Of::Topic(topic) => &topic.topic,
+            Of::Edge(edge) => &edge.topic,
         }
     }
 
@@ -182,18 +191,30 @@ fn is_latched(topic: &str, message_type: &str) -> bool {
     latched_name || message_type.ends_with("/OccupancyGrid") || message_type.ends_with("/MapMetaData")
 }
 
+/// What programs tell about themselves: stamped by many, in the order of arrival, and looked up by nobody.
+fn is_talk(message_type: &str) -> bool {
+    const PACKAGES: &[&str] = &[
+        "diagnostic_msgs",
+        "actionlib_msgs",
+        "action_msgs",
+        "bond",
+        "lifecycle_msgs",
+    ];
+    message_type.ends_with("/Log") || PACKAGES.contains(&message_type.split('/').next().unwrap_or_default())
+}
+
 /// All streams of one recording, topics first, in order of name.
 pub(super) fn streams(bag: &BagEvidence) -> Vec<Stream<'_>> {
     let mut streams: Vec<Stream<'_>> = bag
         .topics
         .values()
         .filter(|topic| topic.stamps.count > 0 && !is_tf(&topic.topic, &topic.message_type))
-        .filter(|topic| !is_latched(&topic.topic, &topic.message_type))
+        .filter(|topic| !is_latched(&topic.topic, &topic.message_type) && !is_talk(&topic.message_type))
         .map(|topic| Stream {
             source: bag.source,
             subject: format!("topic `{}`", topic.topic),
             stamps: &topic.stamps,
-            single_frame: topic.header_frames.len() <= 1,
+            single_frame: topic.header_frames.len() <= 1 && topic.writers.len() <= 1,
             of: Of::Topic(topic),
         })
         .collect();
@@ -210,12 +231,6 @@ pub(super) fn streams(bag: &BagEvidence) -> Vec<Stream<'_>> {
 fn is_tf(topic: &str, message_type: &str) -> bool {
     let last = topic.rsplit('/').next().unwrap_or(topic);
     message_type.ends_with("/TFMessage") || matches!(last, "tf" | "tf_static")
-}
-
-/// Whether the recording was made in simulated time: a `/clock` topic, or every stream and the log far before 1973.
-pub(super) fn is_simulated(bag: &BagEvidence) -> bool {
-    bag.topics.keys().any(|topic| topic.rsplit('/').next() == Some("clock"))
-        || (bag.start_ns.is_some() && log_clock(bag) == Clock::Uptime)
 }
 
 /// Log time at the start, Unix seconds where the log clock shows calendar time.

@@ -62,7 +62,7 @@ fn judge_bag(streams: &[Stream<'_>], naming: &Naming<'_>, limits: &Limits, out: 
         } else if naming.has_word(stream) {
             let why = "the offset of its stamps has a name; see TIME01";
             out.not_evaluated(stream.subject.clone(), NotEvaluated::NotApplicable, why);
-        } else if let Some((lead_s, of)) = lead(stream, &sensors, naming) {
+        } else if let Some((lead_s, of)) = lead(stream, &sensors, naming, limits) {
             let measured = Measured::new(format!("stamp minus {of}"), lead_s, "s").samples(stream.stamps.count);
             if lead_s > limits.lead_s {
                 ahead.push(off(stream, of, measured.limit(limits.lead_s)));
@@ -75,7 +75,7 @@ fn judge_bag(streams: &[Stream<'_>], naming: &Naming<'_>, limits: &Limits, out: 
                 );
             }
         } else {
-            let why = "no clock of the same kind to hold it against";
+            let why = "no clock of the same kind and rate to hold it against";
             out.not_evaluated(stream.subject.clone(), NotEvaluated::MissingInput, why);
         }
     }
@@ -101,10 +101,22 @@ fn has_enough(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) -> bool {
 }
 
 /// How far an edge's stamps run ahead of the log clock or of the sensors, whichever is nearer: seconds, and of what.
-fn lead(stream: &Stream<'_>, sensors: &[&Stream<'_>], naming: &Naming<'_>) -> Option<(f64, &'static str)> {
-    let (offset, _) = stream.offset_s()?;
+///
+/// Only offsets that hold still are compared: where a clock runs at another rate, medians of streams that were seen at
+/// other times differ by that alone.
+fn lead(
+    stream: &Stream<'_>,
+    sensors: &[&Stream<'_>],
+    naming: &Naming<'_>,
+    limits: &Limits,
+) -> Option<(f64, &'static str)> {
+    let steady = |stream: &Stream<'_>| {
+        let (offset, spread) = stream.offset_s()?;
+        (spread < 0.5 * limits.lead_s).then_some(offset)
+    };
+    let offset = steady(stream)?;
     let same_clock = sensors.iter().filter(|sensor| sensor.clock() == stream.clock());
-    let theirs: Vec<f64> = same_clock.filter_map(|sensor| Some(sensor.offset_s()?.0)).collect();
+    let theirs: Vec<f64> = same_clock.filter_map(|sensor| steady(sensor)).collect();
     let from_sensors = median(&theirs).map(|theirs| (offset - theirs, "the sensors' stamps"));
     let from_log = naming.is_comparable(stream).then_some((offset, "log time"));
     let both = from_log.into_iter().chain(from_sensors);

@@ -74,8 +74,8 @@ fn steps<'a>(graph: &'a FrameGraph, cycle: &[FrameId]) -> Option<Vec<&'a Edge>> 
         .collect()
 }
 
-/// Whether the edges hold at one time: TF edges of one recording must have been published over a common time. A
-/// latched edge holds from its first message on.
+/// Whether the edges hold at one time: TF edges must come from one recording (two may show two robots, or one robot
+/// before and after a change) and have been published over a common time. A latched edge holds from its first message on.
 fn all_at_once(world: &World, steps: &[&Edge]) -> bool {
     let mut from = i64::MIN;
     let mut until = i64::MAX;
@@ -90,7 +90,7 @@ fn all_at_once(world: &World, steps: &[&Edge]) -> bool {
             until = until.min(if tf.is_static { i64::MAX } else { tf.last_at.log_ns });
         }
     }
-    bags.len() > 1 || from <= until
+    bags.len() <= 1 && from <= until
 }
 
 fn judge_cycle(world: &World, cycle: &[FrameId], steps: &[&Edge], out: &mut Judge) {

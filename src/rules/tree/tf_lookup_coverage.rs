@@ -85,6 +85,11 @@ fn judge_topic(
     if names::is_world(frame) {
         return Err(not_ours(format!("its frame `{frame}` is no sensor's")));
     }
+    if let Some(child) = refused(bag, frame) {
+        return Err(not_ours(format!(
+            "tf2 refuses every transform of `{child}`: see ROT04 and ROT05"
+        )));
+    }
     let unknown = || not_ours(format!("TF does not know its frame `{frame}`: see TREE07 and TREE08"));
     let heard = listeners.of(frame, &topic.topic).ok_or_else(unknown)?;
     let alone = || {
@@ -128,6 +133,21 @@ fn judge_topic(
         Some((cause, finding)) => causes.entry(cause).or_default().push(finding),
     }
     Ok(())
+}
+
+/// The frame, or a frame above it, of which tf2 takes no transform at all.
+fn refused(bag: &BagEvidence, frame: &FrameId) -> Option<FrameId> {
+    let edges = tf::by_child(bag);
+    let mut at = frame.clone();
+    // A loop ends the walk as well: no tree is deeper than it has frames.
+    for _ in 0..=edges.len() {
+        let above = edges.get(&at)?;
+        if above.iter().all(|edge| edge.samples.is_empty()) {
+            return Some(at);
+        }
+        at = above.first()?.parent.canonical();
+    }
+    None
 }
 
 /// A moving edge on the way whose stamps are of another clock than the topic's, with the seconds between them.

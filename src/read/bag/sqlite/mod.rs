@@ -55,8 +55,10 @@ pub(super) fn read(
     } else {
         pass.tell_channels();
         pass.whole();
+        let all = pass.messages + pass.orphans + pass.too_large + pass.unfit;
         Extent {
             whole: true,
+            messages_total: pass.stopped.is_none().then_some(all),
             ..Extent::default()
         }
     };

@@ -1,7 +1,7 @@
 //! Messages of Foxglove's schemas: Protocol Buffers, JSON, and CDR by `foxglove_msgs`.
 //!
 //! Owns which channels these are and the way from bytes to content. A message becomes a small tree of the fields that
-//! are wanted (see [`wanted`]), whatever its encoding; the tree becomes content in one place. Everything else in a message
+//! are wanted (`wanted.rs`), whatever its encoding; the tree becomes content in one place. Everything else in a message
 //! is passed over by its length. Must not know recordings.
 //!
 //! Sources: the schemas at <https://docs.foxglove.dev/docs/visualization/message-schemas/introduction>, MCAP's registry of

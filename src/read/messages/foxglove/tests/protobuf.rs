@@ -234,6 +234,32 @@ fn a_scene_tells_the_frames_of_all_its_entities() {
     assert_eq!((none.header, none.body), (None, Body::Nothing));
 }
 
+#[derive(Clone, PartialEq, Message)]
+struct Clock {
+    #[prost(sint64, tag = "9")]
+    sec: i64,
+    #[prost(fixed32, tag = "8")]
+    nsec: u32,
+}
+
+#[derive(Clone, PartialEq, Message)]
+struct Head {
+    #[prost(string, tag = "200")]
+    frame_id: String,
+    #[prost(message, tag = "3")]
+    stamp: Option<Clock>,
+}
+
+#[derive(Clone, PartialEq, Message)]
+struct Scan {
+    #[prost(bytes = "vec", tag = "1")]
+    junk: Vec<u8>,
+    #[prost(message, tag = "2")]
+    header: Option<Head>,
+    #[prost(int32, tag = "7")]
+    frame_id: i32,
+}
+
 #[test]
 fn the_descriptor_decides_not_the_published_numbers() {
     let time = declared("Clock", &[("sec", 9, "sint64"), ("nsec", 8, "fixed32")]);
@@ -256,30 +282,6 @@ fn the_descriptor_decides_not_the_published_numbers() {
     };
     let schema = descriptor(file("acme.robot", vec![outer]));
     let reader = reader_of("acme.robot.Scan", &schema).unwrap();
-
-    #[derive(Clone, PartialEq, Message)]
-    struct Clock {
-        #[prost(sint64, tag = "9")]
-        sec: i64,
-        #[prost(fixed32, tag = "8")]
-        nsec: u32,
-    }
-    #[derive(Clone, PartialEq, Message)]
-    struct Head {
-        #[prost(string, tag = "200")]
-        frame_id: String,
-        #[prost(message, tag = "3")]
-        stamp: Option<Clock>,
-    }
-    #[derive(Clone, PartialEq, Message)]
-    struct Scan {
-        #[prost(bytes = "vec", tag = "1")]
-        junk: Vec<u8>,
-        #[prost(message, tag = "2")]
-        header: Option<Head>,
-        #[prost(int32, tag = "7")]
-        frame_id: i32,
-    }
     let scan = Scan {
         junk: vec![8; 33],
         header: Some(Head {

@@ -1,0 +1,138 @@
+//! AUTH02: which calibration and which description a recording was made with.
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::source::{Derived, Place};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::{BagEvidence, FrameId, Robot, World};
+
+use super::revision::{Differences, counterpart, differences};
+
+/// AUTH02.
+pub struct CalibrationArtifactId;
+
+/// Limits of AUTH02.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    pub(super) shared_links: f64,
+    pub(super) same_m: f64,
+    pub(super) same_rad: f64,
+    max_differences: f64,
+}
+
+/// Words of names and keys that say which calibration, or which vehicle.
+#[rustfmt::skip]
+const IDENTITY: &[&str] = &[
+    "calib", "calibration", "calibrations", "extrinsic", "extrinsics", "urdf", "description", "hash", "sha", "sha256",
+    "commit", "revision", "serial", "vin",
+];
+
+impl Rule for CalibrationArtifactId {
+    const PAGE: &'static str = include_str!("../../../rules/auth/calibration-artifact-id.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for robot in world
+            .robots
+            .iter()
+            .filter(|robot| robot.fragment.is_none() && is_recorded(world, robot))
+        {
+            judge_description(world, robot, limits, out);
+        }
+        for bag in &world.bags {
+            judge_notes(world, bag, out);
+        }
+    }
+}
+
+/// Whether the robot was described in a recording.
+pub(super) fn is_recorded(world: &World, robot: &Robot) -> bool {
+    let source = world.source(robot.source);
+    source.is_some_and(|source| matches!(source.derived, Some(Derived::Message(_))))
+}
+
+fn judge_description(world: &World, recorded: &Robot, limits: &Limits, out: &mut Judge) {
+    let subject = format!(
+        "description of `{}` in {}",
+        recorded.name.value,
+        world.path(recorded.source)
+    );
+    let Some(file) = counterpart(world, recorded, limits) else {
+        out.not_evaluated(
+            subject,
+            NotEvaluated::MissingInput,
+            "no URDF file of this robot to hold it against",
+        );
+        return;
+    };
+    let Differences { found, rigid } = differences(file, recorded, limits);
+    let measured = Measured::count("links and joints that differ", found.len()).limit(limits.max_differences);
+    let Some(first) = found.first().filter(|_| found.len() as f64 > limits.max_differences) else {
+        if rigid == 0 {
+            out.pass(subject, [measured]);
+        } else {
+            let why = format!("{rigid} fixed joint(s) differ in their origin only; see CROSS01 and CROSS02");
+            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        }
+        return;
+    };
+    let words: Vec<&str> = found
+        .iter()
+        .take(4)
+        .map(|difference| difference.words.as_str())
+        .collect();
+    let more = match found.len().saturating_sub(words.len()) {
+        0 => String::new(),
+        n => format!("; and {n} more"),
+    };
+    let message = format!(
+        "the recording was made with another revision of the robot than {}: {}{more}",
+        world.path(file.source),
+        words.join("; "),
+    );
+    let finding = Finding::warning(subject, message, first.recorded.clone())
+        .label("in the recording")
+        .help("judge the recording with the description it was made with, or bring the file up to date")
+        .measured(measured)
+        .related(first.file.clone(), "in the file");
+    out.fail(finding);
+}
+
+/// Metadata that somebody wrote should say which calibration it was; where nobody wrote any, nothing can be said.
+fn judge_notes(world: &World, bag: &BagEvidence, out: &mut Judge) {
+    let subject = format!("calibration of {}", world.path(bag.source));
+    let fields = || {
+        let records = bag.annotations.iter();
+        records.flat_map(|(name, fields)| fields.keys().map(move |key| (name.as_str(), key.as_str())))
+    };
+    let written = fields().filter(|(name, key)| !is_by_itself(name, key)).count();
+    let says = |text: &str| IDENTITY.iter().any(|word| FrameId::new(text).has_token(word));
+    let naming = fields().filter(|(name, key)| says(name) || says(key)).count();
+    let measured = Measured::count("fields that may name a calibration", naming).samples(written as u64);
+    if naming > 0 {
+        out.pass(subject, [measured]);
+        return;
+    }
+    if written == 0 {
+        let why = "the recording carries no metadata of its maker's";
+        out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return;
+    }
+    let message = format!(
+        "none of the {written} fields of metadata names a calibration: which one the recording was made with is not known",
+    );
+    out.fail(
+        Finding::note(subject, message, Place::whole(bag.source))
+            .hint()
+            .help("write the id, hash or date of the calibration and of the URDF into the recording's metadata")
+            .measured(measured.limit(1.0)),
+    );
+}
+
+/// What is there without anybody's writing it for the drive: the recorder's own, and attached files.
+fn is_by_itself(name: &str, key: &str) -> bool {
+    matches!(name, "rosbag2" | "rosbag" | "attachments") || key == "ros_distro"
+}

@@ -1,0 +1,132 @@
+//! AUTH01: two programs publish one transform.
+
+use std::collections::BTreeSet;
+
+use serde::Deserialize;
+
+use crate::math::stats::median;
+use crate::rules::{Judge, Need, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::bag::TfEdge;
+use crate::world::content::Step;
+use crate::world::{BagEvidence, World};
+
+/// AUTH01.
+pub struct MultipleAuthorities;
+
+/// Limits of AUTH01.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    min_steps: u64,
+    undone_count: u64,
+    undone_share: f64,
+    rare_share: f64,
+    stands_out: f64,
+    moves_deg: f64,
+    moves_m: f64,
+}
+
+impl Rule for MultipleAuthorities {
+    const PAGE: &'static str = include_str!("../../../rules/auth/multiple-authorities.md");
+    const NEEDS: &'static [Need] = &[Need::Tf];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in &world.bags {
+            for edge in &bag.tf {
+                judge_edge(bag, edge, limits, out);
+            }
+        }
+    }
+}
+
+fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge) {
+    let subject = format!("TF `{}` from `{}` on `{}`", edge.parent, edge.child, edge.topic);
+    // Names that a program gives itself at each start end in numbers.
+    let programs: BTreeSet<&str> = edge.writers.keys().map(|name| stem(name)).collect();
+    let share = edge.steps.undone as f64 / (edge.steps.count as f64).max(1.0);
+    let undone = Measured::new("share of steps that the next one undoes", share, "1")
+        .limit(limits.undone_share)
+        .samples(edge.steps.count);
+    let takes_turns = takes_turns(edge, share, limits);
+    if !takes_turns && programs.len() < 2 {
+        if edge.writers.is_empty() && edge.steps.count < limits.min_steps {
+            let why = "the recording does not say who writes, and holds too few transforms to see it";
+            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        } else {
+            out.pass(
+                subject,
+                [Measured::count("writers known", edge.writers.len()).limit(1.0), undone],
+            );
+        }
+        return;
+    }
+    let who = match edge.writers.len() {
+        0 | 1 => "two publishers".to_owned(),
+        _ => edge
+            .writers
+            .keys()
+            .map(|name| format!("`{name}`"))
+            .collect::<Vec<_>>()
+            .join(", "),
+    };
+    let (severity, message) = if takes_turns {
+        (
+            Severity::Error,
+            format!(
+                "{who} publish {subject} in turn: {} of {} steps are undone by the next one",
+                edge.steps.undone, edge.steps.count
+            ),
+        )
+    } else if moves(edge, limits) {
+        (
+            Severity::Warning,
+            format!("{who} publish {subject}, which moves: look-ups interpolate between what they say"),
+        )
+    } else {
+        (
+            Severity::Note,
+            format!("{who} publish {subject}, with equal values until one of them changes"),
+        )
+    };
+    let at = edge.steps.first_undone.as_ref().filter(|_| takes_turns);
+    let place = at.map_or(&edge.first_at, |step| &step.after.at);
+    let finding = Finding::new(severity, subject, message, Place::message(bag.source, place.clone()))
+        .likely()
+        .help("let one program publish the frame: switch off `publish_tf` in the driver, the filter or the simulator")
+        .measured(Measured::count("writers known", edge.writers.len()).limit(1.0))
+        .measured(undone);
+    out.fail(finding);
+}
+
+/// The name of a writer without the numbers that an anonymous node appends.
+fn stem(name: &str) -> &str {
+    name.trim_end_matches(|c: char| c.is_ascii_digit() || c == '_')
+}
+
+/// Two series that alternate show steps back and forth: nearly all of them where both have one rate, and few, but far
+/// beyond the others, where one is slow.
+fn takes_turns(edge: &TfEdge, share: f64, limits: &Limits) -> bool {
+    let steps = &edge.steps;
+    if edge.is_static || steps.count < limits.min_steps || steps.undone < limits.undone_count {
+        return false;
+    }
+    let stands_out = || {
+        let first = steps.first_undone.as_ref().map(|at| at.step);
+        let usual = |of: fn(&Step) -> f64| median(&steps.sample.iter().map(of).collect::<Vec<f64>>()).unwrap_or(0.0);
+        first.is_some_and(|step| {
+            step.distance_m > (limits.stands_out * usual(|step| step.distance_m)).max(limits.moves_m)
+                || step.angle_rad
+                    > (limits.stands_out * usual(|step| step.angle_rad)).max(limits.moves_deg.to_radians())
+        })
+    };
+    share >= limits.undone_share || (share >= limits.rare_share && stands_out())
+}
+
+fn moves(edge: &TfEdge, limits: &Limits) -> bool {
+    edge.extreme.as_ref().is_some_and(|(_, angle_rad, distance_m)| {
+        angle_rad.to_degrees() > limits.moves_deg || *distance_m > limits.moves_m
+    })
+}

@@ -1,0 +1,148 @@
+//! COV01: covariances that are none: not finite, not symmetric, with a negative variance, or never filled.
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::content::{CovarianceAt, CovarianceEvidence};
+use crate::world::{BagEvidence, World};
+
+/// COV01.
+pub struct CovPsd;
+
+/// Limits of COV01.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    asymmetry: f64,
+    negative: f64,
+    gross: f64,
+    denormal: f64,
+    max_non_finite: f64,
+}
+
+impl Rule for CovPsd {
+    const PAGE: &'static str = include_str!("../../../rules/cov/cov-psd.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in &world.bags {
+            for topic in bag.topics.values() {
+                for (field, evidence) in &topic.content.covariances {
+                    let subject = format!("`{field}` on topic `{}`", topic.topic);
+                    judge_field(bag, subject, evidence, limits, out);
+                }
+            }
+        }
+    }
+}
+
+fn judge_field(bag: &BagEvidence, subject: String, evidence: &CovarianceEvidence, limits: &Limits, out: &mut Judge) {
+    let faults = [
+        non_finite(evidence, limits),
+        denormal(evidence, limits),
+        asymmetric(evidence, limits),
+        negative(evidence, limits),
+    ];
+    // A matrix that is not symmetric, or holds no numbers, has no eigenvalues to speak of.
+    if let Some(fault) = faults.into_iter().flatten().next() {
+        let message = format!("{subject}: {}", fault.words);
+        let place = Place::message(bag.source, fault.at.at.clone());
+        let finding = Finding::new(fault.severity, subject, message, place).help(fault.help);
+        out.fail(finding.measured(fault.measured.samples(evidence.count)));
+        return;
+    }
+    let (Some((asymmetry, _)), Some((least, _))) = (&evidence.most_asymmetric, &evidence.least_positive) else {
+        let why = "every matrix is all zeros or marked with -1: it says that it is not known";
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return;
+    };
+    out.pass(
+        subject,
+        [
+            Measured::new("asymmetry over the largest number", *asymmetry, "1").limit(limits.asymmetry),
+            Measured::new("smallest eigenvalue over the largest number", *least, "1")
+                .limit(limits.negative)
+                .samples(evidence.count),
+        ],
+    );
+}
+
+struct Fault<'e> {
+    severity: Severity,
+    words: String,
+    help: &'static str,
+    measured: Measured,
+    at: &'e CovarianceAt,
+}
+
+fn non_finite<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<Fault<'e>> {
+    let (count, first) = &evidence.non_finite;
+    let at = first.as_ref().filter(|_| *count as f64 > limits.max_non_finite)?;
+    Some(Fault {
+        severity: Severity::Error,
+        words: format!(
+            "{count} of {} matrices hold numbers that are not finite",
+            evidence.count
+        ),
+        help: "a covariance that is not known is all zeros, or begins with -1 where the field itself holds nothing",
+        measured: Measured::new("matrices that are not finite", *count as f64, "count").limit(limits.max_non_finite),
+        at,
+    })
+}
+
+/// Numbers that no computation gives: what lay in memory before.
+fn denormal<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<Fault<'e>> {
+    let is_denormal = |value: &f64| *value != 0.0 && value.abs() < limits.denormal;
+    let (at, value) = evidence.samples.iter().find_map(|at| {
+        let value = at.values.iter().copied().find(is_denormal)?;
+        Some((at, value))
+    })?;
+    Some(Fault {
+        severity: Severity::Warning,
+        words: format!("a matrix holds {value:e}: memory that was never filled"),
+        help: "set every element where the message is made, to zero where nothing is known",
+        measured: Measured::new("smallest number that is not zero", value, "1").limit(limits.denormal),
+        at,
+    })
+}
+
+fn asymmetric<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<Fault<'e>> {
+    let (asymmetry, at) = evidence
+        .most_asymmetric
+        .as_ref()
+        .filter(|(value, _)| *value > limits.asymmetry)?;
+    Some(Fault {
+        severity: graded(*asymmetry, limits),
+        words: format!("a matrix is not symmetric: elements differ by {asymmetry:.3e} of the largest"),
+        help: "look for a matrix filled by half, read in the other order, or of another size",
+        measured: Measured::new("asymmetry over the largest number", *asymmetry, "1").limit(limits.asymmetry),
+        at,
+    })
+}
+
+fn negative<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<Fault<'e>> {
+    let (least, at) = evidence
+        .least_positive
+        .as_ref()
+        .filter(|(value, _)| *value < limits.negative)?;
+    Some(Fault {
+        severity: graded(-least, limits),
+        words: format!(
+            "a matrix has a negative variance: its smallest eigenvalue is {least:.3e} of the largest number"
+        ),
+        help: "look for covariances larger than their variances allow, variances left zero beside them, or rounding",
+        measured: Measured::new("smallest eigenvalue over the largest number", *least, "1").limit(limits.negative),
+        at,
+    })
+}
+
+fn graded(size: f64, limits: &Limits) -> Severity {
+    if size > limits.gross {
+        Severity::Error
+    } else {
+        Severity::Warning
+    }
+}

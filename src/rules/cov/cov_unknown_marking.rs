@@ -1,0 +1,128 @@
+//! COV03: inertial messages that carry no orientation, and do not say so.
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::bag::TopicEvidence;
+use crate::world::content::ImuEvidence;
+use crate::world::{BagEvidence, World};
+
+/// COV03.
+pub struct CovUnknownMarking;
+
+/// Limits of COV03.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    min_messages: u64,
+    constant_share: f64,
+    turned_rad: f64,
+    turning_rad_s: f64,
+}
+
+impl Rule for CovUnknownMarking {
+    const PAGE: &'static str = include_str!("../../../rules/cov/cov-unknown-marking.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in &world.bags {
+            for topic in bag.topics.values() {
+                if let Some(imu) = &topic.content.imu {
+                    judge_topic(bag, topic, imu, limits, out);
+                }
+            }
+        }
+    }
+}
+
+/// How the orientation is marked by its covariance.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Marking {
+    /// -1: no estimate.
+    Nothing,
+    /// All zeros: an orientation whose covariance is not known.
+    Zeros,
+    /// Numbers.
+    Numbers,
+}
+
+fn marking(topic: &TopicEvidence) -> Marking {
+    let Some(covariance) = topic.content.covariances.get("orientation_covariance") else {
+        return Marking::Zeros;
+    };
+    if covariance.minus_one * 2 > covariance.count {
+        Marking::Nothing
+    } else if covariance.all_zero * 2 > covariance.count {
+        Marking::Zeros
+    } else {
+        Marking::Numbers
+    }
+}
+
+fn judge_topic(bag: &BagEvidence, topic: &TopicEvidence, imu: &ImuEvidence, limits: &Limits, out: &mut Judge) {
+    let subject = format!("topic `{}`", topic.topic);
+    let marked = marking(topic);
+    let share = |count: u64| count as f64 / (imu.count as f64).max(1.0);
+    let constant = share(imu.same_as_first);
+    let measured = Measured::new("share of equal orientations", constant, "1")
+        .limit(limits.constant_share)
+        .samples(imu.count);
+    let turned = Measured::new("turned by the gyroscope", imu.turned_rad, "rad").limit(limits.turned_rad);
+    if marked == Marking::Nothing {
+        let marks = Measured::new("orientations marked with -1", 1.0, "1").samples(imu.count);
+        out.pass(subject, [marks, measured]);
+        return;
+    }
+    if imu.count < limits.min_messages {
+        let why = format!("{} messages, {} are needed", imu.count, limits.min_messages);
+        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return;
+    }
+    if constant < limits.constant_share {
+        out.pass(subject, [measured, turned]);
+        return;
+    }
+    let turns = imu.turned_rad >= limits.turned_rad && imu.angular_velocity_rms >= limits.turning_rad_s;
+    if !turns {
+        let why = "the orientation is constant, and the gyroscope did not turn: it may be right";
+        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return;
+    }
+    let (what, severity) = if share(imu.zero) >= limits.constant_share {
+        // Consumers see that it is none.
+        ("all zeros", Severity::Note)
+    } else {
+        let what = if share(imu.identity) >= limits.constant_share {
+            "the identity"
+        } else {
+            "one and the same"
+        };
+        (
+            what,
+            if marked == Marking::Zeros {
+                Severity::Warning
+            } else {
+                Severity::Error
+            },
+        )
+    };
+    let place = match &imu.first {
+        Some(first) => Place::message(bag.source, first.clone()),
+        None => Place::whole(bag.source),
+    };
+    let message = format!(
+        "the orientation on {subject} is {what} in all messages, while the gyroscope turns by {:.1} rad: there is no \
+         orientation, and `orientation_covariance[0]` is not -1",
+        imu.turned_rad
+    );
+    out.fail(
+        Finding::new(severity, subject, message, place)
+            .likely()
+            .help("set `orientation_covariance[0] = -1` where the device gives no orientation")
+            .measured(measured)
+            .measured(turned),
+    );
+}

@@ -1,0 +1,4 @@
+//! GEO: positions on the earth.
+
+mod fixes;
+pub mod navsatfix_sanity;

@@ -1,0 +1,139 @@
+//! GEO01: positions that no receiver can mean.
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::content::FixEvidence;
+use crate::world::{BagEvidence, World};
+
+use super::fixes::{Position, meant, middle, misread, others};
+
+/// GEO01.
+pub struct NavsatfixSanity;
+
+/// Limits of GEO01.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    max_wrong: f64,
+    error_share: f64,
+    pub(super) agree_deg: f64,
+    pub(super) scaled_deg: f64,
+    pub(super) origin_deg: f64,
+}
+
+impl Rule for NavsatfixSanity {
+    const PAGE: &'static str = include_str!("../../../rules/geo/navsatfix-sanity.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in &world.bags {
+            for topic in bag.topics.values() {
+                if let Some(fixes) = topic.content.fixes.as_ref() {
+                    judge_fixes(world, bag, &format!("topic `{}`", topic.topic), fixes, limits, out);
+                }
+            }
+        }
+    }
+}
+
+fn judge_fixes(world: &World, bag: &BagEvidence, subject: &str, fixes: &FixEvidence, limits: &Limits, out: &mut Judge) {
+    let with_fix = fixes.count.saturating_sub(fixes.no_fix);
+    if with_fix == 0 {
+        let why = "no message says that it has a fix";
+        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return;
+    }
+    let listed = [
+        (
+            &fixes.non_finite,
+            "are not finite",
+            "send status -1 where there is no fix",
+        ),
+        (
+            &fixes.out_of_range,
+            "lie beyond 90 or 180 degrees",
+            "publish degrees, latitude first",
+        ),
+        (
+            &fixes.null_island,
+            "lie at latitude 0 and longitude 0 exactly",
+            "send status -1 until the receiver has a fix",
+        ),
+    ];
+    let mut sound = true;
+    for ((count, examples), what, help) in listed {
+        let Some(first) = examples.first().filter(|_| *count as f64 > limits.max_wrong) else {
+            continue;
+        };
+        sound = false;
+        let share = *count as f64 / with_fix as f64;
+        let severity = if share > limits.error_share {
+            Severity::Error
+        } else {
+            Severity::Warning
+        };
+        let message = format!(
+            "{count} of {with_fix} positions on {subject} {what}, with status >= 0{}",
+            meant(first, limits)
+        );
+        let place = Place::message(bag.source, first.at.clone());
+        out.fail(
+            Finding::new(severity, subject, message, place).help(help).measured(
+                Measured::new("positions", *count as f64, "count")
+                    .limit(limits.max_wrong)
+                    .samples(with_fix),
+            ),
+        );
+    }
+    let Some(position) = middle(fixes).filter(|_| sound) else {
+        return;
+    };
+    match misread(position, &others(world, fixes), limits) {
+        Some((words, other)) => out.fail(misreading(bag, subject, fixes, (position, words, other), limits)),
+        None => out.pass(
+            subject,
+            [
+                Measured::new("latitude", position.0, "deg")
+                    .limit(90.0)
+                    .samples(with_fix),
+                Measured::new("longitude", position.1, "deg")
+                    .limit(180.0)
+                    .samples(with_fix),
+            ],
+        ),
+    }
+}
+
+fn misreading(
+    bag: &BagEvidence,
+    subject: &str,
+    fixes: &FixEvidence,
+    (position, words, other): (Position, &str, Option<&str>),
+    limits: &Limits,
+) -> Finding {
+    let place = match fixes.samples.first() {
+        Some(first) => Place::message(bag.source, first.at.clone()),
+        None => Place::whole(bag.source),
+    };
+    let because = match other {
+        Some(other) => format!("read so, it agrees with `{other}`"),
+        None => "as published, it lies in the Gulf of Guinea".to_owned(),
+    };
+    let message = format!(
+        "the position on {subject}, {:.5}, {:.5}: {words}; {because}",
+        position.0, position.1
+    );
+    let finding = Finding::error(subject, message, place)
+        .help("publish latitude and longitude in degrees, WGS 84")
+        .measured(Measured::new("latitude", position.0, "deg").samples(fixes.count))
+        .measured(Measured::new("agreement asked for", limits.agree_deg, "deg"));
+    if other.is_some() {
+        finding.likely()
+    } else {
+        finding.hint()
+    }
+}
