@@ -6,7 +6,7 @@ use frames_lint::source::{Source, SourceId, SourceKind};
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
-    let Ok((text, _note)) = text::decode(bytes) else {
+    let Ok((text, _note)) = text::decode(bytes.to_vec()) else {
         return;
     };
     let lookup = urdf::MeshLookup::default();
