@@ -170,7 +170,16 @@ fn drive(cloud_frame: &str) -> Vec<u8> {
         });
         let transforms = vec![
             transform(START_NS, "base_link", "lidar", 0.3),
-            transform(START_NS, "base_link", "camera", 0.5),
+            FrameTransform {
+                // Optical axes: z forward, x right, y down.
+                rotation: Some(Numbers {
+                    x: -0.5,
+                    y: 0.5,
+                    z: -0.5,
+                    w: 0.5,
+                }),
+                ..transform(START_NS, "base_link", "camera", 0.5)
+            },
         ];
         out.message(latched, START_NS, &FrameTransforms { transforms }.encode_to_vec());
         for step in 0..10_u32 {
@@ -282,9 +291,15 @@ fn what_cannot_be_read_is_said_with_the_reason() {
     assert_eq!((json.count, json.malformed, json.stamps.count), (3, 1, 1));
     assert_eq!(source.status, ReadStatus::Partial);
     let problems: Vec<&str> = source.problems.iter().map(|problem| problem.message.as_str()).collect();
-    assert_eq!(problems.len(), 1, "{problems:?}");
+    let [malformed, unread] = problems.as_slice() else {
+        panic!("{problems:?}");
+    };
     assert!(
-        problems[0].starts_with("1 of 3 messages on `/json` do not decode: not sound JSON: EOF while parsing"),
+        malformed.starts_with("1 of 3 messages on `/json` do not decode: not sound JSON: EOF while parsing"),
+        "{problems:?}"
+    );
+    assert!(
+        unread.starts_with("1 messages of `foxglove.PointCloud`: the descriptor"),
         "{problems:?}"
     );
 }

@@ -66,7 +66,8 @@ fn judge_stated(world: &World, stated: &Stated, limits: &Limits, right: &mut Tal
         error.abs()
     );
     let help = if dropped {
-        "tf2 drops a transform with such a quaternion: normalise it, and look for a wrong or a lost component"
+        "tf2 of ROS 1 drops a transform with such a quaternion, that of ROS 2 normalises it: publish it normalised, and \
+         look for a wrong or a lost component"
     } else {
         "normalise it: readers that do not, scale and shear what they rotate"
     };
@@ -92,7 +93,7 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, right: &mut Tal
     if let Some(example) = edge.denormalized.examples.first() {
         let norm = quaternion_norm(example.rotation);
         let message = format!(
-            "{} of {} transforms {subject} have a quaternion that is not of length one (norm {norm:.4}): tf2 drops them",
+            "{} of {} transforms {subject} have a quaternion that is not of length one (norm {norm:.4}): ROS 1 drops them",
             edge.denormalized.count, edge.count
         );
         let finding = Finding::error(subject.clone(), message, Place::message(bag.source, example.at.clone()))
