@@ -1,7 +1,7 @@
 //! A buffer of transforms that answers as tf2 does: what it drops, what it keeps, how it interpolates, and how it fails.
 //!
 //! Owns the semantics of geometry2 (tf2/src/{buffer_core,cache,static_cache}.cpp as of ROS 2 Jazzy). Knows nothing of
-//! recordings, except that [`fill`] takes their evidence. Must not judge.
+//! recordings, except that `fill` takes their evidence. Must not judge.
 //!
 //! Where the generations differ, ROS 2 is followed: ROS 1 (0.7.6) drops every further transform with the stamp of another
 //! one, prunes after the insertion and not before, and keeps a child static or moving as it first came. In one thing ROS 1
