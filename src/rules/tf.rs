@@ -8,7 +8,7 @@ use crate::rules::names::{self, Standard};
 use crate::source::MessageRef;
 use crate::world::bag::{HeaderFrame, TfEdge, TopicEvidence};
 use crate::world::robot::Joint;
-use crate::world::{BagEvidence, FrameId, World};
+use crate::world::{BagEvidence, FrameId, World, qos};
 
 /// What the `frame_id` of a message type is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -236,13 +236,9 @@ pub(crate) fn unpublished_joints<'a>(world: &'a World, bag: &BagEvidence) -> Vec
     missing
 }
 
-/// Whether a publisher of the topic offered durability volatile. rosbag2 writes `durability: 1` (transient_local), `2` (volatile), or the words.
+/// Whether a publisher of the topic offered durability volatile.
 pub(crate) fn is_volatile(topic: &TopicEvidence) -> bool {
-    let profiles = topic.offered_qos_profiles.as_deref().unwrap_or_default();
-    profiles
-        .lines()
-        .filter_map(|line| line.trim().trim_start_matches("- ").strip_prefix("durability:"))
-        .any(|value| matches!(value.trim().trim_matches(['"', '\'']), "2" | "volatile"))
+    topic.offered_qos_profiles.as_deref().is_some_and(qos::is_volatile)
 }
 
 /// The standard `odom` frames that a recording's TF moves something in, by name.

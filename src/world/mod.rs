@@ -10,6 +10,7 @@ pub mod content;
 pub mod frame;
 pub mod graph;
 pub mod number;
+pub mod qos;
 pub mod reference;
 pub mod robot;
 pub mod tf2;

@@ -7,6 +7,8 @@ use std::sync::Arc;
 
 use ::mcap::records::{Record, op};
 
+use crate::world::qos;
+
 use super::super::{Channel, Message, Visit};
 use super::index::Fields;
 
@@ -163,7 +165,10 @@ impl<'v> Channels<'v> {
             message_encoding: record.message_encoding,
             // Converters of ROS 1 bags note the connection's header.
             writer: record.metadata.get("callerid").cloned(),
-            latched: is_transient_local(&record.metadata)
+            latched: record
+                .metadata
+                .get("offered_qos_profiles")
+                .is_some_and(|profiles| qos::is_transient_local(profiles))
                 || record.metadata.get("latching").is_some_and(|latching| latching == "1"),
             total: self.totals.get(&record.id).copied(),
             metadata: record.metadata,
@@ -197,15 +202,4 @@ fn size(channel: &Channel) -> usize {
         .map(|(key, value)| key.len() + value.len())
         .sum();
     channel.topic.len() + channel.message_encoding.len() + channel.message_type.len() + metadata
-}
-
-/// Whether every profile that rosbag2 noted offers durability `transient_local` (`1`), and there is one.
-pub(in crate::read::bag) fn is_transient_local(metadata: &BTreeMap<String, String>) -> bool {
-    let profiles = metadata.get("offered_qos_profiles").map_or("", String::as_str);
-    let mut durabilities = profiles
-        .lines()
-        .filter_map(|line| line.trim().trim_start_matches("- ").strip_prefix("durability:"))
-        .map(|value| value.trim().trim_matches(['"', '\'']))
-        .peekable();
-    durabilities.peek().is_some() && durabilities.all(|value| matches!(value, "1" | "transient_local"))
 }

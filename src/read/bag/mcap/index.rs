@@ -2,7 +2,7 @@
 //!
 //! Owns reading it without believing it: every offset and size is held against the file before it is used.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 
@@ -31,7 +31,7 @@ pub(super) struct Index {
     /// Schema and channel records, in order: kind and body.
     pub(super) definitions: Vec<(u8, Vec<u8>)>,
     /// Ids of the channels that are defined.
-    channels: Vec<u16>,
+    channels: BTreeSet<u32>,
     /// The chunks, in the order of the file.
     pub(super) chunks: Vec<ChunkAt>,
     /// The same chunks as the choice wants them.
@@ -116,28 +116,18 @@ pub(super) fn read(mut file: &File, total: u64) -> Result<Option<Index>, String>
 impl Index {
     /// Whether the chunks can be read by it: there are some, and every channel in them is defined.
     pub(super) fn is_usable(&self) -> bool {
-        let defined = |id: &u32| self.channels.iter().any(|known| u32::from(*known) == *id);
+        let held: BTreeSet<u32> = self.infos.iter().flat_map(|info| &info.channels).copied().collect();
         let counted = self.totals.iter().filter(|(_, count)| **count > 0);
-        !self.chunks.is_empty()
-            && self
-                .infos
-                .iter()
-                .flat_map(|info| &info.channels)
-                .collect::<std::collections::BTreeSet<_>>()
-                .into_iter()
-                .all(defined)
-            // A writer without message indexes leaves the channels of its chunks unsaid.
-            && counted.clone().count() > 0
-            && counted.map(|(id, _)| u32::from(*id)).all(|id| {
-                defined(&id) && self.infos.iter().any(|info| info.channels.contains(&id))
-            })
+        let counted: BTreeSet<u32> = counted.map(|(id, _)| u32::from(*id)).collect();
+        // A writer without message indexes leaves the channels of its chunks unsaid.
+        !counted.is_empty() && counted.is_subset(&held) && held.is_subset(&self.channels)
     }
 
     fn record(&mut self, kind: u8, body: &[u8]) -> Result<(), String> {
         match kind {
             op::SCHEMA => self.definitions.push((kind, body.to_vec())),
             op::CHANNEL => {
-                self.channels.push(Fields(body).u16()?);
+                self.channels.insert(u32::from(Fields(body).u16()?));
                 self.definitions.push((kind, body.to_vec()));
             }
             op::CHUNK_INDEX => self.chunk(body)?,

@@ -20,7 +20,6 @@ use ::mcap::records::{Record, op};
 use crate::source::{Place, ReadStatus, Source};
 
 use self::channels::Channels;
-pub(super) use self::channels::is_transient_local;
 use self::chunk::ChunkHead;
 use self::index::{ChunkAt, Index};
 use super::inflate::Inflater;

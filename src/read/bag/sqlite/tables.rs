@@ -10,8 +10,9 @@ use std::sync::Arc;
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, Row};
 
+use crate::world::qos;
+
 use super::super::Channel;
-use super::super::mcap::is_transient_local;
 use super::super::metadata::Metadata;
 
 /// Bound on topics and definitions, each.
@@ -180,7 +181,9 @@ fn channels(
             // Converters leave the format out; rosbag2 knows no other.
             message_encoding: if format.is_empty() { "cdr".to_owned() } else { format },
             writer: None,
-            latched: is_transient_local(&noted),
+            latched: noted
+                .get("offered_qos_profiles")
+                .is_some_and(|profiles| qos::is_transient_local(profiles)),
             total: None,
             metadata: noted,
             topic,
