@@ -27,6 +27,7 @@ use std::process::{Command, Stdio};
 use std::time::Duration;
 
 use encode::{Body, Endian, Header, Transform};
+use fastrand::Rng;
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions, Writer};
 use nix::sys::resource::{Resource, UsageWho, getrusage, setrlimit};
@@ -196,25 +197,12 @@ fn inflate(path: &Path) {
     }
 }
 
-/// A small generator: SplitMix64 (Steele, Lea, Flood 2014).
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
-    }
-}
-
 /// Points of a spinning lidar: x y z intensity as f32, in millimetres' steps, so that they compress as real ones do.
-fn cloud(random: &mut Random) -> Vec<u8> {
+fn cloud(random: &mut Rng) -> Vec<u8> {
     let mut bytes = Vec::with_capacity(65_536 * 16);
     for point in 0..65_536_u32 {
         let azimuth = f64::from(point / 64) / 1024.0 * std::f64::consts::TAU;
-        let range = 5.0 + f64::from(point % 64) * 0.7 + (random.next() % 100) as f64 * 0.001;
+        let range = 5.0 + f64::from(point % 64) * 0.7 + f64::from(random.u32(..100)) * 0.001;
         for value in [
             range * azimuth.cos(),
             range * azimuth.sin(),
@@ -222,14 +210,16 @@ fn cloud(random: &mut Random) -> Vec<u8> {
         ] {
             bytes.extend(((value * 1000.0).round() as f32 / 1000.0).to_le_bytes());
         }
-        bytes.extend(((random.next() % 64) as f32).to_le_bytes());
+        bytes.extend(f32::from(random.u8(..64)).to_le_bytes());
     }
     bytes
 }
 
 /// A compressed image: bytes that do not compress again.
-fn image(random: &mut Random) -> Vec<u8> {
-    (0..32_768).flat_map(|_| random.next().to_le_bytes()).collect()
+fn image(random: &mut Rng) -> Vec<u8> {
+    let mut bytes = vec![0; 262_144];
+    random.fill(&mut bytes);
+    bytes
 }
 
 struct Out {
@@ -296,7 +286,7 @@ fn write_drive(path: &Path, compression: Option<Compression>, chunk_bytes: u64, 
     ] {
         out.channel(topic, message_type);
     }
-    let mut random = Random(7);
+    let mut random = Rng::with_seed(7);
     let clouds: Vec<Vec<u8>> = (0..8).map(|_| cloud(&mut random)).collect();
     let mount = |child, z| Transform {
         header: Header {

@@ -120,7 +120,7 @@ pub(super) struct Reservoir<T> {
     bound: usize,
     seen: u64,
     kept: Vec<T>,
-    state: u64,
+    random: fastrand::Rng,
 }
 
 impl<T> Reservoir<T> {
@@ -129,7 +129,7 @@ impl<T> Reservoir<T> {
             bound,
             seen: 0,
             kept: Vec::new(),
-            state: 0,
+            random: fastrand::Rng::with_seed(0),
         }
     }
 
@@ -140,7 +140,7 @@ impl<T> Reservoir<T> {
             self.kept.push(value);
             return;
         }
-        let index = self.random() % self.seen;
+        let index = self.random.u64(..self.seen);
         if let Some(slot) = usize::try_from(index).ok().and_then(|index| self.kept.get_mut(index)) {
             *slot = value;
         }
@@ -149,15 +149,6 @@ impl<T> Reservoir<T> {
     /// The values kept: in order while all are, in no order that means anything later.
     pub(super) fn finish(self) -> Vec<T> {
         self.kept
-    }
-
-    /// SplitMix64 (Steele, Lea, Flood 2014).
-    fn random(&mut self) -> u64 {
-        self.state = self.state.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.state;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        z ^ (z >> 31)
     }
 }
 

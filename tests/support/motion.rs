@@ -1,5 +1,7 @@
 //! Where a body of a recipe is at a time: a drive along an arc, and what goes wrong with it.
 
+use std::hash::{DefaultHasher, Hash, Hasher};
+
 use serde::Deserialize;
 
 /// A pose `parent_from_child` as published: metres, and `x y z w`.
@@ -151,15 +153,11 @@ fn product([ax, ay, az, aw]: [f64; 4], [bx, by, bz, bw]: [f64; 4]) -> [f64; 4] {
     ]
 }
 
-/// The `n`-th number of a seed's series, even in [0, 1): the same in every run (FNV-1a, then SplitMix64).
+/// The `n`-th number of a seed's series, even in [0, 1): the same in every run.
 pub fn even(seed: &str, n: u64) -> f64 {
-    let hash = seed.bytes().fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-        (hash ^ u64::from(byte)).wrapping_mul(0x0100_0000_01b3)
-    });
-    let mut z = hash.wrapping_add(n.wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
-    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    let mut hasher = DefaultHasher::new();
+    (seed, n).hash(&mut hasher);
+    fastrand::Rng::with_seed(hasher.finish()).f64()
 }
 
 /// The `n`-th number of a seed's series, normal with deviation 1 (Box and Muller).

@@ -13,12 +13,10 @@ use zstd::zstd_safe::get_frame_content_size;
 
 use crate::source::{Place, ReadStatus, Source};
 
-use super::{Channel, Message, Progress, Visit};
+use super::{Channel, MAX_MESSAGE, Message, Progress, Visit};
 
 /// First bytes of a frame. No CDR message begins with them: its first two bytes are an encoding below 256.
 const MAGIC: [u8; 4] = [0x28, 0xb5, 0x2f, 0xfd];
-/// Bound on one message, bytes.
-const MAX_MESSAGE: u64 = 128 << 20;
 /// Bound on what a file may unpack to, bytes.
 const MAX_UNPACKED: u64 = 64 << 30;
 /// What a file may unpack to whatever its size, bytes.

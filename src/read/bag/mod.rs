@@ -110,6 +110,28 @@ impl Wanted<'_> {
     };
 }
 
+/// What a reader is given beside the file.
+struct Task<'a> {
+    wanted: Wanted<'a>,
+    /// Where is said how far reading went.
+    source: &'a mut Source,
+    progress: Progress<'a>,
+    /// Who takes in what is found.
+    visit: &'a mut dyn Visit,
+}
+
+impl Task<'_> {
+    /// The same task for as long as this one is lent out.
+    fn lent(&mut self) -> Task<'_> {
+        Task {
+            wanted: self.wanted,
+            source: self.source,
+            progress: self.progress,
+            visit: self.visit,
+        }
+    }
+}
+
 /// How far a recording was read, as against how far it goes.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Extent {
@@ -134,6 +156,10 @@ pub struct Recording<'a> {
     pub parts: &'a [PathBuf],
 }
 
+/// Bound on one message, and on a record that is no chunk, bytes. The largest messages met in recordings are clouds and
+/// images of some ten megabytes.
+const MAX_MESSAGE: u64 = 128 << 20;
+
 /// Of a file that could not be read at all.
 const NOTHING: Extent = Extent {
     truncated: true,
@@ -153,31 +179,31 @@ pub fn read(
     visit: &mut dyn Visit,
 ) -> Extent {
     let path = recording.path;
+    let mut task = Task {
+        wanted: *wanted,
+        source,
+        progress,
+        visit,
+    };
     if !recording.parts.is_empty() {
-        return split::read(recording.parts, wanted, source, progress, visit);
+        return split::read(recording.parts, task);
     }
     let is_metadata = path.file_name().is_some_and(|name| name == metadata::NAME);
     if is_metadata || path.is_dir() {
-        return rosbag2::read(path, wanted, source, progress, visit);
+        return rosbag2::read(path, task);
     }
     let metadata = Metadata::beside(path);
-    let extent = file(path, metadata.as_ref(), wanted, source, progress, visit);
+    let extent = file(path, metadata.as_ref(), task.lent());
     if let Some(files) = metadata.map(|metadata| metadata.files.len()).filter(|files| *files > 1) {
         let detail = format!("one of the {files} files that `metadata.yaml` beside it names; the others were not read");
-        source.detail.get_or_insert(detail);
+        task.source.detail.get_or_insert(detail);
     }
     extent
 }
 
 /// Reads one file. `metadata` is what the recording's `metadata.yaml` says, where there is one.
-fn file(
-    path: &Path,
-    metadata: Option<&Metadata>,
-    wanted: &Wanted<'_>,
-    source: &mut Source,
-    progress: Progress<'_>,
-    visit: &mut dyn Visit,
-) -> Extent {
+fn file(path: &Path, metadata: Option<&Metadata>, task: Task<'_>) -> Extent {
+    let source = task.source;
     let (file, total) = match open(path) {
         Ok(opened) => opened,
         Err(message) => {
@@ -185,31 +211,30 @@ fn file(
             return NOTHING;
         }
     };
-    let mut inflate = Inflate::new(visit);
+    let mut inflate = Inflate::new(task.visit);
+    let task = Task {
+        wanted: task.wanted,
+        source: &mut *source,
+        progress: task.progress,
+        visit: &mut inflate,
+    };
     let mut extent = if Container::of(&first_bytes(&file)) == Container::Zstd {
-        packed(file, total, metadata, wanted, source, progress, &mut inflate)
+        packed(file, total, metadata, task)
     } else {
-        plain(path, (file, total), metadata, wanted, source, progress, &mut inflate)
+        plain(path, (file, total), metadata, task)
     };
     extent.truncated |= inflate.report(source);
     extent
 }
 
 /// Reads a file that is compressed as a whole: through a temporary file, since formats are read by their index.
-fn packed(
-    file: File,
-    total: u64,
-    metadata: Option<&Metadata>,
-    wanted: &Wanted<'_>,
-    source: &mut Source,
-    progress: Progress<'_>,
-    visit: &mut dyn Visit,
-) -> Extent {
+fn packed(file: File, total: u64, metadata: Option<&Metadata>, mut task: Task<'_>) -> Extent {
+    let source = &mut *task.source;
     let whole = Place::whole(source.id);
     source.examined.bytes_total = total;
     source.examined.messages = Some(0);
     let opened =
-        compressed::unpack(file, total, progress).and_then(|unpacked| Ok((open(unpacked.file.path())?, unpacked)));
+        compressed::unpack(file, total, task.progress).and_then(|unpacked| Ok((open(unpacked.file.path())?, unpacked)));
     let (inner, unpacked) = match opened {
         Ok(opened) => opened,
         Err(why) => {
@@ -227,7 +252,12 @@ fn packed(
         source.problem(ReadStatus::Unreadable, whole, why);
         return NOTHING;
     }
-    let extent = plain(unpacked.file.path(), inner, metadata, wanted, source, &|_, _| {}, visit);
+    let quiet = Task {
+        progress: &|_, _| {},
+        ..task.lent()
+    };
+    let extent = plain(unpacked.file.path(), inner, metadata, quiet);
+    let source = task.source;
     // What was examined counts in bytes of the file that the user knows.
     let share = source.examined.bytes as f64 / unpacked.size.max(1) as f64;
     source.examined.bytes_total = total;
@@ -253,23 +283,16 @@ fn portion(bytes: u64, share: f64) -> u64 {
 }
 
 /// Reads a file by its first bytes.
-fn plain(
-    path: &Path,
-    (file, total): (File, u64),
-    metadata: Option<&Metadata>,
-    wanted: &Wanted<'_>,
-    source: &mut Source,
-    progress: Progress<'_>,
-    visit: &mut dyn Visit,
-) -> Extent {
+fn plain(path: &Path, (file, total): (File, u64), metadata: Option<&Metadata>, task: Task<'_>) -> Extent {
+    let source = &mut *task.source;
     source.examined.bytes_total = total;
     source.examined.messages = Some(0);
     let first = first_bytes(&file);
     let container = Container::of(&first);
     match container {
-        Container::Mcap => return mcap::read(file, total, wanted, source, progress, visit),
-        Container::Rosbag1 => return rosbag1::read(file, total, &first, wanted, source, progress, visit),
-        Container::Sqlite => return sqlite::read(path, total, metadata, wanted, source, progress, visit),
+        Container::Mcap => return mcap::read(file, total, task),
+        Container::Rosbag1 => return rosbag1::read(file, total, &first, task),
+        Container::Sqlite => return sqlite::read(path, total, metadata, task),
         _ => {}
     }
     let (message, help) = container.refusal(source.kind);

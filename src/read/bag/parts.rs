@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use crate::source::{Problem, ReadStatus, Source};
 
 use super::metadata::Metadata;
-use super::{Channel, Extent, Message, Progress, Sampling, Visit, Wanted};
+use super::{Channel, Extent, Message, Sampling, Task, Visit, Wanted};
 
 /// Bound on the topics that are counted.
 const MAX_COUNTED: usize = 10_000;
@@ -30,14 +30,13 @@ pub(super) struct Outcome {
 }
 
 /// Reads `files` one after the other into one visit.
-pub(super) fn read(
-    files: &[PathBuf],
-    metadata: Option<&Metadata>,
-    wanted: &Wanted<'_>,
-    source: &mut Source,
-    progress: Progress<'_>,
-    visit: &mut dyn Visit,
-) -> Outcome {
+pub(super) fn read(files: &[PathBuf], metadata: Option<&Metadata>, task: Task<'_>) -> Outcome {
+    let Task {
+        wanted,
+        source,
+        progress,
+        visit,
+    } = task;
     let sizes: Vec<u64> = files
         .iter()
         .map(|file| std::fs::metadata(file).map_or(0, |meta| meta.len()))
@@ -62,13 +61,18 @@ pub(super) fn read(
         let name = name(file);
         joined.start(&name);
         let mut part = Source::new(source.id, name.clone(), source.kind);
-        let wanted = Wanted {
-            sampling: sampling.map(|sampling| share(&sampling, *size, total)),
-            ..*wanted
-        };
         let before = done;
         let told = |part: u64, _: u64| progress(before + part.min(*size), total);
-        let extent = super::file(file, said.as_ref(), &wanted, &mut part, &told, &mut joined);
+        let task = Task {
+            wanted: Wanted {
+                sampling: sampling.map(|sampling| share(&sampling, *size, total)),
+                ..wanted
+            },
+            source: &mut part,
+            progress: &told,
+            visit: &mut joined,
+        };
+        let extent = super::file(file, said.as_ref(), task);
         done += size;
         joined.seam = !extent.whole || part.status != ReadStatus::Read;
         unreadable += usize::from(part.status == ReadStatus::Unreadable);

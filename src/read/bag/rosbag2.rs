@@ -11,7 +11,7 @@ use crate::source::{Place, ReadStatus, Source, Span};
 use super::kind::Container;
 use super::metadata::{self, Metadata};
 use super::parts::{self, Outcome};
-use super::{Extent, NOTHING, Progress, Visit, Wanted, split};
+use super::{Extent, NOTHING, Task, split};
 
 /// How much the metadata's times may differ from those of the messages, nanoseconds. Recorders note the time of arrival
 /// and of writing.
@@ -29,13 +29,8 @@ struct Files {
 }
 
 /// Reads the recording in a folder, or the one whose `metadata.yaml` is given.
-pub(super) fn read(
-    path: &Path,
-    wanted: &Wanted<'_>,
-    source: &mut Source,
-    progress: Progress<'_>,
-    visit: &mut dyn Visit,
-) -> Extent {
+pub(super) fn read(path: &Path, mut task: Task<'_>) -> Extent {
+    let source = &mut *task.source;
     let folder = folder(path);
     let file = folder.join(metadata::NAME);
     let metadata = match Metadata::read(&file) {
@@ -69,9 +64,10 @@ pub(super) fn read(
         beside.insert("ros_distro".to_owned(), distro.clone());
     }
     if !beside.is_empty() {
-        visit.annotation(metadata::ROOT, &beside);
+        task.visit.annotation(metadata::ROOT, &beside);
     }
-    let outcome = parts::read(&files.present, Some(&metadata), wanted, source, progress, visit);
+    let outcome = parts::read(&files.present, Some(&metadata), task.lent());
+    let source = task.source;
     let lost = !files.missing.is_empty();
     if outcome.extent.whole && !outcome.extent.truncated && !lost {
         after(&metadata, &outcome, source);

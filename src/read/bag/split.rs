@@ -8,9 +8,7 @@ use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 
-use crate::source::Source;
-
-use super::{Extent, Progress, Visit, Wanted, parts};
+use super::{Extent, Task, parts};
 
 /// How long after the end of a file the next one may begin, nanoseconds. Recorders close one file and open the next
 /// within a second; people need longer to begin another drive.
@@ -24,14 +22,9 @@ const MAX_RECORDS: usize = 2_000_000;
 const MAX_HEAD: u32 = 1 << 16;
 
 /// Reads the files of a split recording as one.
-pub(super) fn read(
-    files: &[PathBuf],
-    wanted: &Wanted<'_>,
-    source: &mut Source,
-    progress: Progress<'_>,
-    visit: &mut dyn Visit,
-) -> Extent {
-    let extent = parts::read(files, None, wanted, source, progress, visit).extent;
+pub(super) fn read(files: &[PathBuf], mut task: Task<'_>) -> Extent {
+    let extent = parts::read(files, None, task.lent()).extent;
+    let source = task.source;
     if let (Some(first), Some(last)) = (files.first(), files.last())
         && source.detail.is_none()
     {

@@ -8,9 +8,10 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use ::mcap::records::op;
 use ::mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
+use super::super::MAX_MESSAGE;
 use super::super::inflate::{Compression, Damage, Packed, Unpacked};
 use super::channels::Channels;
-use super::{MAX_CHUNK, MAX_RECORD, MAX_WHOLE_CHUNK, Pass, Stop};
+use super::{MAX_CHUNK, MAX_WHOLE_CHUNK, Pass, Stop};
 
 /// The head of a chunk record, held against what is there.
 pub(super) struct ChunkHead {
@@ -124,7 +125,7 @@ impl Pass<'_, '_> {
         let mut start = vec![op::CHUNK];
         start.extend_from_slice(&len.to_le_bytes());
         start.extend_from_slice(&head.bytes);
-        let limit = usize::try_from(head.size.max(head.packed).min(MAX_RECORD)).unwrap_or(usize::MAX);
+        let limit = usize::try_from(head.size.max(head.packed).min(MAX_MESSAGE)).unwrap_or(usize::MAX);
         let options = LinearReaderOptions::default()
             .with_skip_start_magic(true)
             .with_skip_end_magic(true)

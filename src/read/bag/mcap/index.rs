@@ -8,8 +8,9 @@ use std::io::{BufReader, Read, Seek, SeekFrom};
 
 use ::mcap::records::{Record, op};
 
+use super::super::MAX_MESSAGE;
 use super::super::chunks::ChunkInfo;
-use super::{FRAME_LEN, MAGIC_LEN, MAX_CHUNK, MAX_RECORD};
+use super::{FRAME_LEN, MAGIC_LEN, MAX_CHUNK};
 
 /// Bytes of the footer's body: start of the summary, start of its offsets, checksum.
 const FOOTER_LEN: u64 = 20;
@@ -95,7 +96,7 @@ pub(super) fn read(mut file: &File, total: u64) -> Result<Option<Index>, String>
         section.read_exact(&mut frame).map_err(io)?;
         let [kind, length @ ..] = frame;
         let length = u64::from_le_bytes(length);
-        if length > section.limit() || length > MAX_RECORD {
+        if length > section.limit() || length > MAX_MESSAGE {
             return Err(format!("a record of the summary claims {length} bytes"));
         }
         body.resize(usize::try_from(length).unwrap_or(0), 0);

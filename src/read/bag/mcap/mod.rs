@@ -23,10 +23,8 @@ use self::channels::Channels;
 use self::chunk::ChunkHead;
 use self::index::{ChunkAt, Index};
 use super::inflate::Inflater;
-use super::{Extent, Progress, Visit, Wanted, chunks};
+use super::{Extent, MAX_MESSAGE, Progress, Task, Wanted, chunks};
 
-/// Bound on one record, bytes. The largest messages met in recordings are clouds and images of some ten megabytes.
-const MAX_RECORD: u64 = 128 << 20;
 /// Bound on the uncompressed size a chunk may claim, bytes; recorders cut chunks at some megabytes.
 const MAX_CHUNK: u64 = 1 << 30;
 /// Chunks up to this size, bytes, are decompressed as a whole and checked before the first message is used. Larger ones,
@@ -68,14 +66,13 @@ struct Pass<'a, 'v> {
 }
 
 /// Reads an MCAP that starts with its magic; see [`super::read`].
-pub(super) fn read(
-    file: File,
-    total: u64,
-    wanted: &Wanted<'_>,
-    source: &mut Source,
-    progress: Progress<'_>,
-    visit: &mut dyn Visit,
-) -> Extent {
+pub(super) fn read(file: File, total: u64, task: Task<'_>) -> Extent {
+    let Task {
+        wanted,
+        source,
+        progress,
+        visit,
+    } = task;
     let (index, useless) = match index::read(&file, total) {
         Ok(index) => (index.unwrap_or_default(), None),
         Err(why) => (Index::default(), Some(why)),
@@ -104,7 +101,7 @@ pub(super) fn read(
     };
     let sampled = wanted.sampling.filter(|_| index.is_usable());
     if let Some(sampling) = sampled
-        && let Some(chosen) = pass.choose(&index, &sampling, wanted)
+        && let Some(chosen) = pass.choose(&index, &sampling, &wanted)
     {
         pass.noted(&index);
         extent.indexed = true;
@@ -304,9 +301,9 @@ impl Pass<'_, '_> {
 
     /// Loads the body of a record into `self.record`.
     fn load(&mut self, opcode: u8, len: u64) -> Result<(), Stop> {
-        if len > MAX_RECORD {
+        if len > MAX_MESSAGE {
             return Err(self.stop(format!(
-                "a {} record of {len} bytes is above the limit of {MAX_RECORD}",
+                "a {} record of {len} bytes is above the limit of {MAX_MESSAGE}",
                 kind(opcode)
             )));
         }

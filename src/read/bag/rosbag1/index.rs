@@ -5,8 +5,9 @@
 
 use std::collections::BTreeMap;
 
+use super::super::MAX_MESSAGE;
 use super::connections::{Connection, connection};
-use super::record::{Fault, Fields, MAX_RECORD, kind, op};
+use super::record::{Fault, Fields, kind, op};
 use super::tape::Tape;
 
 /// Length of `#ROSBAG V2.0\n`.
@@ -122,7 +123,7 @@ fn load(tape: &mut Tape, top: &Top) -> Result<Index, String> {
         let begin = tape.at;
         let record = (|| {
             let frame = tape.frame()?;
-            if frame.len > u64::from(MAX_RECORD) {
+            if frame.len > MAX_MESSAGE {
                 return Err(Fault::Wrong(format!("a record of {} bytes", frame.len)));
             }
             tape.load(&mut data, frame.len)?;

@@ -23,7 +23,7 @@ use std::sync::Arc;
 use crate::source::{Place, ReadStatus, Source};
 
 use super::inflate::Inflater;
-use super::{Extent, Progress, Visit, Wanted};
+use super::{Extent, Progress, Task};
 
 use connections::Connections;
 use index::{Found, Index};
@@ -56,15 +56,13 @@ struct Pass<'a, 'v> {
 }
 
 /// Reads a bag of any version; see [`super::read`].
-pub(super) fn read(
-    file: File,
-    total: u64,
-    first: &[u8],
-    wanted: &Wanted<'_>,
-    source: &mut Source,
-    progress: Progress<'_>,
-    visit: &mut dyn Visit,
-) -> Extent {
+pub(super) fn read(file: File, total: u64, first: &[u8], task: Task<'_>) -> Extent {
+    let Task {
+        wanted,
+        source,
+        progress,
+        visit,
+    } = task;
     if !first.starts_with(MAGIC) {
         refuse_version(first, source);
         return super::NOTHING;

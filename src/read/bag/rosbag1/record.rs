@@ -7,11 +7,10 @@
 
 use std::io::Read;
 
+use super::super::MAX_MESSAGE;
+
 /// Bound on the header of a record, bytes. The longest hold a topic and some numbers.
 pub(super) const MAX_HEADER: u32 = 1 << 16;
-/// Bound on the data of one record that is no chunk, bytes; the largest messages are images and clouds of some ten
-/// megabytes.
-pub(super) const MAX_RECORD: u32 = 128 << 20;
 
 /// The kinds of records, by the value of the field `op`.
 pub(super) mod op {
@@ -192,9 +191,9 @@ impl<R: Read> Stream<R> {
         };
         fill(&mut self.input, &mut self.header, header_len(len)? as u64)?;
         let len = self.len()?.ok_or(Fault::Ended)?;
-        if len > MAX_RECORD {
+        if u64::from(len) > MAX_MESSAGE {
             return Err(Fault::Wrong(format!(
-                "a record of {len} bytes is above the limit of {MAX_RECORD}"
+                "a record of {len} bytes is above the limit of {MAX_MESSAGE}"
             )));
         }
         fill(&mut self.input, &mut self.data, u64::from(len))?;

@@ -7,10 +7,11 @@ use std::io::{BufReader, Read as _};
 
 use crate::read::bag::inflate::{Compression, Packed};
 
+use super::super::MAX_MESSAGE;
 use super::Pass;
 use super::chunk::{Chunk, damaged};
 use super::index::{MAGIC_LEN, words};
-use super::record::{Fault, Fields, MAX_RECORD, Stream, kind, op};
+use super::record::{Fault, Fields, Stream, kind, op};
 use super::sink::inside;
 
 /// Bytes between two calls of the progress function.
@@ -84,10 +85,10 @@ impl Pass<'_, '_> {
         match fields.op() {
             // Outside chunks they stand where a recorder had no time to close its last chunk.
             op::MESSAGE | op::CONNECTION => {
-                if frame.len > u64::from(MAX_RECORD) {
+                if frame.len > MAX_MESSAGE {
                     let len = frame.len;
                     return Err(wrong(format!(
-                        "a record of {len} bytes is above the limit of {MAX_RECORD}"
+                        "a record of {len} bytes is above the limit of {MAX_MESSAGE}"
                     )));
                 }
                 self.flush();

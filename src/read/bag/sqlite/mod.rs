@@ -15,24 +15,19 @@ use rusqlite::Connection;
 use crate::source::{Place, ReadStatus, Source};
 
 use super::metadata::Metadata;
-use super::{Extent, Progress, Visit, Wanted};
+use super::{Extent, Task};
 
 use pass::Pass;
 
-/// Bound on one message, bytes. The largest ones met in recordings are clouds and images of some ten megabytes.
-const MAX_MESSAGE: u64 = 128 << 20;
-
 /// Reads a database that starts with SQLite's magic; see [`super::read`]. `metadata` is what `metadata.yaml` says of the
 /// recording that the file belongs to.
-pub(super) fn read(
-    path: &Path,
-    total: u64,
-    metadata: Option<&Metadata>,
-    wanted: &Wanted<'_>,
-    source: &mut Source,
-    progress: Progress<'_>,
-    visit: &mut dyn Visit,
-) -> Extent {
+pub(super) fn read(path: &Path, total: u64, metadata: Option<&Metadata>, task: Task<'_>) -> Extent {
+    let Task {
+        wanted,
+        source,
+        progress,
+        visit,
+    } = task;
     let opened =
         open::open(path, total, source).and_then(|connection| Ok((tables::read(&connection, metadata)?, connection)));
     let (tables, connection) = match opened {
@@ -51,7 +46,7 @@ pub(super) fn read(
         .sampling
         .filter(|sampling| total > sampling.bytes && pass.tables.indexed);
     let extent = if let Some(sampling) = sampling {
-        sample::read(&mut pass, &sampling, wanted)
+        sample::read(&mut pass, &sampling, &wanted)
     } else {
         pass.tell_channels();
         pass.whole();

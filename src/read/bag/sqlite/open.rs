@@ -14,7 +14,7 @@ use rusqlite::{Connection, OpenFlags};
 
 use crate::source::{Place, ReadStatus, Source};
 
-use super::MAX_MESSAGE;
+use super::super::MAX_MESSAGE;
 
 /// Bytes of a write-ahead log before its first entry.
 const LOG_HEADER: u64 = 32;

@@ -5,8 +5,8 @@
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, Params, Row};
 
+use super::super::MAX_MESSAGE;
 use super::super::{Message, Progress, Visit};
-use super::MAX_MESSAGE;
 use super::tables::Tables;
 
 /// Bytes of messages between two calls of the progress function.
