@@ -3,8 +3,10 @@
 use crate::world::bag::{Faults, TfEdge, TfFault, TfSample};
 use crate::world::{FrameId, Pose};
 
+use super::content::motion::{Poses, finish_poses, push_pose};
 use super::content::steps::Steps;
 use super::point::Point;
+use super::series::Room;
 use super::stamps::Stamps;
 use super::thin::{Share, Thinned};
 use super::writers::{Writer, Writers, Written};
@@ -32,6 +34,7 @@ pub(super) struct EdgeState {
     worst_norm_error: f64,
     stamps: Stamps,
     steps: Steps,
+    poses: Poses,
     written: Written,
 }
 
@@ -43,7 +46,9 @@ struct Extreme {
 }
 
 impl EdgeState {
-    pub(super) fn new(key: Key, first: Point, share: Share) -> Self {
+    /// An edge that came `rank`-th, from 0.
+    pub(super) fn new(key: Key, first: Point, rank: usize) -> Self {
+        let share = Share::of(rank);
         Self {
             key,
             first,
@@ -57,6 +62,7 @@ impl EdgeState {
             worst_norm_error: 0.0,
             stamps: Stamps::new(share),
             steps: Steps::new(share),
+            poses: Poses::new(Room::of(rank)),
             written: Written::default(),
         }
     }
@@ -96,11 +102,13 @@ impl EdgeState {
     pub(super) fn seam(&mut self) {
         self.stamps.seam();
         self.steps.seam();
+        self.poses.seam();
     }
 
     fn valid(&mut self, point: Point, pose: Pose) {
         self.samples.push((point, pose));
         self.steps.push(point, pose);
+        push_pose(&mut self.poses, point, &pose);
         let Some((_, first)) = self.samples.first() else { return };
         if *first == pose {
             return;
@@ -134,6 +142,10 @@ impl EdgeState {
         let extreme = self
             .extreme
             .map(|extreme| (sample(extreme.sample), extreme.angle_rad, extreme.distance_m));
+        let moves = extreme
+            .as_ref()
+            .is_some_and(|(_, angle_rad, distance_m)| *angle_rad > ANGLE_UNIT_RAD || *distance_m > DISTANCE_UNIT_M);
+        let poses = Some(self.poses).filter(|_| moves && !is_static);
         TfEdge {
             parent,
             child,
@@ -151,6 +163,7 @@ impl EdgeState {
             stamps: self.stamps.finish(topic),
             steps: self.steps.finish(topic),
             writers: self.written.finish(writers),
+            motion: poses.and_then(finish_poses),
         }
     }
 }

@@ -8,6 +8,7 @@ mod descriptions;
 mod edge;
 mod parts;
 mod point;
+mod series;
 mod stamps;
 mod tf;
 mod thin;
@@ -32,7 +33,6 @@ use annotations::Annotations;
 use descriptions::{Descriptions, MAX_DESCRIPTIONS};
 use parts::Parts;
 use tf::{MAX_EDGES, Tf};
-use thin::Share;
 use topic::{Topic, last_segment};
 use writers::{Writer, Writers};
 
@@ -214,7 +214,7 @@ impl Collector {
             None if next >= MAX_TOPICS || channel.topic.len() > MAX_TOPIC_NAME => return None,
             None => {
                 self.topic_of.insert(channel.topic.clone(), next);
-                self.topics.push(Topic::new(channel, &decoder, Share::of(next)));
+                self.topics.push(Topic::new(channel, &decoder, next));
                 next
             }
         };

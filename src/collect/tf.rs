@@ -13,7 +13,6 @@ use crate::world::{FrameId, FrameRole, FrameUse};
 
 use super::edge::EdgeState;
 use super::point::Point;
-use super::thin::Share;
 use super::topic::last_segment;
 use super::writers::{Writer, Writers};
 
@@ -103,8 +102,7 @@ impl Tf {
                 return;
             }
             Entry::Vacant(free) => {
-                self.edges
-                    .push(EdgeState::new((topic, parent, child), point, Share::of(next)));
+                self.edges.push(EdgeState::new((topic, parent, child), point, next));
                 *free.insert(next)
             }
         };

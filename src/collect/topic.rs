@@ -13,6 +13,7 @@ use crate::world::{FrameId, FrameRole, FrameUse};
 
 use super::content::Contents;
 use super::point::Point;
+use super::series::Room;
 use super::stamps::Stamps;
 use super::thin::Share;
 use super::writers::{Writer, Writers, Written};
@@ -47,7 +48,9 @@ pub(super) struct Topic {
 }
 
 impl Topic {
-    pub(super) fn new(channel: &Channel, decoder: &Decoder, share: Share) -> Self {
+    /// A topic that came `rank`-th, from 0.
+    pub(super) fn new(channel: &Channel, decoder: &Decoder, rank: usize) -> Self {
+        let share = Share::of(rank);
         Self {
             name: channel.topic.clone(),
             message_type: channel.message_type.clone(),
@@ -65,7 +68,7 @@ impl Topic {
             frames: Names::new(share),
             children: Names::new(share),
             stamps: Stamps::new(share),
-            contents: Contents::new(share),
+            contents: Contents::new(share, Room::of(rank)),
         }
     }
 

@@ -132,6 +132,7 @@ impl Sample {
             stamps: StampEvidence::default(),
             steps: StepEvidence::default(),
             writers: BTreeMap::new(),
+            motion: None,
         });
         self.world.bags.push(bag);
     }

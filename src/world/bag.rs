@@ -9,6 +9,7 @@ use crate::source::{MessageRef, SourceId};
 use super::claim::Pose;
 use super::content::{ContentEvidence, StepEvidence};
 use super::frame::FrameId;
+use super::motion::{PoseRow, Series};
 
 /// Sets a bound on every list of examples kept in evidence.
 pub const MAX_EXAMPLES: usize = 8;
@@ -168,6 +169,9 @@ pub struct TfEdge {
     pub steps: StepEvidence,
     /// Transforms by writer, where the format knows (`callerid` of ROS 1).
     pub writers: BTreeMap<String, u64>,
+    /// The poses row by row, where they change; of an edge that is not static.
+    #[serde(default)]
+    pub motion: Option<Series<PoseRow>>,
 }
 
 impl TfEdge {

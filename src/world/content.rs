@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 use crate::source::MessageRef;
 
 use super::claim::Pose;
+use super::motion::MotionEvidence;
 
 /// A pose at a message.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -185,4 +186,7 @@ pub struct ContentEvidence {
     pub imu: Option<ImuEvidence>,
     /// Odometry.
     pub odometry: Option<OdometryEvidence>,
+    /// What it says of motion, row by row.
+    #[serde(default)]
+    pub motion: MotionEvidence,
 }

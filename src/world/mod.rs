@@ -9,6 +9,7 @@ pub mod claim;
 pub mod content;
 pub mod frame;
 pub mod graph;
+pub mod motion;
 pub mod number;
 pub mod qos;
 pub mod reference;

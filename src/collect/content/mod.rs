@@ -3,6 +3,7 @@
 mod covariance;
 mod fixes;
 mod imu;
+pub(super) mod motion;
 mod odometry;
 pub(super) mod steps;
 
@@ -12,10 +13,12 @@ use crate::read::messages::content::{Fix, Imu, Odometry, Pose, Twist};
 use crate::world::content::{ContentEvidence, CovarianceEvidence};
 
 use super::point::Point;
+use super::series::Room;
 use super::thin::Share;
 use covariance::Covariances;
 use fixes::Fixes;
 use imu::Inertial;
+use motion::Motion;
 use odometry::Odometries;
 
 /// Poses and twists have six degrees of freedom, positions and vectors three.
@@ -30,10 +33,11 @@ pub(super) struct Contents {
     odometry: Option<Box<Odometries>>,
     six: BTreeMap<&'static str, Box<Six>>,
     three: BTreeMap<&'static str, Box<Three>>,
+    motion: Motion,
 }
 
 impl Contents {
-    pub(super) fn new(share: Share) -> Self {
+    pub(super) fn new(share: Share, room: Room) -> Self {
         Self {
             share,
             fixes: None,
@@ -41,6 +45,7 @@ impl Contents {
             odometry: None,
             six: BTreeMap::new(),
             three: BTreeMap::new(),
+            motion: Motion::new(room),
         }
     }
 
@@ -52,6 +57,7 @@ impl Contents {
         if let Some(odometry) = &mut self.odometry {
             odometry.seam();
         }
+        self.motion.seam();
     }
 
     pub(super) fn odometry(&mut self, point: Point, odometry: &Odometry<'_>) {
@@ -59,12 +65,14 @@ impl Contents {
         self.odometry
             .get_or_insert_with(|| Box::new(Odometries::new(share)))
             .push(point, odometry);
+        self.motion.odometry(point, odometry);
         self.six("pose.covariance", point, &odometry.pose_covariance);
         self.six("twist.covariance", point, &odometry.twist_covariance);
     }
 
     pub(super) fn imu(&mut self, point: Point, imu: &Imu) {
         self.imu.get_or_insert_default().push(point, imu);
+        self.motion.imu(point, imu);
         self.three("orientation_covariance", point, &imu.orientation_covariance);
         self.three("angular_velocity_covariance", point, &imu.angular_velocity_covariance);
         self.three(
@@ -79,16 +87,19 @@ impl Contents {
         self.fixes
             .get_or_insert_with(|| Box::new(Fixes::new(share)))
             .push(point, fix);
+        self.motion.fix(point, fix);
         self.three("position_covariance", point, &fix.covariance);
     }
 
     pub(super) fn pose(&mut self, point: Point, pose: &Pose) {
+        self.motion.pose(point, pose.position, pose.orientation);
         if let Some(covariance) = &pose.covariance {
             self.six("pose.covariance", point, covariance);
         }
     }
 
     pub(super) fn twist(&mut self, point: Point, twist: &Twist) {
+        self.motion.twist(point, twist);
         if let Some(covariance) = &twist.covariance {
             self.six("twist.covariance", point, covariance);
         }
@@ -128,6 +139,7 @@ impl Contents {
             covariances,
             imu: self.imu.map(|imu| imu.finish(topic)),
             odometry: self.odometry.map(|odometry| odometry.finish(topic)),
+            motion: self.motion.finish(),
         }
     }
 }

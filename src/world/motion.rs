@@ -1,0 +1,144 @@
+//! Evidence of motion: what moving sensors and estimators say over time, as published, in stretches without a hole.
+//!
+//! A row is one message, or the mean of the messages within [`ROW_NS`] of a stream that is faster than that. Means are
+//! taken number by number (of quaternions with one sign), so that another order, sign or unit of the numbers can be
+//! tried on the rows as it could on the messages.
+
+use serde::{Deserialize, Serialize};
+
+/// Length of time that one row stands for at least, nanoseconds.
+pub const ROW_NS: i64 = 50_000_000;
+
+/// A row that stands at a time.
+pub trait Row: Clone {
+    /// Header stamp, nanoseconds; zero where the messages have none.
+    fn stamp_ns(&self) -> i64;
+    /// Log time, nanoseconds.
+    fn log_ns(&self) -> i64;
+}
+
+/// The rows of one stream, in recording order.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Series<T> {
+    /// Messages that the rows were made from, those included that found no room.
+    pub count: u64,
+    /// Runs of rows. Between two of them messages were left out, the stamps fell back, or nothing was published for
+    /// seconds.
+    pub stretches: Vec<Vec<T>>,
+}
+
+impl<T> Series<T> {
+    /// Every row, whatever its stretch.
+    pub fn rows(&self) -> impl Iterator<Item = &T> {
+        self.stretches.iter().flatten()
+    }
+}
+
+/// Inertial measurements.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct InertialRow {
+    /// Header stamp, nanoseconds; zero where there is none.
+    pub stamp_ns: i64,
+    /// Log time, nanoseconds.
+    pub log_ns: i64,
+    /// `x y z w` slots as published, not normalised.
+    #[serde(with = "super::number::array")]
+    pub orientation: [f64; 4],
+    /// rad/s by the message's definition.
+    #[serde(with = "super::number::array")]
+    pub angular_velocity: [f64; 3],
+    /// m/s² by the message's definition; specific force, where the sensor follows REP-145.
+    #[serde(with = "super::number::array")]
+    pub linear_acceleration: [f64; 3],
+}
+
+/// A pose, and the velocity that was published with it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PoseRow {
+    /// Header stamp, nanoseconds; zero where there is none.
+    pub stamp_ns: i64,
+    /// Log time, nanoseconds.
+    pub log_ns: i64,
+    /// Metres, in the parent frame.
+    #[serde(with = "super::number::array")]
+    pub position: [f64; 3],
+    /// `x y z w` slots as published, not normalised.
+    #[serde(with = "super::number::array")]
+    pub orientation: [f64; 4],
+    /// Velocity and angular velocity, m/s and rad/s, in the child frame by definition, where the message has them.
+    pub twist: Option<Twist>,
+}
+
+/// A velocity with an angular velocity, as published.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Twist {
+    /// m/s.
+    #[serde(with = "super::number::array")]
+    pub linear: [f64; 3],
+    /// rad/s.
+    #[serde(with = "super::number::array")]
+    pub angular: [f64; 3],
+}
+
+/// A velocity on a topic of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TwistRow {
+    /// Header stamp, nanoseconds; zero where there is none.
+    pub stamp_ns: i64,
+    /// Log time, nanoseconds.
+    pub log_ns: i64,
+    /// The velocity.
+    pub twist: Twist,
+}
+
+/// A satellite fix with a position.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct FixRow {
+    /// Header stamp, nanoseconds; zero where there is none.
+    pub stamp_ns: i64,
+    /// Log time, nanoseconds.
+    pub log_ns: i64,
+    /// Degrees.
+    #[serde(with = "super::number")]
+    pub latitude_deg: f64,
+    /// Degrees.
+    #[serde(with = "super::number")]
+    pub longitude_deg: f64,
+    /// Metres, above the ellipsoid by definition.
+    #[serde(with = "super::number")]
+    pub altitude_m: f64,
+    /// Variances east, north, up, m²; zeros where the receiver gives none.
+    #[serde(with = "super::number::array")]
+    pub variance_m2: [f64; 3],
+    /// The lowest `NavSatStatus.status` of the row: 0 fix, 1 SBAS, 2 GBAS.
+    pub status: i8,
+}
+
+macro_rules! rows {
+    ($($row:ty),*) => {$(
+        impl Row for $row {
+            fn stamp_ns(&self) -> i64 {
+                self.stamp_ns
+            }
+
+            fn log_ns(&self) -> i64 {
+                self.log_ns
+            }
+        }
+    )*};
+}
+
+rows!(InertialRow, PoseRow, TwistRow, FixRow);
+
+/// What one topic says of motion.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MotionEvidence {
+    /// Inertial measurements.
+    pub inertial: Option<Series<InertialRow>>,
+    /// Poses: odometry, poses, paths.
+    pub poses: Option<Series<PoseRow>>,
+    /// Velocities.
+    pub twists: Option<Series<TwistRow>>,
+    /// Satellite fixes.
+    pub fixes: Option<Series<FixRow>>,
+}
