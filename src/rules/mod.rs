@@ -4,18 +4,20 @@
 //! collecting, configuration or reports.
 
 pub mod auth;
-mod axes;
+pub mod axes;
 pub mod cov;
 pub mod cross;
 pub mod geo;
 mod judge;
 mod literal;
+mod motion;
 pub mod name;
 mod names;
 mod near;
 mod optical;
 mod pairs;
 mod places;
+mod promised;
 pub mod quat;
 mod relate;
 pub mod rot;
@@ -152,6 +154,7 @@ pub static RULES: &[Entry] = &[
     entry::<rot::identity_or_placeholder::IdentityOrPlaceholder>(),
     entry::<rot::angle_unit::AngleUnit>(),
     entry::<rot::truncated_literal::TruncatedLiteral>(),
+    entry::<axes::odom_twist_frame::OdomTwistFrame>(),
     entry::<quat::quaternion_order_static::QuaternionOrderStatic>(),
     entry::<geo::navsatfix_sanity::NavsatfixSanity>(),
     entry::<time::epoch_offset::EpochOffset>(),

@@ -7,6 +7,7 @@ pub mod bag;
 pub mod chain;
 pub mod claim;
 pub mod content;
+mod derived;
 pub mod frame;
 pub mod graph;
 pub mod motion;
@@ -17,11 +18,14 @@ pub mod robot;
 pub mod tf2;
 pub mod transform_name;
 
+use std::any::Any;
 use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
 
 use crate::source::{Source, SourceId};
+
+use derived::Derived;
 
 pub use bag::BagEvidence;
 pub use chain::DeclaredChain;
@@ -55,6 +59,8 @@ pub struct World {
     pub references: Vec<FileReference>,
     #[serde(skip)]
     graph: OnceLock<FrameGraph>,
+    #[serde(skip)]
+    derived: Derived,
 }
 
 /// What one reader found in one source: merged into a [`World`] by the engine.
@@ -94,10 +100,17 @@ impl World {
         self.chains.extend(facts.chains);
         self.references.extend(facts.references);
         self.graph = OnceLock::new();
+        self.derived = Derived::default();
     }
 
     /// The frame graph of URDF and TF together, built once. Calibration claims are compared with it, not part of it.
     pub fn graph(&self) -> &FrameGraph {
         self.graph.get_or_init(|| FrameGraph::new(self))
+    }
+
+    /// What several rules need of this world and is dear to work out: made by the first that asks. `make` must not ask
+    /// for another.
+    pub fn derived<T: Any + Send + Sync>(&self, make: impl FnOnce(&Self) -> T) -> Arc<T> {
+        self.derived.get_or_make(|| make(self))
     }
 }

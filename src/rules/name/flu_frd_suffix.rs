@@ -4,7 +4,7 @@ use nalgebra::UnitQuaternion;
 use serde::Deserialize;
 
 use crate::math::relation::Relation;
-use crate::rules::axes::BodyAxes;
+use crate::rules::promised::BodyAxes;
 use crate::rules::suffix::{known_turn, off_deg, place_of, relation_to, siblings};
 use crate::rules::{Judge, Need, Rule};
 use crate::source::{Confidence, Place};

@@ -3,7 +3,7 @@
 use nalgebra::{Isometry3, Vector3};
 use serde::Deserialize;
 
-use crate::rules::axes::Axes;
+use crate::rules::promised::Axes;
 use crate::rules::suffix::{known_turn, off_deg, place_of, relation_to, siblings};
 use crate::rules::{Judge, Need, Rule, names};
 use crate::verdict::{Finding, Measured, NotEvaluated};

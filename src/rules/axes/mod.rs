@@ -1,0 +1,4 @@
+//! AXES: axes and conventions, measured from motion.
+
+pub mod odom_twist_frame;
+mod twist;

@@ -1,0 +1,175 @@
+//! AXES08: the velocity of odometry against the motion of its own pose.
+
+use serde::Deserialize;
+
+use crate::rules::motion::{Motion, Stream};
+use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+use crate::world::motion::PoseRow;
+
+use super::twist::{Reading, Turning, Twists};
+
+/// AXES08.
+pub struct OdomTwistFrame;
+
+/// Limits of AXES08.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    /// Length of the windows that the velocity is integrated over, seconds.
+    pub(super) window_s: f64,
+    /// Longest step between two messages inside a window, seconds.
+    pub(super) max_step_s: f64,
+    min_distance_m: f64,
+    max_residual: f64,
+    min_ratio: f64,
+    min_turn_deg: f64,
+    turn_agrees: f64,
+}
+
+impl Rule for OdomTwistFrame {
+    const PAGE: &'static str = include_str!("../../../rules/axes/odom-twist-frame.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::USUAL;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in &Motion::of(world).bags {
+            for stream in bag.poses.iter().filter(|stream| has_twist(stream)) {
+                let twists = Twists::of(stream, limits);
+                judge_linear(stream, &twists, limits, out);
+                judge_turning(stream, &twists.turning, limits, out);
+            }
+        }
+    }
+}
+
+fn has_twist(stream: &Stream<PoseRow>) -> bool {
+    stream.rows().any(|timed| timed.row.twist.is_some())
+}
+
+fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out: &mut Judge) {
+    let subject = format!("velocity of {}", stream.subject);
+    let little = |why: String, out: &mut Judge| out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
+    if twists.distance_m < limits.min_distance_m {
+        let why = format!(
+            "the pose moves {:.2} m within unbroken windows, {} m are needed",
+            twists.distance_m, limits.min_distance_m
+        );
+        return little(why, out);
+    }
+    if twists.is_zero {
+        let why = "the velocity is zero in every message, though the pose moves: it is not filled in";
+        return out.not_evaluated(&subject, NotEvaluated::MissingInput, why);
+    }
+    let [best, second, ..] = twists.residuals.as_slice() else {
+        return;
+    };
+    let measured = |reading: &(Reading, f64)| {
+        Measured::new(format!("residual, {}", reading.0.word()), reading.1, "1")
+            .limit(limits.max_residual)
+            .samples(twists.windows)
+    };
+    if best.1 > limits.max_residual {
+        let why = format!(
+            "no reading of the velocity explains the motion of the pose: the best, {}, leaves {:.0} % of it",
+            best.0.word(),
+            100.0 * best.1
+        );
+        return little(why, out);
+    }
+    // A residual of nearly nothing is no better than another one of nearly nothing.
+    if second.1 < limits.min_ratio * best.1.max(limits.max_residual / 10.0) {
+        let why = format!(
+            "this motion does not tell {} from {} (residuals {:.3} and {:.3}): it takes a turn",
+            best.0.word(),
+            second.0.word(),
+            best.1,
+            second.1
+        );
+        return little(why, out);
+    }
+    if best.0 == Reading::Body {
+        out.pass(&subject, [measured(best), measured(second)]);
+        return;
+    }
+    let as_defined = twists.residual(Reading::Body);
+    let child = stream
+        .child
+        .as_ref()
+        .map_or_else(|| "the child frame".to_owned(), |child| format!("`{child}`"));
+    let message = format!(
+        "the velocity on {} is {}, not in {child}: so read it leaves {:.1} % of the motion of the pose, as defined {:.0} %",
+        stream.topic,
+        best.0.words(),
+        100.0 * best.1,
+        100.0 * as_defined
+    );
+    out.fail(
+        Finding::error(&subject, message, stream.place())
+            .likely()
+            .relation(best.0.word())
+            .help(best.0.help())
+            .measured(measured(best))
+            .measured(measured(second))
+            .measured(Measured::new("residual, as defined", as_defined, "1"))
+            .measured(Measured::new("distance", twists.distance_m, "m")),
+    );
+}
+
+fn judge_turning(stream: &Stream<PoseRow>, turning: &Turning, limits: &Limits, out: &mut Judge) {
+    let subject = format!("turning velocity of {}", stream.subject);
+    let turned_deg = turning.turned_rad.to_degrees();
+    if turned_deg < limits.min_turn_deg {
+        let why = format!(
+            "the pose turns {turned_deg:.0} deg within unbroken windows, {} deg are needed",
+            limits.min_turn_deg
+        );
+        return out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    if turning.slope == 0.0 {
+        let why = "the turning velocity is zero in every message, though the pose turns: it is not filled in";
+        return out.not_evaluated(&subject, NotEvaluated::MissingInput, why);
+    }
+    let measured = Measured::new("yaw rate, over that of the pose", turning.slope, "1").samples(turning.windows);
+    let near = |value: f64| (turning.slope / value - 1.0).abs() <= limits.turn_agrees;
+    if near(1.0) {
+        out.pass(&subject, [measured]);
+    } else if turning.correlation.abs() < limits.max_correlation() {
+        let why = format!(
+            "the yaw rate does not follow the turning of the pose (correlation {:.2})",
+            turning.correlation
+        );
+        out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
+    } else {
+        let (words, help) = if near(-1.0) {
+            (
+                "has the opposite sign",
+                "publish the yaw rate counter-clockwise positive, z up (REP-103)",
+            )
+        } else if near(1f64.to_degrees()) {
+            ("is in degrees", "publish rad/s (REP-103)")
+        } else {
+            ("disagrees", "publish rad/s about the child frame's z axis (REP-103)")
+        };
+        let message = format!(
+            "the yaw rate on {} {words}: {:.2} times what its own pose turns",
+            stream.topic, turning.slope
+        );
+        out.fail(
+            Finding::error(&subject, message, stream.place())
+                .likely()
+                .help(help)
+                .measured(measured.limit(limits.turn_agrees))
+                .measured(Measured::new("turned", turned_deg, "deg")),
+        );
+    }
+}
+
+impl Limits {
+    /// Correlation below which a yaw rate is another thing than the turning of the pose.
+    fn max_correlation(&self) -> f64 {
+        1.0 - self.max_residual
+    }
+}

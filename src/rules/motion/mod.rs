@@ -1,0 +1,72 @@
+//! The motion of a recording on one clock: inertial sensors, satellite tracks, poses and velocities, aligned.
+//!
+//! Made once for all rules that judge motion. Numbers stay as published; what they mean is for the rules to find out. Must
+//! not judge.
+
+mod clock;
+mod mount;
+mod stream;
+
+use std::sync::Arc;
+
+use crate::world::motion::{FixRow, InertialRow, PoseRow, TwistRow};
+use crate::world::{BagEvidence, World};
+
+pub(crate) use clock::Clock;
+pub(crate) use mount::{Mount, mount};
+pub(crate) use stream::{Stream, Timed};
+
+/// The streams of motion of each recording of a world, in its order.
+pub(crate) struct Motion {
+    /// One for each of the world's recordings.
+    pub(crate) bags: Vec<BagMotion>,
+}
+
+/// The streams of motion of one recording, by topic.
+pub(crate) struct BagMotion {
+    /// Index into `World::bags`.
+    pub(crate) bag: usize,
+    /// Inertial sensors.
+    pub(crate) imus: Vec<Stream<InertialRow>>,
+    /// Satellite receivers.
+    pub(crate) fixes: Vec<Stream<FixRow>>,
+    /// Odometry, poses on topics, and moving transforms.
+    pub(crate) poses: Vec<Stream<PoseRow>>,
+    /// Velocities on topics of their own.
+    pub(crate) twists: Vec<Stream<TwistRow>>,
+}
+
+impl Motion {
+    /// The motion of a world; worked out once.
+    pub(crate) fn of(world: &World) -> Arc<Self> {
+        world.derived(|world| Self {
+            bags: (0..)
+                .zip(&world.bags)
+                .map(|(index, bag)| BagMotion::of(index, bag))
+                .collect(),
+        })
+    }
+}
+
+impl BagMotion {
+    fn of(index: usize, bag: &BagEvidence) -> Self {
+        let mut motion = Self {
+            bag: index,
+            imus: Vec::new(),
+            fixes: Vec::new(),
+            poses: Vec::new(),
+            twists: Vec::new(),
+        };
+        for topic in bag.topics.values() {
+            let of = &topic.content.motion;
+            motion.imus.extend(Stream::of_topic(bag, topic, of.inertial.as_ref()));
+            motion.fixes.extend(Stream::of_topic(bag, topic, of.fixes.as_ref()));
+            motion.poses.extend(Stream::of_topic(bag, topic, of.poses.as_ref()));
+            motion.twists.extend(Stream::of_topic(bag, topic, of.twists.as_ref()));
+        }
+        motion
+            .poses
+            .extend(bag.tf.iter().filter_map(|edge| Stream::of_edge(bag, edge)));
+        motion
+    }
+}

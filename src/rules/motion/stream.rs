@@ -1,0 +1,157 @@
+//! One stream of motion on the common clock.
+
+use std::collections::BTreeMap;
+
+use crate::source::{MessageRef, Place, SourceId};
+use crate::world::bag::{HeaderFrame, TfEdge, TopicEvidence};
+use crate::world::motion::{PoseRow, Row, Series};
+use crate::world::{BagEvidence, FrameId};
+
+use super::clock::Clock;
+
+/// A row with its time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Timed<R> {
+    /// Seconds after the recording's start.
+    pub(crate) t_s: f64,
+    /// The row.
+    pub(crate) row: R,
+}
+
+/// A stream of rows.
+#[derive(Clone, Debug)]
+pub(crate) struct Stream<R> {
+    /// The recording.
+    pub(crate) source: SourceId,
+    /// Topic of the messages.
+    pub(crate) topic: String,
+    /// Their type; empty for TF.
+    pub(crate) message_type: String,
+    /// What reports call the stream: `topic /imu`, `TF odom -> base_link on /tf`.
+    pub(crate) subject: String,
+    /// The frame that the numbers are told in (header frame, or parent), canonical; `None` where the headers name none or
+    /// several.
+    pub(crate) frame: Option<FrameId>,
+    /// The frame that moves, canonical, where the stream says it.
+    pub(crate) child: Option<FrameId>,
+    /// First message.
+    first: Option<MessageRef>,
+    /// How the times were made.
+    pub(crate) clock: Clock,
+    /// Messages that the rows were made from.
+    pub(crate) count: u64,
+    /// Runs of rows without a hole, times growing inside each.
+    pub(crate) stretches: Vec<Vec<Timed<R>>>,
+}
+
+impl<R: Row> Stream<R> {
+    /// The stream of a topic; `None` where it has no rows.
+    pub(super) fn of_topic(bag: &BagEvidence, topic: &TopicEvidence, series: Option<&Series<R>>) -> Option<Self> {
+        let series = series?;
+        let (clock, stretches) = on_clock(bag, series)?;
+        Some(Self {
+            source: bag.source,
+            topic: topic.topic.clone(),
+            message_type: topic.message_type.clone(),
+            subject: format!("topic `{}`", topic.topic),
+            frame: only(&topic.header_frames),
+            child: only(&topic.child_frames),
+            first: topic.stamps.first.clone(),
+            clock,
+            count: series.count,
+            stretches,
+        })
+    }
+
+    /// Every row, whatever its stretch.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = &Timed<R>> {
+        self.stretches.iter().flatten()
+    }
+
+    /// Length of all stretches together, seconds.
+    pub(crate) fn seconds(&self) -> f64 {
+        let length = |stretch: &Vec<Timed<R>>| Some(stretch.last()?.t_s - stretch.first()?.t_s);
+        self.stretches.iter().filter_map(length).sum()
+    }
+
+    /// First and last time, seconds after the recording's start.
+    pub(crate) fn span_s(&self) -> Option<(f64, f64)> {
+        Some((self.rows().next()?.t_s, self.stretches.last()?.last()?.t_s))
+    }
+
+    /// Runs of neighbouring rows that last `seconds` each, one after the other, without a step longer than `max_step_s`.
+    pub(crate) fn windows(&self, seconds: f64, max_step_s: f64) -> Vec<&[Timed<R>]> {
+        let mut windows = Vec::new();
+        let apart = |a: &Timed<R>, b: &Timed<R>| b.t_s - a.t_s <= max_step_s;
+        for run in self.stretches.iter().flat_map(|stretch| stretch.chunk_by(apart)) {
+            let mut rest = run;
+            while let Some(first) = rest.first() {
+                let end = rest.partition_point(|row| row.t_s < first.t_s + seconds);
+                // The row that ends a window begins the next one.
+                let (Some(window), Some(next)) = (rest.get(..=end), rest.get(end..)) else {
+                    break;
+                };
+                windows.push(window);
+                rest = next;
+            }
+        }
+        windows
+    }
+
+    /// Where the stream begins.
+    pub(crate) fn place(&self) -> Place {
+        match &self.first {
+            Some(message) => Place::message(self.source, message.clone()),
+            None => Place::whole(self.source),
+        }
+    }
+}
+
+impl Stream<PoseRow> {
+    /// The stream of a moving transform.
+    pub(super) fn of_edge(bag: &BagEvidence, edge: &TfEdge) -> Option<Self> {
+        let series = edge.motion.as_ref()?;
+        let (clock, stretches) = on_clock(bag, series)?;
+        let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
+        Some(Self {
+            source: bag.source,
+            topic: edge.topic.clone(),
+            message_type: String::new(),
+            subject: format!("TF `{parent}` -> `{child}` on {}", edge.topic),
+            frame: Some(parent),
+            child: Some(child),
+            first: Some(edge.first_at.clone()),
+            clock,
+            count: series.count,
+            stretches,
+        })
+    }
+}
+
+type Stretches<R> = Vec<Vec<Timed<R>>>;
+
+fn on_clock<R: Row>(bag: &BagEvidence, series: &Series<R>) -> Option<(Clock, Stretches<R>)> {
+    let start_ns = bag.start_ns?;
+    let clock = Clock::of(series);
+    let mut stretches: Stretches<R> = Vec::new();
+    for rows in &series.stretches {
+        let mut kept: Vec<Timed<R>> = Vec::with_capacity(rows.len());
+        for row in rows {
+            let t_s = clock.time_s(row, start_ns);
+            // Two messages of one log time are one as far as a rate is concerned.
+            if kept.last().is_none_or(|last| t_s > last.t_s) {
+                kept.push(Timed { t_s, row: row.clone() });
+            }
+        }
+        stretches.push(kept);
+    }
+    stretches.retain(|stretch| !stretch.is_empty());
+    (!stretches.is_empty()).then_some((clock, stretches))
+}
+
+/// The one frame that is named, canonical; the empty name is none.
+fn only(frames: &BTreeMap<FrameId, HeaderFrame>) -> Option<FrameId> {
+    let mut names = frames.keys();
+    let first = names.next().filter(|_| names.next().is_none())?.canonical();
+    (!first.as_str().is_empty()).then_some(first)
+}
