@@ -3,14 +3,20 @@
 //! It knows no frame names, no files, no rules, and uses nothing of the rest of the crate. Radians and metres
 //! throughout. A transform `target_from_source` maps `p_target = target_from_source * p_source`.
 
+pub mod axis_maps;
+pub mod circular;
 pub mod constants;
+pub mod readings;
 pub mod relation;
 pub mod rotation;
+pub mod similarity2;
 pub mod stats;
 
 #[cfg(test)]
 mod tests_constants;
 #[cfg(test)]
 mod tests_rotation;
+#[cfg(test)]
+mod tests_similarity2;
 #[cfg(test)]
 pub(crate) mod tests_support;
