@@ -16,6 +16,7 @@
 
 pub mod contents;
 pub mod encode;
+pub mod foxglove;
 pub mod heard;
 pub mod motion;
 pub mod program;
