@@ -2,15 +2,7 @@
 //! never panics, never takes much memory, and says the same twice.
 
 #![cfg(unix)]
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::print_stderr,
-    clippy::string_slice,
-    clippy::cast_possible_truncation
-)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::print_stderr)]
 
 mod support;
 
@@ -19,16 +11,14 @@ use std::fs::{self, File};
 use std::os::unix::ffi::OsStringExt;
 use std::os::unix::fs::{PermissionsExt, symlink};
 
-use frames_lint::engine::{self, Options};
 use frames_lint::run::FailOn;
+use support::damage::{cut, first_chunk, patched};
 use support::program::{check, check_all};
+use support::reading::folder;
+use support::recipe::DRIVE;
 
 const ROBOT: &str = "<robot name=\"ä\"><link name=\"base_link\"/></robot>\n";
 const EXTRINSIC: &str = "# ä\nlidar_from_imu:\n  translation: [1.0, 2.0, 3.0]\n  rotation: [0.0, 0.0, 0.0, 1.0]\n";
-
-fn folder() -> tempfile::TempDir {
-    tempfile::tempdir().unwrap()
-}
 
 const KINDS: [&str; 5] = ["urdf", "xacro", "yaml", "json", "mcap"];
 
@@ -221,31 +211,19 @@ fn encodings() {
     check("nul.yaml", "a: 1\nb: \0\n", 3, &["a NUL character at byte 8"]);
 }
 
-const DRIVE: &str = "
-duration_s: 4
-chunk_size_bytes: 4000
-topics:
-  - {topic: /tf_static, transforms: [{parent: base_link, child: imu}]}
-  - topic: /tf
-    rate_hz: 50
-    transforms: [{parent: odom, child: base_link, velocity: [1, 0, 0], yaw_rate_deg_s: 5}]
-  - {topic: /imu, type: sensor_msgs/msg/Imu, rate_hz: 100, frame_id: imu}
-";
+/// The drive in small chunks.
+fn drive() -> Vec<u8> {
+    support::build(&format!("chunk_size_bytes: 4000{DRIVE}"))
+}
 
 #[test]
 fn a_recording_cut_anywhere_is_never_clean() {
-    let bytes = support::build(DRIVE);
-    let cut = |percent: usize| &bytes[..bytes.len() * percent / 100];
+    let bytes = drive();
     let folder = folder();
     let path = folder.path().join("drive.mcap");
     for percent in 0..100 {
-        fs::write(&path, cut(percent)).unwrap();
-        let paths = vec![path.clone()];
-        let run = engine::check(&Options {
-            paths,
-            ..Options::default()
-        })
-        .unwrap();
+        fs::write(&path, cut(&bytes, percent)).unwrap();
+        let run = support::checked(&path);
         assert_eq!(
             run.exit_code(FailOn::Error),
             3,
@@ -256,18 +234,20 @@ fn a_recording_cut_anywhere_is_never_clean() {
         assert!(percent == 0 || problem.contains("byte"), "{problem}");
     }
     for percent in [1, 25, 50, 99] {
-        check("drive.mcap", cut(percent), 3, &["read up to byte ", "the file ends"]);
+        check(
+            "drive.mcap",
+            cut(&bytes, percent),
+            3,
+            &["read up to byte ", "the file ends"],
+        );
     }
     check("drive.mcap", &bytes, 0, &[]);
 }
 
 #[test]
 fn a_recording_that_claims_too_much() {
-    let bytes = support::build(DRIVE);
-    let mut chunk = 8;
-    while bytes[chunk] != 6 {
-        chunk += 9 + u64::from_le_bytes(bytes[chunk + 1..chunk + 9].try_into().unwrap()) as usize;
-    }
+    let bytes = drive();
+    let chunk = first_chunk(&bytes);
     // The length of the record, then what the chunk claims to hold.
     for (at, why) in [
         (
@@ -276,8 +256,7 @@ fn a_recording_that_claims_too_much() {
         ),
         (chunk + 25, "a chunk claims 4611686018427387904 bytes"),
     ] {
-        let mut lying = bytes.clone();
-        lying[at..at + 8].copy_from_slice(&(1_u64 << 62).to_le_bytes());
+        let lying = patched(&bytes, at, &u64::to_le_bytes(1 << 62));
         check("lying.mcap", lying, 3, &["read up to byte ", why]);
     }
 }

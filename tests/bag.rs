@@ -1,6 +1,6 @@
 //! Recordings: a recipe becomes an MCAP becomes evidence, and the evidence has the numbers that were written.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic)]
 
 mod support;
 

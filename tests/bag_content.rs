@@ -1,12 +1,6 @@
 //! What messages say beyond their header: motion, writers, fixes, covariances, inertial messages, metadata.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::float_cmp
-)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::float_cmp)]
 
 mod support;
 

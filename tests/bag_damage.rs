@@ -1,31 +1,34 @@
 //! Damaged and hostile recordings: read up to the fault, said as such, no panic.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::cast_possible_truncation
-)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::cast_possible_truncation)]
 
 mod support;
 
 use frames_lint::source::ReadStatus;
 use frames_lint::world::bag::{BagEvidence, Share};
 use support::bag;
+use support::damage::{behind, cut, first_chunk, patched};
 use support::encode::{Body, Endian, Header};
 use support::raw::{Layout, RawChannel, in_memory};
+use support::recipe::{DRIVE, MESSAGES};
 
-const DRIVE: &str = "
-duration_s: 4
-chunk_size_bytes: 4000
-topics:
-  - {topic: /tf_static, transforms: [{parent: base_link, child: imu}]}
-  - topic: /tf
-    rate_hz: 50
-    transforms: [{parent: odom, child: base_link, velocity: [1, 0, 0], yaw_rate_deg_s: 5}]
-  - {topic: /imu, type: sensor_msgs/msg/Imu, rate_hz: 100, frame_id: imu}
-";
+/// The drive in small chunks, with these knobs.
+fn drive(knobs: &str) -> Vec<u8> {
+    support::build(&format!("chunk_size_bytes: 4000\n{knobs}{DRIVE}"))
+}
+
+/// Messages in one chunk that nothing guards.
+fn loose() -> Vec<u8> {
+    let layout = Layout {
+        compression: None,
+        checksums: false,
+        ..Layout::default()
+    };
+    in_memory(layout, |out| {
+        let channel = out.channel(&RawChannel::default());
+        (0..10).for_each(|tick| out.message(channel, tick, b"0123456789"));
+    })
+}
 
 /// The same recording in the layouts that fail in different ways.
 fn layouts() -> Vec<(&'static str, Vec<u8>)> {
@@ -52,10 +55,13 @@ fn layouts() -> Vec<(&'static str, Vec<u8>)> {
         },
     );
     vec![
-        ("zstd", support::build(DRIVE)),
-        ("lz4", support::build(&format!("compression: lz4{DRIVE}"))),
-        ("none", support::build(&format!("compression: none{DRIVE}"))),
-        ("one chunk", support::build(&DRIVE.replace("4000", "40000000"))),
+        ("zstd", drive("")),
+        ("lz4", drive("compression: lz4")),
+        ("none", drive("compression: none")),
+        (
+            "one chunk",
+            support::build(&format!("chunk_size_bytes: 40000000{DRIVE}")),
+        ),
         ("no chunks", unchunked),
     ]
 }
@@ -75,8 +81,8 @@ fn a_file_cut_at_any_percent_gives_what_stands_before_the_cut() {
         let whole = bag(&whole);
         let mut before = 0;
         for percent in 0..100 {
-            let cut = bytes.len() * percent / 100;
-            let (source, collected) = support::collected(&bytes[..cut]);
+            let cut = cut(&bytes, percent);
+            let (source, collected) = support::collected(cut);
             let part = bag(&collected);
             let what = format!("{name} cut at {percent} %: {source:?}");
             let expected = if part.messages > 0 {
@@ -85,11 +91,11 @@ fn a_file_cut_at_any_percent_gives_what_stands_before_the_cut() {
                 ReadStatus::Unreadable
             };
             assert_eq!(source.status, expected, "{what}");
-            assert_eq!(part.truncated, cut <= data_end(&bytes), "{what}");
+            assert_eq!(part.truncated, cut.len() <= data_end(&bytes), "{what}");
             assert_eq!(source.examined.messages, Some(part.messages), "{what}");
             assert!(part.messages >= before && part.messages <= whole.messages, "{what}");
             before = part.messages;
-            if cut >= 8 {
+            if cut.len() >= 8 {
                 let detail = source.detail.unwrap();
                 assert!(
                     detail.starts_with("read up to byte ") && detail.contains(" %): the file ends"),
@@ -161,21 +167,6 @@ fn a_flipped_bit_is_seen_wherever_it_touches_the_evidence() {
     }
 }
 
-/// The first chunk of a file: offset of its frame.
-fn first_chunk(bytes: &[u8]) -> usize {
-    let mut at = 8;
-    while bytes[at] != 6 {
-        at += 9 + u64::from_le_bytes(bytes[at + 1..at + 9].try_into().unwrap()) as usize;
-    }
-    at
-}
-
-fn patched(bytes: &[u8], at: usize, value: u64) -> Vec<u8> {
-    let mut bytes = bytes.to_vec();
-    bytes[at..at + 8].copy_from_slice(&value.to_le_bytes());
-    bytes
-}
-
 #[test]
 fn lying_sizes_are_refused() {
     for (name, bytes) in layouts().into_iter().filter(|(name, _)| *name != "no chunks") {
@@ -192,7 +183,7 @@ fn lying_sizes_are_refused() {
                 if name == "none" && what == "uncompressed" && lie <= 1 << 30 {
                     continue;
                 }
-                let (source, collected) = support::collected(&patched(&bytes, at, lie));
+                let (source, collected) = support::collected(&patched(&bytes, at, &u64::to_le_bytes(lie)));
                 assert_ne!(source.status, ReadStatus::Read, "{name}: {what} = {lie}: {source:?}");
                 assert!(bag(&collected).truncated);
                 assert!(
@@ -202,11 +193,9 @@ fn lying_sizes_are_refused() {
             }
         }
     }
-    let (source, _) = support::collected(&patched(
-        &support::build(DRIVE),
-        first_chunk(&support::build(DRIVE)) + 25,
-        1 << 62,
-    ));
+    let bytes = drive("");
+    let at = first_chunk(&bytes) + 25;
+    let (source, _) = support::collected(&patched(&bytes, at, &u64::to_le_bytes(1 << 62)));
     let detail = source.detail.unwrap();
     assert!(
         detail.ends_with("a chunk claims 4611686018427387904 bytes of messages, above the limit of 1073741824"),
@@ -216,25 +205,17 @@ fn lying_sizes_are_refused() {
 
 #[test]
 fn a_record_that_claims_more_than_its_chunk_is_refused() {
-    let bytes = support::build(&format!("compression: none{DRIVE}"));
+    let bytes = drive("compression: none");
     let header = first_chunk(&bytes) + 9 + 40;
     for lie in [1 << 20, 1 << 40, u64::MAX] {
-        let (source, _) = support::collected(&patched(&bytes, header + 1, lie));
+        let (source, _) = support::collected(&patched(&bytes, header + 1, &u64::to_le_bytes(lie)));
         assert_eq!(source.status, ReadStatus::Unreadable, "{lie}: {source:?}");
     }
     // Without a checksum to fail first.
-    let loose = Layout {
-        compression: None,
-        checksums: false,
-        ..Layout::default()
-    };
-    let bytes = in_memory(loose, |out| {
-        let channel = out.channel(&RawChannel::default());
-        (0..10).for_each(|tick| out.message(channel, tick, b"0123456789"));
-    });
+    let bytes = loose();
     let record = first_chunk(&bytes) + 9 + 40;
     for lie in [30, 1 << 20, 1 << 40, u64::MAX] {
-        let (source, _) = support::collected(&patched(&bytes, record + 1, lie));
+        let (source, _) = support::collected(&patched(&bytes, record + 1, &u64::to_le_bytes(lie)));
         assert_ne!(source.status, ReadStatus::Read, "{lie}: {source:?}");
     }
 }
@@ -276,7 +257,7 @@ fn what_is_no_mcap_is_told_apart() {
 
 #[test]
 fn zeros_and_rubbish_behind_the_magic_end_the_reading_at_once() {
-    let bytes = support::build(DRIVE);
+    let bytes = drive("");
     let chunk = first_chunk(&bytes);
     for filler in [0, 0xff] {
         let mut broken = bytes[..chunk].to_vec();
@@ -291,7 +272,10 @@ fn zeros_and_rubbish_behind_the_magic_end_the_reading_at_once() {
     let mut longer = bytes.clone();
     longer.extend(&bytes);
     let (source, collected) = support::collected(&longer);
-    assert_eq!((source.status, bag(&collected).messages), (ReadStatus::Partial, 601));
+    assert_eq!(
+        (source.status, bag(&collected).messages),
+        (ReadStatus::Partial, MESSAGES)
+    );
     assert!(
         source
             .detail
@@ -312,16 +296,9 @@ fn an_empty_recording_says_so_and_is_no_input_that_was_read() {
 
 #[test]
 fn a_chunk_that_claims_less_than_it_holds_costs_one_file_only() {
-    let loose = Layout {
-        compression: None,
-        checksums: false,
-        ..Layout::default()
-    };
-    let bytes = in_memory(loose, |out| {
-        let channel = out.channel(&RawChannel::default());
-        (0..10).for_each(|tick| out.message(channel, tick, b"0123456789"));
-    });
-    let (source, _) = support::collected(&patched(&bytes, first_chunk(&bytes) + 41, 7));
+    let bytes = loose();
+    let at = first_chunk(&bytes) + 41;
+    let (source, _) = support::collected(&patched(&bytes, at, &u64::to_le_bytes(7)));
     assert_ne!(source.status, ReadStatus::Read);
     let detail = source.detail.unwrap();
     assert!(detail.contains("where 444 are claimed"), "{detail}");
@@ -329,9 +306,9 @@ fn a_chunk_that_claims_less_than_it_holds_costs_one_file_only() {
 
 #[test]
 fn messages_lost_without_a_trace_are_missed() {
-    let bytes = support::build(DRIVE);
+    let bytes = drive("");
     let first = first_chunk(&bytes);
-    let second = first + 9 + u64::from_le_bytes(bytes[first + 1..first + 9].try_into().unwrap()) as usize;
+    let second = behind(&bytes, first);
     let second = second
         + bytes[second..data_end(&bytes)]
             .iter()
@@ -341,13 +318,13 @@ fn messages_lost_without_a_trace_are_missed() {
     // it no later message can be placed.
     for (chunk, lost) in [
         (first, "messages belong to channels that the file does not define"),
-        (second, "the file's statistics say 601"),
+        (second, "the file's statistics say 901"),
     ] {
         let mut broken = bytes.clone();
         assert_eq!(broken[chunk], 6);
         broken[chunk] = 0x86;
         let (source, collected) = support::collected(&broken);
-        assert!(bag(&collected).messages < 601 && bag(&collected).truncated);
+        assert!(bag(&collected).messages < MESSAGES && bag(&collected).truncated);
         let told = source.problems.iter().any(|problem| problem.message.contains(lost));
         assert!(source.status == ReadStatus::Partial && told, "{source:?}");
     }

@@ -1,15 +1,13 @@
 //! One healthy recording of a minute, and the faults that people suffer from, one at a time: each is found by the rule it
 //! belongs to, at its topic, and by no other rule than those named here. The healthy one is silent.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, clippy::print_stdout)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 mod support;
 
 use std::collections::BTreeSet;
 use std::fs;
-use std::path::{Path, PathBuf};
 
-use frames_lint::engine::{self, Options};
 use frames_lint::run::{FailOn, Run};
 use frames_lint::source::{At, ReadStatus};
 use frames_lint::verdict::{Finding, Outcome};
@@ -353,16 +351,8 @@ fn check(recipe: &str, with_urdf: bool) -> (tempfile::TempDir, Run) {
     if with_urdf {
         fs::write(folder.path().join("car.urdf"), URDF).unwrap();
     }
-    let run = check_path(folder.path());
+    let run = support::checked(folder.path());
     (folder, run)
-}
-
-fn check_path(path: &Path) -> Run {
-    engine::check(&Options {
-        paths: vec![PathBuf::from(path)],
-        ..Options::default()
-    })
-    .unwrap()
 }
 
 /// A finding in one line: rule, severity, topic and relation.

@@ -4,7 +4,6 @@
 #![allow(
     clippy::field_reassign_with_default,
     clippy::unwrap_used,
-    clippy::expect_used,
     clippy::indexing_slicing,
     clippy::cast_possible_truncation
 )]
@@ -19,6 +18,7 @@ use frames_lint::engine;
 use frames_lint::read::bag::Sampling;
 use frames_lint::source::{Confidence, ReadStatus, Source, SourceId, SourceKind};
 use frames_lint::verdict::Severity;
+use support::damage::cut;
 use support::{bag, build, edge, names};
 
 /// Ten minutes; a description once, a rare topic, one that speaks late, static transforms at the start.
@@ -242,7 +242,7 @@ fn a_sampled_file_may_be_cut_or_damaged_anywhere() {
     let bytes = build(DRIVE);
     let all = bag(&read(&bytes, None).1).messages;
     for percent in 0..100 {
-        let (source, collected) = read(&bytes[..bytes.len() * percent / 100], Some(SAMPLING));
+        let (source, collected) = read(cut(&bytes, percent), Some(SAMPLING));
         assert_ne!(source.status, ReadStatus::Read, "{percent} %");
         // Behind the data stands the summary.
         assert!(

@@ -1,6 +1,6 @@
 //! Recordings that are sound and strange: other encodings, unknown types, wrong messages, ever new names.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 mod support;
 

@@ -1,6 +1,6 @@
 //! TF of recordings: faults, extremes, parents that change, names and thinning.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 mod support;
 

@@ -1,20 +1,13 @@
 //! Every rule's page is a test: its Bad, Good and Not evaluated blocks are run, and must give what the page says.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::string_slice
-)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::string_slice)]
 
 mod support;
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use frames_lint::engine::{self, Options};
 use frames_lint::page::{self, Block, Front};
 use frames_lint::rules::RULES;
 use frames_lint::run::Run;
@@ -78,16 +71,8 @@ fn run_case(case: &Case<'_>) -> (tempfile::TempDir, Run) {
             fs::write(&path, block.text).unwrap();
         }
     }
-    let run = check(folder.path());
+    let run = support::checked(folder.path());
     (folder, run)
-}
-
-fn check(path: &Path) -> Run {
-    engine::check(&Options {
-        paths: vec![PathBuf::from(path)],
-        ..Options::default()
-    })
-    .unwrap()
 }
 
 fn expectations(case: &Case<'_>) -> Vec<String> {

@@ -2,7 +2,6 @@
 
 #![allow(
     clippy::unwrap_used,
-    clippy::expect_used,
     clippy::indexing_slicing,
     clippy::panic,
     clippy::print_stderr,
@@ -164,15 +163,7 @@ fn every_robot_is_judged_the_same() {
         let robot = robot.unwrap().path();
         let folder = all.path().join(robot.file_name().unwrap());
         fs::create_dir(&folder).unwrap();
-        for file in fs::read_dir(&robot).unwrap() {
-            let file = file.unwrap().path();
-            let target = folder.join(file.file_name().unwrap());
-            if file.extension().is_some_and(|ending| ending == "recipe") {
-                support::write(&fs::read_to_string(&file).unwrap(), &target.with_extension("mcap"));
-            } else {
-                fs::copy(&file, target).unwrap();
-            }
-        }
+        support::copy_platform(&robot, &folder);
         is_the_same(&[&folder], &robot.display().to_string());
     }
     // Several platforms in one document, and a file that cannot be read.

@@ -1,132 +1,22 @@
 //! Recordings of Foxglove's schemas: an MCAP with protobuf and JSON channels becomes evidence.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::print_stderr,
-    clippy::unnecessary_wraps
-)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, clippy::print_stderr)]
 
 mod support;
 
 use frames_lint::source::ReadStatus;
 use frames_lint::world::FrameId;
 use prost::Message;
-use prost_types::field_descriptor_proto::{Label, Type};
-use prost_types::{DescriptorProto, FieldDescriptorProto, FileDescriptorProto, FileDescriptorSet, Timestamp};
+use prost_types::{FileDescriptorProto, Timestamp};
+use support::foxglove::{FrameTransform, FrameTransforms, Stamped, at, descriptor, numbers};
 use support::raw::{Layout, RawChannel, in_memory};
 use support::{bag, edge, names};
 
 const START_NS: i64 = 1_700_000_000_000_000_000;
 const STEP_NS: i64 = 100_000_000;
 
-/// A type with these fields: `(name, number, type, name of the type of a message)`.
-fn declared(name: &str, fields: &[(&str, i32, Type, &str)]) -> DescriptorProto {
-    let field = |(name, number, kind, of): &(&str, i32, Type, &str)| {
-        let repeated = *name == "transforms";
-        FieldDescriptorProto {
-            name: Some((*name).to_owned()),
-            number: Some(*number),
-            r#type: Some((*kind).into()),
-            label: Some(if repeated { Label::Repeated } else { Label::Optional }.into()),
-            type_name: (!of.is_empty()).then(|| (*of).to_owned()),
-            ..FieldDescriptorProto::default()
-        }
-    };
-    DescriptorProto {
-        name: Some(name.to_owned()),
-        field: fields.iter().map(field).collect(),
-        ..DescriptorProto::default()
-    }
-}
-
-fn descriptor() -> Vec<u8> {
-    let time = ("timestamp", 1, Type::Message, ".google.protobuf.Timestamp");
-    let number = |name, number| (name, number, Type::Double, "");
-    let xyzw = [number("x", 1), number("y", 2), number("z", 3), number("w", 4)];
-    let file = |package: &str, types| FileDescriptorProto {
-        package: Some(package.to_owned()),
-        message_type: types,
-        ..FileDescriptorProto::default()
-    };
-    let google = declared(
-        "Timestamp",
-        &[("seconds", 1, Type::Int64, ""), ("nanos", 2, Type::Int32, "")],
-    );
-    let foxglove = vec![
-        declared("Vector3", &xyzw[..3]),
-        declared("Quaternion", &xyzw),
-        declared(
-            "FrameTransform",
-            &[
-                time,
-                ("parent_frame_id", 2, Type::String, ""),
-                ("child_frame_id", 3, Type::String, ""),
-                ("translation", 4, Type::Message, ".foxglove.Vector3"),
-                ("rotation", 5, Type::Message, ".foxglove.Quaternion"),
-            ],
-        ),
-        declared(
-            "FrameTransforms",
-            &[("transforms", 1, Type::Message, ".foxglove.FrameTransform")],
-        ),
-        declared("PointCloud", &[time, ("frame_id", 2, Type::String, "")]),
-    ];
-    FileDescriptorSet {
-        file: vec![file("google.protobuf", vec![google]), file("foxglove", foxglove)],
-    }
-    .encode_to_vec()
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct Numbers {
-    #[prost(double, tag = "1")]
-    x: f64,
-    #[prost(double, tag = "2")]
-    y: f64,
-    #[prost(double, tag = "3")]
-    z: f64,
-    #[prost(double, tag = "4")]
-    w: f64,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct FrameTransform {
-    #[prost(message, tag = "1")]
-    timestamp: Option<Timestamp>,
-    #[prost(string, tag = "2")]
-    parent: String,
-    #[prost(string, tag = "3")]
-    child: String,
-    #[prost(message, tag = "4")]
-    translation: Option<Numbers>,
-    #[prost(message, tag = "5")]
-    rotation: Option<Numbers>,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct FrameTransforms {
-    #[prost(message, repeated, tag = "1")]
-    transforms: Vec<FrameTransform>,
-}
-
-#[derive(Clone, PartialEq, Message)]
-struct PointCloud {
-    #[prost(message, tag = "1")]
-    timestamp: Option<Timestamp>,
-    #[prost(string, tag = "2")]
-    frame_id: String,
-    #[prost(bytes = "vec", tag = "6")]
-    data: Vec<u8>,
-}
-
 fn timestamp(ns: i64) -> Option<Timestamp> {
-    Some(Timestamp {
-        seconds: ns / 1_000_000_000,
-        nanos: i32::try_from(ns % 1_000_000_000).unwrap(),
-    })
+    at(ns / 1_000_000_000, i32::try_from(ns % 1_000_000_000).unwrap())
 }
 
 fn transform(ns: i64, parent: &str, child: &str, x: f64) -> FrameTransform {
@@ -134,20 +24,14 @@ fn transform(ns: i64, parent: &str, child: &str, x: f64) -> FrameTransform {
         timestamp: timestamp(ns),
         parent: parent.to_owned(),
         child: child.to_owned(),
-        translation: Some(Numbers {
-            x,
-            ..Numbers::default()
-        }),
-        rotation: Some(Numbers {
-            w: 1.0,
-            ..Numbers::default()
-        }),
+        translation: numbers(x, 0.0, 0.0, 0.0),
+        rotation: numbers(0.0, 0.0, 0.0, 1.0),
     }
 }
 
 /// Ten steps of a small robot: TF in protobuf, the cloud in protobuf, the image in JSON.
 fn drive(cloud_frame: &str) -> Vec<u8> {
-    let descriptor = descriptor();
+    let descriptor = descriptor(FileDescriptorProto::default());
     in_memory(Layout::default(), |out| {
         let protobuf = |topic, message_type| RawChannel {
             topic,
@@ -172,12 +56,7 @@ fn drive(cloud_frame: &str) -> Vec<u8> {
             transform(START_NS, "base_link", "lidar", 0.3),
             FrameTransform {
                 // Optical axes: z forward, x right, y down.
-                rotation: Some(Numbers {
-                    x: -0.5,
-                    y: 0.5,
-                    z: -0.5,
-                    w: 0.5,
-                }),
+                rotation: numbers(-0.5, 0.5, -0.5, 0.5),
                 ..transform(START_NS, "base_link", "camera", 0.5)
             },
         ];
@@ -186,7 +65,7 @@ fn drive(cloud_frame: &str) -> Vec<u8> {
             let ns = START_NS + i64::from(step) * STEP_NS;
             let odometry = transform(ns - 5_000_000, "odom", "base_link", 0.1 * f64::from(step));
             out.message(moving, ns, &odometry.encode_to_vec());
-            let cloud = PointCloud {
+            let cloud = Stamped {
                 timestamp: timestamp(ns - 50_000_000),
                 frame_id: cloud_frame.to_owned(),
                 data: vec![7; 5000],

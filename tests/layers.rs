@@ -1,12 +1,6 @@
 //! Who may use whom: reads the `crate::` paths of every file and fails on an arrow that points the wrong way.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::string_slice
-)]
+#![allow(clippy::unwrap_used)]
 
 use std::collections::BTreeMap;
 use std::fs;

@@ -1,6 +1,6 @@
 //! Definitions that a recording does not carry: said once for each type, and taken from `--msg-path`.
 
-#![allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 mod support;
 

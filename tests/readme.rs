@@ -2,13 +2,7 @@
 //!
 //! `UPDATE=1 cargo test --test readme` writes them anew.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::string_slice
-)]
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::string_slice)]
 
 use std::path::{Path, PathBuf};
 

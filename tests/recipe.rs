@@ -1,12 +1,6 @@
 //! The recipes of the other tests say what they mean: knobs, and unknown keys.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::float_cmp
-)]
+#![allow(clippy::indexing_slicing, clippy::float_cmp)]
 
 mod support;
 
@@ -18,6 +12,7 @@ use support::{edge, evidence};
 fn unknown_keys_are_errors() {
     for wrong in [
         "{topic: /t, type: acme/msg/A, velocty: [1, 0, 0]}",
+        "{topic: /tf, transforms: [{parent: a, child: b, velocty: [1, 0, 0]}]}",
         "{topic: /t, type: acme/msg/A, qos: {durabilty: volatile}}",
         "{topic: /t, type: acme/msg/A, jumps: [{at: 3}]}",
         "{topic: /tf, transforms: [{parent: a, child: b, alternate: {to: [1, 0, 0]}}]}",

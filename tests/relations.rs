@@ -1,14 +1,13 @@
 //! Every word of the relation dictionary, end to end: a URDF, and a second source that states the same mount with that
 //! convention error, in every spelling. The tool must name the word once, at the place of the second source.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, clippy::print_stdout)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic)]
 
 mod support;
 
 use std::fmt::Write as _;
 use std::fs;
 
-use frames_lint::engine::{self, Options};
 use frames_lint::math::relation::Relation;
 use frames_lint::run::Run;
 use frames_lint::source::{At, LineIndex};
@@ -135,11 +134,7 @@ fn check(urdf: &str, file: &str, text: &str) -> (tempfile::TempDir, Run) {
     } else {
         fs::write(folder.path().join(file), text).unwrap();
     }
-    let run = engine::check(&Options {
-        paths: vec![folder.path().to_path_buf()],
-        ..Options::default()
-    })
-    .unwrap();
+    let run = support::checked(folder.path());
     (folder, run)
 }
 
@@ -367,11 +362,7 @@ fn one_odd_source_of_three_is_told_once() {
             fs::write(folder.path().join("car.urdf"), urdf).unwrap();
             fs::write(folder.path().join("calibration.yaml"), file).unwrap();
             support::write(&Form::Bag.text(in_bag), &folder.path().join("drive.mcap"));
-            let run = engine::check(&Options {
-                paths: vec![folder.path().to_path_buf()],
-                ..Options::default()
-            })
-            .unwrap();
+            let run = support::checked(folder.path());
             let found = cross(&run);
             assert_eq!(found.len(), 1, "{expected}: {found:?}");
             assert_eq!(

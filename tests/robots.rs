@@ -1,19 +1,11 @@
 //! Healthy platforms stay silent: a car, an indoor robot and an arm, each with URDF, calibration and a recording.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::string_slice
-)]
+#![allow(clippy::unwrap_used)]
 
 mod support;
 
-use std::fs;
 use std::path::{Path, PathBuf};
 
-use frames_lint::engine::{self, Options};
 use frames_lint::run::{FailOn, Run};
 use frames_lint::source::ReadStatus;
 use frames_lint::verdict::Outcome;
@@ -25,20 +17,8 @@ fn fixture(name: &str) -> PathBuf {
 /// Copies a platform to a folder of its own, with its recipes built to recordings, and checks it.
 fn check(name: &str) -> (tempfile::TempDir, Run) {
     let folder = tempfile::tempdir().unwrap();
-    for entry in fs::read_dir(fixture(name)).unwrap() {
-        let path = entry.unwrap().path();
-        let target = folder.path().join(path.file_name().unwrap());
-        if path.extension().is_some_and(|ending| ending == "recipe") {
-            support::write(&fs::read_to_string(&path).unwrap(), &target.with_extension("mcap"));
-        } else {
-            fs::copy(&path, &target).unwrap();
-        }
-    }
-    let run = engine::check(&Options {
-        paths: vec![folder.path().to_path_buf()],
-        ..Options::default()
-    })
-    .unwrap();
+    support::copy_platform(&fixture(name), folder.path());
+    let run = support::checked(folder.path());
     (folder, run)
 }
 

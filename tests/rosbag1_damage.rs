@@ -1,17 +1,12 @@
 //! Damaged and lying ROS 1 bags: what stands before and behind the fault is read, the fault is told with its place, and
 //! nothing a file claims is believed.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::cast_possible_truncation
-)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::cast_possible_truncation)]
 
 mod support;
 
 use frames_lint::source::{ReadStatus, Source};
+use support::damage::{cut, patched};
 use support::heard::{are_some_of, read};
 use support::rosbag1::{Compression, Ending, Layout, Rosbag1, Written};
 use support::rosbag1_drive::{drive, layouts};
@@ -20,12 +15,6 @@ use support::rosbag1_drive::{drive, layouts};
 const INDEX_POS: usize = 13 + 4 + 8 + 14;
 const CONN_COUNT: usize = INDEX_POS + 8 + 15;
 const CHUNK_COUNT: usize = CONN_COUNT + 4 + 16;
-
-fn patched(bytes: &[u8], at: usize, value: &[u8]) -> Vec<u8> {
-    let mut bytes = bytes.to_vec();
-    bytes[at..at + value.len()].copy_from_slice(value);
-    bytes
-}
 
 /// Byte behind the next place of some text.
 fn behind(bytes: &[u8], from: usize, text: &[u8]) -> usize {
@@ -59,8 +48,9 @@ fn a_bag_cut_at_any_percent_gives_what_stands_before_the_cut() {
             let (Written { bytes, index, .. }, written) = drive(Layout { ending, ..layout });
             let mut before = 0;
             for percent in 1..100 {
-                let cut = bytes.len() * percent / 100;
-                let (source, extent, heard) = read(&bytes[..cut]);
+                let part = cut(&bytes, percent);
+                let (source, extent, heard) = read(part);
+                let cut = part.len();
                 let what = format!("{layout:?} {ending:?} cut at {percent} %, byte {cut} of {index}: {source:?}");
                 let expected = if heard.messages.is_empty() {
                     ReadStatus::Unreadable

@@ -1,13 +1,6 @@
 //! rosbag2 recordings: databases of every distribution, their compression and what stands beside them.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap
-)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 mod support;
 
@@ -16,8 +9,10 @@ use std::path::{Path, PathBuf};
 
 use frames_lint::source::ReadStatus;
 use frames_lint::world::bag::BagEvidence;
+use support::damage::cut;
 use support::reading::{folder, found, messages};
-use support::rosbag2::{DRIVE, Db3, Drive, MESSAGES, Schema, Yaml, write_parts, zstd_file};
+use support::recipe::{DRIVE, MESSAGES};
+use support::rosbag2::{Db3, Drive, Schema, Yaml, write_parts, zstd_file};
 use support::{bag, collected_from};
 
 /// What must not depend on how a drive was stored.
@@ -234,7 +229,6 @@ fn a_recorder_that_was_stopped_leaves_a_log_which_is_read_and_nothing_is_written
 fn zstd_by_file_and_by_message_changes_nothing() {
     let drive = Drive::of(DRIVE);
     for ending in ["db3", "mcap"] {
-        let storage = if ending == "db3" { "sqlite3" } else { "mcap" };
         for mode in ["", "FILE", "MESSAGE"] {
             let folder = folder();
             let inner = if mode == "MESSAGE" {
@@ -246,13 +240,9 @@ fn zstd_by_file_and_by_message_changes_nothing() {
             if mode == "FILE" {
                 paths = paths.iter().map(|path| zstd_file(path)).collect();
             }
-            let names: Vec<_> = paths
-                .iter()
-                .map(|path| path.file_name().unwrap().to_str().unwrap())
-                .collect();
-            let mut yaml = Yaml::new(storage, &names);
+            let mut yaml = Yaml::of(&paths);
             yaml.mode = mode;
-            fs::write(folder.path().join("metadata.yaml"), yaml.text(&drive)).unwrap();
+            yaml.write(&drive, folder.path());
             let (source, collected) = found(folder.path());
             assert_eq!(source.status, ReadStatus::Read, "{ending} {mode}: {source:?}");
             assert_eq!((bag(&collected).messages, bag(&collected).tf.len()), (MESSAGES, 2));
@@ -313,7 +303,7 @@ fn a_compressed_file_that_was_cut_is_read_up_to_the_cut() {
         let packed = zstd_file(&path);
         let bytes = fs::read(&packed).unwrap();
         for percent in [0, 1, 10, 50, 90, 99] {
-            fs::write(&packed, &bytes[..bytes.len() * percent / 100]).unwrap();
+            fs::write(&packed, cut(&bytes, percent)).unwrap();
             let (source, collected) = found(&packed);
             assert_ne!(source.status, ReadStatus::Read, "{ending} {percent}");
             assert!(bag(&collected).truncated, "{ending} {percent}");

@@ -1,13 +1,6 @@
 //! rosbag2 folders: one recording in several files, with metadata that is right, wrong, broken or missing.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap
-)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic)]
 
 mod support;
 
@@ -18,7 +11,8 @@ use frames_lint::read::discover::discover;
 use frames_lint::source::{At, ReadStatus, Source, SourceKind};
 use support::bag;
 use support::reading::{collect_input, folder, found, messages};
-use support::rosbag2::{DRIVE, Db3, Drive, MESSAGES, Schema, Yaml, write_parts};
+use support::recipe::{DRIVE, MESSAGES};
+use support::rosbag2::{Db3, Drive, Schema, Yaml, write_parts};
 
 #[test]
 fn a_folder_is_one_recording_however_it_is_named() {
@@ -27,11 +21,8 @@ fn a_folder_is_one_recording_however_it_is_named() {
         let inner = outer.path().join("runs/drive");
         fs::create_dir_all(&inner).unwrap();
         let drive = Drive::of(DRIVE);
-        write_parts(&drive.split(3), &inner, ending);
-        let names = [0, 1, 2].map(|number| format!("drive_{number}.{ending}"));
-        let storage = if ending == "db3" { "sqlite3" } else { "mcap" };
-        let yaml = Yaml::new(storage, &names.each_ref().map(String::as_str));
-        fs::write(inner.join("metadata.yaml"), yaml.text(&drive)).unwrap();
+        let paths = write_parts(&drive.split(3), &inner, ending);
+        Yaml::of(&paths).write(&drive, &inner);
         fs::write(outer.path().join("calib.yaml"), "base_from_lidar: {x: 1}\n").unwrap();
 
         for named in [inner.clone(), inner.join("metadata.yaml")] {
@@ -51,18 +42,18 @@ fn a_folder_is_one_recording_however_it_is_named() {
                 .iter()
                 .map(|part| (part.path.clone(), part.messages, part.static_transforms));
             let parts: Vec<_> = parts.collect();
-            let [a, b, c] = names.clone();
+            let [a, b, c] = [0, 1, 2].map(|number| format!("drive_{number}.{ending}"));
             assert_eq!(parts, [(a, 301, true), (b, 301, false), (c, 299, false)]);
             assert!(bag.parts.windows(2).all(|pair| pair[0].end_ns <= pair[1].start_ns));
             assert_eq!(bag.tf.len(), 2);
             assert_eq!(bag.topics["/imu"].stamps.long_gaps, 0);
         }
 
-        let inputs = discover(&[outer.path().to_path_buf(), inner.join(&names[1]), inner.clone()]).files;
+        let inputs = discover(&[outer.path().to_path_buf(), paths[1].clone(), inner.clone()]).files;
         let kinds: Vec<_> = inputs.iter().map(|input| input.kind).collect();
         assert_eq!(kinds, [SourceKind::Yaml, SourceKind::Rosbag2], "{inputs:#?}");
 
-        let (source, collected) = found(&inner.join(&names[1]));
+        let (source, collected) = found(&paths[1]);
         assert_eq!((source.status, bag(&collected).messages), (ReadStatus::Read, 301));
         let detail = source.detail.unwrap();
         assert!(
@@ -87,7 +78,7 @@ fn qos_profiles_come_from_the_metadata_where_the_database_has_none() {
         assert!(bag(&bare).topics.values().all(|topic| !topic.latched));
         let mut yaml = Yaml::new("sqlite3", &["drive_0.db3"]);
         yaml.version = version;
-        fs::write(folder.path().join("metadata.yaml"), yaml.text(&drive)).unwrap();
+        yaml.write(&drive, folder.path());
         for named in [folder.path().to_path_buf(), path] {
             let (source, collected) = found(&named);
             assert_eq!(source.status, ReadStatus::Read, "{source:?}");
@@ -328,12 +319,7 @@ fn files_that_are_missing_or_damaged_are_named() {
     let folder = folder();
     let drive = Drive::of(DRIVE);
     let paths = write_parts(&drive.split(3), folder.path(), "db3");
-    let names = ["drive_0.db3", "drive_1.db3", "drive_2.db3"];
-    fs::write(
-        folder.path().join("metadata.yaml"),
-        Yaml::new("sqlite3", &names).text(&drive),
-    )
-    .unwrap();
+    Yaml::of(&paths).write(&drive, folder.path());
     fs::write(&paths[1], b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n").unwrap();
     let (source, collected) = found(folder.path());
     assert_eq!((source.status, bag(&collected).messages), (ReadStatus::Partial, 600));
@@ -365,7 +351,7 @@ fn older_names_and_unnamed_files_are_found() {
     first.write_db3(&inner.join("drive_0.db3"), Db3::default());
     let mut yaml = Yaml::new("sqlite3", &["drive/drive_0.db3"]);
     yaml.version = 2;
-    fs::write(inner.join("metadata.yaml"), yaml.text(&first)).unwrap();
+    yaml.write(&first, &inner);
     let (source, collected) = found(&inner);
     assert_eq!(
         (source.status, bag(&collected).messages),
@@ -390,7 +376,7 @@ fn the_program_reads_a_folder_and_says_so() {
     let drive = Drive::of(DRIVE);
     write_parts(&drive.split(2), folder.path(), "mcap");
     let yaml = Yaml::new("mcap", &["drive_0.mcap", "drive_1.mcap", "drive_2.mcap"]);
-    fs::write(folder.path().join("metadata.yaml"), yaml.text(&drive)).unwrap();
+    yaml.write(&drive, folder.path());
     let ran = support::program::run(folder.path(), ["check", ".", "--format", "json"]);
     let report = ran.report();
     let input = &report["inputs"][0];

@@ -1,13 +1,6 @@
 //! Large rosbag2 recordings, read in part.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap
-)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 mod support;
 
@@ -15,8 +8,9 @@ use std::fs;
 
 use frames_lint::read::bag::Sampling;
 use frames_lint::source::ReadStatus;
-use support::reading::read;
-use support::rosbag2::{DRIVE, Db3, Drive, Message, Topic, Yaml, write_parts};
+use support::reading::{folder, read};
+use support::recipe::DRIVE;
+use support::rosbag2::{Db3, Drive, Message, Topic, Yaml, write_parts};
 
 /// Ten minutes with a static transform late, a topic that begins late, and clouds of 20 kB.
 fn long() -> Drive {
@@ -57,7 +51,7 @@ fn long() -> Drive {
 
 #[test]
 fn a_large_database_is_read_in_windows() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let path = folder.path().join("drive.db3");
     let drive = long();
     drive.write_db3(&path, Db3::default());
@@ -130,7 +124,7 @@ fn a_large_database_is_read_in_windows() {
 
 #[test]
 fn windows_that_cover_everything_are_everything() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let path = folder.path().join("drive.db3");
     let drive = Drive::of(DRIVE);
     drive.write_db3(&path, Db3::default());
@@ -152,22 +146,14 @@ fn windows_that_cover_everything_are_everything() {
 
 #[test]
 fn a_split_recording_is_sampled_as_one() {
-    let folder = tempfile::tempdir().unwrap();
+    let folder = folder();
     let drive = long();
     for ending in ["db3", "mcap"] {
         let folder = folder.path().join(ending);
         fs::create_dir(&folder).unwrap();
-        write_parts(&drive.split(5), &folder, ending);
-        let names = [0, 1, 2, 3, 4].map(|number| format!("drive_{number}.{ending}"));
-        let yaml = Yaml::new(
-            if ending == "db3" { "sqlite3" } else { "mcap" },
-            &names.each_ref().map(String::as_str),
-        );
-        fs::write(folder.join("metadata.yaml"), yaml.text(&drive)).unwrap();
-        let size: u64 = names
-            .iter()
-            .map(|name| fs::metadata(folder.join(name)).unwrap().len())
-            .sum();
+        let paths = write_parts(&drive.split(5), &folder, ending);
+        Yaml::of(&paths).write(&drive, &folder);
+        let size: u64 = paths.iter().map(|path| fs::metadata(path).unwrap().len()).sum();
         let sampling = Sampling {
             windows: 10,
             seconds: 2.0,

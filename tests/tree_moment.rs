@@ -1,12 +1,6 @@
 //! `frames-lint tree` with `--at` and `--chain`, and as SVG, on a recording and a URDF.
 
-#![allow(
-    clippy::unwrap_used,
-    clippy::expect_used,
-    clippy::indexing_slicing,
-    clippy::panic,
-    clippy::string_slice
-)]
+#![allow(clippy::unwrap_used)]
 
 mod support;
 

@@ -7,27 +7,34 @@ use unicode_normalization::UnicodeNormalization;
 
 use crate::world::FrameId;
 
+/// Words for lidars.
+pub(crate) const LIDARS: &[&str] = &["lidar", "laser", "velodyne", "ouster"];
+
+/// Makers of lidars that stand in fewer names.
+pub(crate) const LIDAR_MAKERS: &[&str] = &["livox", "hesai", "robosense", "rslidar"];
+
+/// Words for cameras.
+pub(crate) const CAMERAS: &[&str] = &["camera", "cam"];
+
+/// Words for receivers of satellites.
+pub(crate) const GNSS: &[&str] = &["gps", "gnss"];
+
 /// Words that name a sensor and nothing else.
-const SENSORS: &[&str] = &[
-    "lidar",
-    "laser",
-    "velodyne",
-    "ouster",
-    "livox",
-    "hesai",
-    "robosense",
-    "rslidar",
-    "sick",
-    "hokuyo",
-    "rplidar",
-    "camera",
-    "realsense",
-    "zed",
-    "imu",
-    "gps",
-    "gnss",
-    "radar",
-    "sonar",
+const SENSORS: &[&[&str]] = &[
+    LIDARS,
+    LIDAR_MAKERS,
+    GNSS,
+    &[
+        "sick",
+        "hokuyo",
+        "rplidar",
+        "camera",
+        "realsense",
+        "zed",
+        "imu",
+        "radar",
+        "sonar",
+    ],
 ];
 
 /// Words of frames that are fixed to the world, or drift slowly against it.
@@ -85,41 +92,46 @@ pub(crate) fn standard(frame: &FrameId) -> Option<(&str, Standard)> {
     Some((namespace, kind))
 }
 
-fn has_any(frame: &FrameId, words: &[&str]) -> bool {
-    frame
-        .tokens()
-        .iter()
-        .any(|token| words.contains(&token.trim_end_matches(|c: char| c.is_ascii_digit())))
+/// Whether one of the words is a token of the name, digits behind it aside: `lidar_2`, `cam0` and `FrontLidar` have
+/// the tokens `lidar`, `cam`, `lidar`.
+pub(crate) fn has_word(frame: &FrameId, words: &[&str]) -> bool {
+    has_word_of(frame, &[words])
+}
+
+/// [`has_word`] of several lists.
+pub(crate) fn has_word_of(frame: &FrameId, lists: &[&[&str]]) -> bool {
+    frame.tokens().iter().any(|token| {
+        let stem = token.trim_end_matches(|c: char| c.is_ascii_digit());
+        let mut words = lists.iter().copied().flatten();
+        words.any(|word| *word == stem || word == token)
+    })
 }
 
 /// Whether the name says "sensor" and nothing else: `camera_init`, `lidar_map` and `camera_mount` are no sensors.
 pub(crate) fn is_sensor(frame: &FrameId) -> bool {
     let says_more = [WORLDS, BASES, &["init", "pose", "mount", "bracket", "holder", "plate"]];
-    has_any(frame, SENSORS) && !says_more.iter().any(|words| has_any(frame, words))
+    has_word_of(frame, SENSORS) && !has_word_of(frame, &says_more)
 }
 
 /// Whether the name is that of a world-like frame.
 pub(crate) fn is_world(frame: &FrameId) -> bool {
-    has_any(frame, WORLDS)
+    has_word(frame, WORLDS)
 }
 
 /// Whether the name is that of a platform's own frame.
 pub(crate) fn is_base(frame: &FrameId) -> bool {
-    has_any(frame, BASES)
+    has_word(frame, BASES)
 }
 
 /// Whether the name says that the frame is a sensor's or some other carried thing's, whatever else it says.
 pub(crate) fn is_device(frame: &FrameId) -> bool {
-    has_any(frame, SENSORS)
-        || has_any(
-            frame,
-            &["sensor", "cam", "device", "tracker", "scanner", "marker", "tag", "pose"],
-        )
+    let things = ["sensor", "device", "tracker", "scanner", "marker", "tag", "pose"];
+    has_word_of(frame, SENSORS) || has_word_of(frame, &[CAMERAS, &things])
 }
 
 /// Whether the name is that of a part that is meant to move.
 pub(crate) fn is_moving_part(frame: &FrameId) -> bool {
-    has_any(frame, MOVING)
+    has_word(frame, MOVING)
 }
 
 /// The words of a name before `optical` or `optical_frame`, without an ending; `None` where the name does not end so.

@@ -1,6 +1,8 @@
 //! Who else states the transform between the same two frames.
 //!
-//! Only constant statements count: fixed joints, static TF and files. Names are compared as tf2 stores them.
+//! Only constant statements count: fixed joints, static TF and files. Names are compared as tf2 stores them. A rule that
+//! judges one statement asks here for what speaks for it; the statements that CROSS holds against each other have a rank
+//! and words for who states them, and are also chains and TF that only stands still.
 
 use std::collections::BTreeMap;
 
@@ -89,13 +91,4 @@ impl Pairs {
             });
         direct.cloned().chain(turned).collect()
     }
-}
-
-/// Whether one of the words is a token of the name, digits behind it aside: `lidar_2`, `cam0` and `FrontLidar` have
-/// the tokens `lidar`, `cam`, `lidar`.
-pub(super) fn has_word(frame: &FrameId, words: &[&str]) -> bool {
-    frame.tokens().iter().any(|token| {
-        let stem = token.trim_end_matches(|c: char| c.is_ascii_digit());
-        words.contains(&stem) || words.contains(&token.as_str())
-    })
 }

@@ -1,16 +1,16 @@
 //! The fields of the messages that recipes know the numbers of, behind the header.
 
 use super::encode::Field;
-use super::motion::{Motion, Published};
+use super::motion::Published;
 use super::topic::{Topic, Twist};
 
 impl Topic {
     /// The fields of the `number`-th message of a type; `None` for types of which only the header is written.
     pub(super) fn fields(&self, message_type: &str, at_s: f64, number: u64) -> Option<Vec<Field<'_>>> {
-        let pose = self.motion().at(at_s, number);
+        let pose = self.motion.at(at_s, number, &self.name);
         let twist = self.twist.unwrap_or(Twist {
-            linear: self.velocity,
-            angular: [0.0, 0.0, self.yaw_rate_deg_s.to_radians()],
+            linear: self.motion.velocity,
+            angular: [0.0, 0.0, self.motion.yaw_rate_deg_s.to_radians()],
         });
         Some(match message_type {
             "nav_msgs/msg/Odometry" => {
@@ -69,22 +69,6 @@ impl Topic {
             matrix::<9>(self.covariance.as_deref()),
             Field::U8(kind),
         ]
-    }
-
-    fn motion(&self) -> Motion<'_> {
-        Motion {
-            xyz: self.xyz,
-            rpy_deg: self.rpy_deg,
-            quaternion: self.quaternion,
-            velocity: self.velocity,
-            yaw_rate_deg_s: self.yaw_rate_deg_s,
-            jumps: &self.jumps,
-            wobble_m: self.wobble_m,
-            wobble_hz: self.wobble_hz,
-            alternate: self.alternate,
-            noise_m: self.noise_m,
-            seed: &self.name,
-        }
     }
 }
 

@@ -15,7 +15,9 @@
 )]
 
 pub mod contents;
+pub mod damage;
 pub mod encode;
+pub mod foxglove;
 pub mod heard;
 pub mod motion;
 pub mod program;
@@ -31,6 +33,8 @@ pub mod topic;
 use std::path::{Path, PathBuf};
 
 use frames_lint::collect::{Collected, How, collect};
+use frames_lint::engine::{self, Options};
+use frames_lint::run::Run;
 use frames_lint::source::{ReadStatus, Source, SourceId, SourceKind};
 use frames_lint::world::FrameId;
 use frames_lint::world::bag::{BagEvidence, TfEdge};
@@ -46,6 +50,19 @@ pub fn write(recipe: &str, path: &Path) {
     std::fs::write(path, build(recipe)).expect("the MCAP is written");
 }
 
+/// Copies a platform's files to a folder, with its recipes built to recordings.
+pub fn copy_platform(platform: &Path, folder: &Path) {
+    for entry in std::fs::read_dir(platform).expect("the folder is readable") {
+        let path = entry.expect("the folder is readable").path();
+        let target = folder.join(path.file_name().unwrap());
+        if path.extension().is_some_and(|ending| ending == "recipe") {
+            write(&std::fs::read_to_string(&path).unwrap(), &target.with_extension("mcap"));
+        } else {
+            std::fs::copy(&path, &target).unwrap();
+        }
+    }
+}
+
 /// Collects a recording given as bytes.
 pub fn collected(bytes: &[u8]) -> (Source, Collected) {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -59,6 +76,15 @@ pub fn collected_from(path: &Path) -> (Source, Collected) {
     let mut source = Source::new(SourceId(0), path.display().to_string(), SourceKind::Mcap);
     let collected = collect(path, &How::default(), &mut source, &|_, _| {});
     (source, collected)
+}
+
+/// Judges what lies at a path, as the program does by default.
+pub fn checked(path: &Path) -> Run {
+    engine::check(&Options {
+        paths: vec![path.to_path_buf()],
+        ..Options::default()
+    })
+    .unwrap()
 }
 
 /// The evidence of a recipe's recording, which must be read wholly.

@@ -39,36 +39,46 @@ pub struct Alternate {
     pub yaw_deg: f64,
 }
 
-/// A motion.
-#[derive(Clone, Debug)]
-pub struct Motion<'a> {
-    /// Position at the start, metres.
+/// A motion: the knobs that topics and transforms of a recipe share.
+#[derive(Clone, Debug, Deserialize)]
+pub struct Motion {
+    /// Position of the child in the parent at the start, metres.
+    #[serde(default)]
     pub xyz: [f64; 3],
-    /// Roll, pitch, yaw at the start, degrees.
+    /// Roll, pitch, yaw about fixed axes at the start, degrees.
+    #[serde(default)]
     pub rpy_deg: [f64; 3],
     /// `x y z w` as published, in place of `rpy_deg`; only jumps turn it.
     pub quaternion: Option<[f64; 4]>,
-    /// Velocity in the child's axes turned by yaw alone, metres a second.
+    /// Velocity of the child in its own axes turned by yaw alone (a vehicle's), metres a second.
+    #[serde(default)]
     pub velocity: [f64; 3],
     /// Yaw rate, degrees a second.
+    #[serde(default)]
     pub yaw_rate_deg_s: f64,
     /// Jumps, in the order of time.
-    pub jumps: &'a [Jump],
+    #[serde(default)]
+    pub jumps: Vec<Jump>,
     /// Amplitude of a sinusoid along the parent's x, metres.
+    #[serde(default)]
     pub wobble_m: f64,
     /// Its frequency.
+    #[serde(default = "one_hz")]
     pub wobble_hz: f64,
     /// What every second message is displaced by.
     pub alternate: Option<Alternate>,
     /// Standard deviation of each coordinate, metres.
+    #[serde(default)]
     pub noise_m: f64,
-    /// Seeds the noise.
-    pub seed: &'a str,
 }
 
-impl Motion<'_> {
-    /// The pose that the `tick`-th message, at `at_s` seconds, publishes.
-    pub fn at(&self, at_s: f64, tick: u64) -> Published {
+fn one_hz() -> f64 {
+    1.0
+}
+
+impl Motion {
+    /// The pose that the `tick`-th message, at `at_s` seconds, publishes; `seed` is the noise's.
+    pub fn at(&self, at_s: f64, tick: u64, seed: &str) -> Published {
         let (mut position, mut turn) = self.smooth(at_s, self.jumps.len());
         if let Some(alternate) = self.alternate.filter(|_| tick % 2 == 1) {
             position = add(position, alternate.by);
@@ -79,7 +89,7 @@ impl Motion<'_> {
         }
         if self.noise_m != 0.0 {
             for (axis, coordinate) in (0..).zip(&mut position) {
-                *coordinate += self.noise_m * normal(self.seed, 3 * tick + axis);
+                *coordinate += self.noise_m * normal(seed, 3 * tick + axis);
             }
         }
         let [roll, pitch, yaw] = self.rpy_deg.map(f64::to_radians);

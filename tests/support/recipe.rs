@@ -55,6 +55,19 @@ use serde::Deserialize;
 use super::raw::{self, Layout};
 use super::topic::{Topic, active, nanoseconds};
 
+/// A drive of 1 + 300 + 600 messages.
+pub const DRIVE: &str = "
+duration_s: 6
+topics:
+  - {topic: /tf_static, transforms: [{parent: base_link, child: imu}]}
+  - topic: /tf
+    rate_hz: 50
+    transforms: [{parent: odom, child: base_link, velocity: [1, 0, 0], yaw_rate_deg_s: 5}]
+  - {topic: /imu, type: sensor_msgs/msg/Imu, rate_hz: 100, frame_id: imu}
+";
+/// Messages in it.
+pub const MESSAGES: u64 = 901;
+
 /// A recording.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]

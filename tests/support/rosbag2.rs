@@ -8,19 +8,6 @@ use rusqlite::{Connection, params};
 
 use super::raw::{Layout, RawChannel, in_memory};
 
-/// A drive of 1 + 300 + 600 messages.
-pub const DRIVE: &str = "
-duration_s: 6
-topics:
-  - {topic: /tf_static, transforms: [{parent: base_link, child: imu}]}
-  - topic: /tf
-    rate_hz: 50
-    transforms: [{parent: odom, child: base_link, velocity: [1, 0, 0], yaw_rate_deg_s: 5}]
-  - {topic: /imu, type: sensor_msgs/msg/Imu, rate_hz: 100, frame_id: imu}
-";
-/// Messages in it.
-pub const MESSAGES: u64 = 901;
-
 /// A topic of a drive.
 #[derive(Clone, Debug, Default)]
 pub struct Topic {
@@ -265,6 +252,21 @@ impl Yaml {
             mode: "",
             files: files.iter().map(|&file| file.to_owned()).collect(),
         }
+    }
+
+    /// The metadata of files of one kind.
+    pub fn of(paths: &[PathBuf]) -> Self {
+        let names: Vec<&str> = paths
+            .iter()
+            .map(|path| path.file_name().unwrap().to_str().unwrap())
+            .collect();
+        let storage = if names[0].contains(".db3") { "sqlite3" } else { "mcap" };
+        Self::new(storage, &names)
+    }
+
+    /// Writes it where the files lie.
+    pub fn write(&self, drive: &Drive, folder: &Path) {
+        fs::write(folder.join("metadata.yaml"), self.text(drive)).unwrap();
     }
 
     /// The text. From version 9 on QoS profiles are lists, before they are texts.

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use super::encode::{Body, Endian, Header, Transform as RawTransform};
-use super::motion::{Alternate, Jump, Motion, even};
+use super::motion::{Motion, even};
 use super::raw::RawChannel;
 use super::schemas;
 
@@ -73,25 +73,9 @@ pub struct Topic {
     #[serde(default)]
     pub big_endian: bool,
 
-    // Motion of a body: as in `Transform`.
-    #[serde(default)]
-    pub(super) xyz: [f64; 3],
-    #[serde(default)]
-    pub(super) rpy_deg: [f64; 3],
-    pub(super) quaternion: Option<[f64; 4]>,
-    #[serde(default)]
-    pub(super) velocity: [f64; 3],
-    #[serde(default)]
-    pub(super) yaw_rate_deg_s: f64,
-    #[serde(default)]
-    pub(super) jumps: Vec<Jump>,
-    #[serde(default)]
-    pub(super) wobble_m: f64,
-    #[serde(default = "default_scale")]
-    pub(super) wobble_hz: f64,
-    pub(super) alternate: Option<Alternate>,
-    #[serde(default)]
-    pub(super) noise_m: f64,
+    /// Where the body is that its messages tell of.
+    #[serde(flatten)]
+    pub(super) motion: Motion,
 
     // Numbers of messages, as published.
     pub(super) twist: Option<Twist>,
@@ -158,34 +142,9 @@ pub struct Transform {
     pub parent: String,
     /// `child_frame_id`.
     pub child: String,
-    /// Position of the child in the parent at the start, metres.
-    #[serde(default)]
-    pub xyz: [f64; 3],
-    /// Roll, pitch, yaw about fixed axes at the start, degrees.
-    #[serde(default)]
-    pub rpy_deg: [f64; 3],
-    /// `x y z w` as published, in place of `rpy_deg`. Such a transform does not turn.
-    pub quaternion: Option<[f64; 4]>,
-    /// Velocity of the child in its own axes turned by yaw alone (a vehicle's), metres a second.
-    #[serde(default)]
-    pub velocity: [f64; 3],
-    /// Yaw rate, degrees a second.
-    #[serde(default)]
-    pub yaw_rate_deg_s: f64,
-    /// Jumps, in the order of time.
-    #[serde(default)]
-    pub jumps: Vec<Jump>,
-    /// Amplitude of a sinusoid along the parent's x, metres.
-    #[serde(default)]
-    pub wobble_m: f64,
-    /// Its frequency.
-    #[serde(default = "default_scale")]
-    pub wobble_hz: f64,
-    /// What every second message is displaced by.
-    pub alternate: Option<Alternate>,
-    /// Standard deviation of each coordinate, metres.
-    #[serde(default)]
-    pub noise_m: f64,
+    /// Where the child is.
+    #[serde(flatten)]
+    pub motion: Motion,
     /// First second of activity.
     #[serde(default)]
     pub from_s: f64,
@@ -321,20 +280,7 @@ impl Topic {
 impl Transform {
     /// The transform of the `number`-th message.
     fn at(&self, at_s: f64, number: u64, stamp_ns: i64) -> RawTransform<'_> {
-        let motion = Motion {
-            xyz: self.xyz,
-            rpy_deg: self.rpy_deg,
-            quaternion: self.quaternion,
-            velocity: self.velocity,
-            yaw_rate_deg_s: self.yaw_rate_deg_s,
-            jumps: &self.jumps,
-            wobble_m: self.wobble_m,
-            wobble_hz: self.wobble_hz,
-            alternate: self.alternate,
-            noise_m: self.noise_m,
-            seed: &self.child,
-        };
-        let pose = motion.at(at_s, number);
+        let pose = self.motion.at(at_s, number, &self.child);
         RawTransform {
             header: Header {
                 stamp_ns,

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Judge, Need, Rule, names};
 use crate::source::{Place, ReadStatus, Source, SourceKind};
 use crate::verdict::{Finding, Measured};
 use crate::world::{Claim, ClaimKind, FileReference, FrameId, ReferenceState, World};
@@ -22,9 +22,7 @@ pub struct Limits {
 const CALIBRATION: &[&str] = &["calib", "calibration", "extrinsic", "extrinsics", "camchain", "imucam"];
 
 /// Tokens of a frame that say a sensor is mounted there.
-const SENSORS: &[&str] = &[
-    "lidar", "laser", "velodyne", "ouster", "os", "camera", "cam", "imu", "gnss", "gps", "radar",
-];
+const SENSORS: &[&[&str]] = &[names::LIDARS, names::CAMERAS, names::GNSS, &["os", "imu", "radar"]];
 
 impl Rule for CalibrationMissingDefault {
     const PAGE: &'static str = include_str!("../../../rules/auth/calibration-missing-default.md");
@@ -118,7 +116,9 @@ fn identity_mount<'w>(world: &'w World, limits: &Limits) -> Option<&'w Claim> {
         let is_mount = matches!(claim.kind, ClaimKind::Joint { fixed: true, .. });
         let is_sensor = claim.source_frame().is_some_and(|frame| {
             let tokens = frame.tokens();
-            tokens.iter().any(|token| SENSORS.contains(&token.as_str()))
+            tokens
+                .iter()
+                .any(|token| SENSORS.iter().any(|words| words.contains(&token.as_str())))
                 && !tokens.iter().any(|token| token == "optical")
         });
         let is_identity = claim.pose.is_some_and(|pose| {

@@ -46,12 +46,8 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
         out.pass(subject, measured);
         return;
     }
-    if let Some(first) = &pair.repeats {
-        out.not_evaluated(
-            subject,
-            NotEvaluated::NotApplicable,
-            format!("the same difference as {first}"),
-        );
+    if let Some(why) = &pair.repeats {
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         return;
     }
     if pair.alternatives {
@@ -85,10 +81,8 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
     );
     let [rotation, translation] = measured;
     let finding = Finding::new(severity, subject, message, pair.other.place.clone())
-        .confidence(pair.reading())
-        .label(format!("stated by {}", pair.other.who))
         .help(help)
         .measured(rotation)
         .measured(translation);
-    out.fail(pair.point_at_others(finding));
+    out.fail(pair.point_at_all(finding));
 }

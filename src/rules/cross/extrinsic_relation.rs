@@ -37,12 +37,8 @@ impl Rule for ExtrinsicRelation {
 
 fn judge_pair(world: &World, mut pair: Pair, limits: &Limits, out: &mut Judge) {
     let subject = pair.subject(world);
-    if let Some(first) = &pair.repeats {
-        out.not_evaluated(
-            subject,
-            NotEvaluated::NotApplicable,
-            format!("the same difference as {first}"),
-        );
+    if let Some(why) = &pair.repeats {
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         return;
     }
     let found = blame(&mut pair, limits.mount_m);
@@ -66,7 +62,7 @@ fn judge_pair(world: &World, mut pair: Pair, limits: &Limits, out: &mut Judge) {
         }
         (Some(relation), _) => {
             let finding = finding(&pair, subject, relation, &found, difference);
-            out.fail(pair.point_at_others(finding));
+            out.fail(pair.point_at_all(finding));
         }
     }
 }
@@ -106,8 +102,6 @@ fn finding(
     );
     let [rotation, translation] = difference;
     Finding::error(subject, message, pair.other.place.clone())
-        .confidence(pair.reading())
-        .label(format!("stated by {}", pair.other.who))
         .help(help)
         .relation(relation.word())
         .measured(rotation)

@@ -21,7 +21,7 @@ pub(super) fn fold(world: &World, pair: &mut Pair, earlier: &mut [Pair]) {
                 || same(&told.reference, &pair.other) && same(&told.other, &pair.reference))
     });
     let Some(told) = told else { return };
-    pair.repeats = Some(told.subject(world));
+    pair.repeats = Some(format!("the same difference as {}", told.subject(world)));
     let turned = told.reference.target != pair.reference.target;
     for statement in [&pair.reference, &pair.other] {
         let with_other = is_same(&told.other, statement, turned);

@@ -2,6 +2,7 @@
 //!
 //! Owns which sources may be compared with which. Alternatives are not disagreements: two URDF files, or the same key
 //! in the files of two devices, state different robots, so only a recording's own description is held against a file.
+//! Rules that judge one source alone take what others say from [`crate::rules::pairs`].
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -59,7 +60,7 @@ pub(super) struct Pair {
     pub(super) other: Statement,
     /// Whether the two stand under the same key of sibling files: perhaps alternatives, not a disagreement.
     pub(super) alternatives: bool,
-    /// The subject of an earlier pair of the same two transforms: other sources repeat what these say.
+    /// Why it says nothing new, where an earlier pair is of the same two transforms: other sources repeat what these say.
     pub(super) repeats: Option<String>,
     /// Statements that agree with the first of the two (`false`) or with the second (`true`).
     pub(super) seconded_by: Vec<(bool, Place, String)>,
@@ -78,7 +79,7 @@ impl Pair {
     }
 
     /// How sure the reading of both is.
-    pub(super) fn reading(&self) -> Confidence {
+    fn reading(&self) -> Confidence {
         self.reference.reading.min(self.other.reading)
     }
 
@@ -90,10 +91,14 @@ impl Pair {
         }
     }
 
-    /// Points at the reference, and at the other sources that take one side or the other.
-    pub(super) fn point_at_others(&self, mut finding: Finding) -> Finding {
-        let stated = format!("stated by {}", self.reference.who);
-        finding = finding.related(self.reference.place.clone(), stated);
+    /// Says of a finding at the other statement who states it and how sure the reading is, and points at the reference
+    /// and at the other sources that take one side or the other.
+    pub(super) fn point_at_all(&self, finding: Finding) -> Finding {
+        let stated = |by: &Statement| format!("stated by {}", by.who);
+        let mut finding = finding
+            .confidence(self.reading())
+            .label(stated(&self.other))
+            .related(self.reference.place.clone(), stated(&self.reference));
         for (with_other, place, who) in &self.seconded_by {
             let side = if *with_other { &self.other } else { &self.reference };
             finding = finding.related(place.clone(), format!("{who} agrees with {}", side.who));
@@ -208,14 +213,13 @@ fn is_letter(frame: &FrameId) -> bool {
 
 fn statements(world: &World) -> Vec<Statement> {
     let files = world.claims.iter().filter_map(|claim| from_claim(world, claim));
-    let tf = world.bags.iter().flat_map(|bag| &bag.tf).filter_map(|edge| {
+    let edges = world
+        .bags
+        .iter()
+        .flat_map(|bag| bag.tf.iter().map(move |edge| (bag.source, edge)));
+    let tf = edges.filter_map(|(source, edge)| {
         let constant = edge.is_static || (edge.count >= 10 && edge.extreme.as_ref().is_none_or(is_tiny));
         let first = edge.first().filter(|_| constant)?;
-        let source = world
-            .bags
-            .iter()
-            .find(|bag| bag.tf.iter().any(|e| std::ptr::eq(e, edge)))?
-            .source;
         Some(Statement {
             target: edge.parent.canonical(),
             source_frame: edge.child.canonical(),

@@ -7,9 +7,9 @@ use std::collections::BTreeMap;
 use nalgebra::Vector3;
 
 use crate::math::constants::AxisTurn;
-use crate::rules::pairs::has_word;
+use crate::rules::names::{self, has_word};
+use crate::rules::places;
 use crate::rules::suffix::off_deg;
-use crate::rules::{names, places};
 use crate::source::{MessageRef, Place};
 use crate::world::{BagEvidence, FrameId, World};
 

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use crate::rules::pairs::has_word;
+use crate::rules::names::has_word;
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};

@@ -2,29 +2,18 @@
 
 use nalgebra::Isometry3;
 
-use crate::rules::pairs::has_word;
+use crate::rules::names::{self, has_word, has_word_of};
 use crate::source::Place;
 use crate::world::{ClaimKind, FrameId, World};
 
-/// Words for kinds of sensor; the words of one row name one kind.
-const KINDS: &[&[&str]] = &[
-    &[
-        "lidar",
-        "laser",
-        "velodyne",
-        "ouster",
-        "hesai",
-        "livox",
-        "rslidar",
-        "robosense",
-        "scan",
-        "os",
-    ],
-    &["camera", "cam", "fisheye"],
-    &["imu", "ins"],
-    &["gps", "gnss", "antenna"],
-    &["radar"],
-    &["sonar", "ultrasonic"],
+/// Words for kinds of sensor; the lists of one row name one kind.
+const KINDS: &[&[&[&str]]] = &[
+    &[names::LIDARS, names::LIDAR_MAKERS, &["scan", "os"]],
+    &[names::CAMERAS, &["fisheye"]],
+    &[&["imu", "ins"]],
+    &[names::GNSS, &["antenna"]],
+    &[&["radar"]],
+    &[&["sonar", "ultrasonic"]],
 ];
 
 /// Words for frames that belong to a sensor or to its housing: what hangs on them may well coincide with them.
@@ -179,5 +168,5 @@ fn is_of_one_device(parent: &FrameId, sensor: &FrameId) -> bool {
 
 /// The kind of sensor that a frame is named after.
 fn kind(frame: &FrameId) -> Option<usize> {
-    KINDS.iter().position(|words| has_word(frame, words))
+    KINDS.iter().position(|words| has_word_of(frame, words))
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::rules::literal::cover;
-use crate::rules::pairs::has_word;
+use crate::rules::names::has_word;
 use crate::source::{Place, SourceId};
 use crate::world::{ClaimKind, FrameId, Literal, World};
 
