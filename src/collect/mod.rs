@@ -149,7 +149,7 @@ impl Visit for Collector {
         };
         let point = topic.next_point(message);
         topic.written_by(told.writer);
-        let Content { header, body } = match told.decoder.decode(message.data) {
+        let Content { header, body, .. } = match told.decoder.decode(message.data) {
             Ok(content) => content,
             Err(error) => return topic.malformed(point, error),
         };
@@ -174,7 +174,8 @@ impl Visit for Collector {
             Body::Twist(twist) => topic.contents.twist(point, &twist),
             Body::Frames(names) => topic.named(point, &names),
             Body::Description(text) => self.descriptions.push(point, &topic.name, &text),
-            Body::Nothing | Body::Clock(_) => {}
+            Body::Nothing | Body::Clock(_) | Body::Orientation(_) | Body::Vector(_) | Body::Path(_) | Body::Nmea(_) => {
+            }
         }
     }
 

@@ -1,9 +1,10 @@
 //! The standard types that are read by their published layout, field by field.
 //!
 //! Owns the order of their fields. Sources: geometry_msgs, nav_msgs, sensor_msgs (common_interfaces, common_msgs),
-//! rosgraph_msgs (rcl_interfaces, ros_comm_msgs); the order is the same in ROS 1 and ROS 2.
+//! geographic_msgs (geographic_info), gps_msgs and gps_common (gps_umd); the order is the same in ROS 1 and ROS 2.
 
-use super::content::{Body, Fix, Imu, Odometry, Pose, Twist};
+use super::content::{Body, Fix, Imu, MAX_PATH, Odometry, Pose, Twist};
+use super::header::Header;
 use super::{Cursor, DecodeError};
 
 /// Reads the rest of an `nav_msgs/Odometry` behind its header.
@@ -41,7 +42,79 @@ pub(super) fn fix<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> 
         longitude: cursor.f64()?,
         altitude: cursor.f64()?,
         covariance: cursor.f64s()?,
+        velocity: None,
     }))
+}
+
+/// Reads the rest of a `gps_msgs/GPSFix` or `gps_common/GPSFix` behind its header.
+pub(super) fn gps_fix<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
+    let status = gps_status(cursor)?;
+    let [latitude, longitude, altitude, track, speed, climb] = cursor.f64s()?;
+    // Attitude, time, dilutions of precision and errors.
+    cursor.skip_numbers(8, 20)?;
+    let (sin, cos) = track.to_radians().sin_cos();
+    let velocity = [speed * sin, speed * cos, climb];
+    let is_known = status >= 0 && velocity.iter().all(|part| part.is_finite());
+    Ok(Body::Fix(Fix {
+        status,
+        latitude,
+        longitude,
+        altitude,
+        covariance: cursor.f64s()?,
+        velocity: is_known.then_some(velocity),
+    }))
+}
+
+/// Reads a `GPSStatus`; gives its status.
+fn gps_status(cursor: &mut Cursor<'_>) -> Result<i8, DecodeError> {
+    let _own = Header::read(cursor)?;
+    let numbers = |cursor: &mut Cursor<'_>| {
+        let count = cursor.u32()?;
+        cursor.skip_numbers(4, usize::try_from(count).unwrap_or(usize::MAX))
+    };
+    let _used = cursor.u16()?;
+    numbers(cursor)?;
+    let _visible = cursor.u16()?;
+    for _ in 0..4 {
+        numbers(cursor)?;
+    }
+    let status = cursor.u16()?.cast_signed();
+    cursor.skip_numbers(2, 3)?;
+    Ok(i8::try_from(status).unwrap_or(if status < 0 { i8::MIN } else { i8::MAX }))
+}
+
+/// Reads a `geographic_msgs/GeoPoint`.
+pub(super) fn geo_point<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
+    let [latitude, longitude, altitude] = cursor.f64s()?;
+    Ok(Body::Fix(Fix {
+        status: 0,
+        latitude,
+        longitude,
+        altitude,
+        covariance: [0.0; 9],
+        velocity: None,
+    }))
+}
+
+/// Reads the rest of a `nav_msgs/Path` behind its header. Nothing is set aside for the number that a message claims.
+pub(super) fn path<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
+    let count = cursor.sequence()?;
+    let every = count.div_ceil(MAX_PATH).max(1);
+    let mut poses = Vec::new();
+    for number in 0..count {
+        let header = Header::read(cursor)?;
+        if number % every != 0 {
+            cursor.skip_numbers(8, 7)?;
+            continue;
+        }
+        let pose = Pose {
+            position: cursor.f64s()?,
+            orientation: cursor.f64s()?,
+            covariance: None,
+        };
+        poses.push((header.stamp_ns, pose));
+    }
+    Ok(Body::Path(poses))
 }
 
 /// Reads the rest of a `geometry_msgs/PoseStamped`, or of the type with covariance, behind its header.

@@ -1,9 +1,13 @@
 //! What a message says that matters to frames, whatever it was encoded in.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use super::header::Header;
 use super::tf::Transform;
+
+/// Bound on the poses that are kept of a path: of a longer one every second, third, ... one, the first always.
+pub const MAX_PATH: u32 = 10_000;
 
 /// A message, read as far as frames are concerned.
 #[derive(Clone, Debug, PartialEq)]
@@ -12,6 +16,32 @@ pub struct Content<'m> {
     pub header: Option<Header<'m>>,
     /// What it says beyond the header.
     pub body: Body<'m>,
+    /// What stands inside a type that is not a standard one, and says what a standard type would.
+    pub members: Vec<Member<'m>>,
+}
+
+impl<'m> Content<'m> {
+    /// A message without members.
+    pub fn new(header: Option<Header<'m>>, body: Body<'m>) -> Self {
+        Self {
+            header,
+            body,
+            members: Vec::new(),
+        }
+    }
+}
+
+/// A part of a message that says what a message of a standard type would.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Member<'m> {
+    /// The field it stands in (`imu`, `sensors.imu`), or the fields it is made of (`lat, lon, alt`).
+    pub field: Arc<str>,
+    /// Its own header; what that leaves empty, stamp or frame, is the message's.
+    pub header: Option<Header<'m>>,
+    /// What it says.
+    pub body: Body<'m>,
+    /// Whether only the names of plain fields say what this is, not a type.
+    pub guessed: bool,
 }
 
 /// What a message says beyond its header.
@@ -29,8 +59,16 @@ pub enum Body<'m> {
     Imu(Box<Imu>),
     /// A satellite fix.
     Fix(Fix),
+    /// A sentence of NMEA 0183.
+    Nmea(Box<Nmea>),
     /// A pose.
     Pose(Box<Pose>),
+    /// Poses with their stamps in nanoseconds, in order; see [`MAX_PATH`].
+    Path(Vec<(i64, Pose)>),
+    /// An orientation, `[x, y, z, w]`, not normalised: `geometry_msgs/QuaternionStamped`.
+    Orientation([f64; 4]),
+    /// A vector, `geometry_msgs/Vector3Stamped`: what it measures is not said, but may be guessed from the topic.
+    Vector([f64; 3]),
     /// A velocity with its covariance.
     Twist(Box<Twist>),
     /// The text of a robot description.
@@ -77,19 +115,70 @@ pub struct Imu {
     pub linear_acceleration_covariance: [f64; 9],
 }
 
-/// `sensor_msgs/msg/NavSatFix` or `foxglove.LocationFix`, numbers as published.
+/// `sensor_msgs/msg/NavSatFix`, `gps_msgs/msg/GPSFix`, `geographic_msgs/msg/GeoPointStamped` or `foxglove.LocationFix`,
+/// numbers as published.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fix {
-    /// `NavSatStatus.status`: -1 no fix, 0 fix, 1 SBAS, 2 GBAS; 0 where the type has no such field.
+    /// `NavSatStatus.status`: -1 no fix, 0 fix, 1 SBAS, 2 GBAS; `GPSStatus.status` knows besides 18 DGPS, 19 RTK, 20 RTK
+    /// float, 33 WAAS. 0 where the type has no such field.
     pub status: i8,
     /// Degrees.
     pub latitude: f64,
     /// Degrees.
     pub longitude: f64,
-    /// Metres.
+    /// Metres; NaN where the message has no such field.
     pub altitude: f64,
-    /// Row-major 3x3, m², east north up.
+    /// Row-major 3x3, m², east north up; zeros, which mean that it is unknown, where the type has none.
     pub covariance: [f64; 9],
+    /// East, north and up, m/s: from `GPSFix`, where it has a fix and all three are finite.
+    pub velocity: Option<[f64; 3]>,
+}
+
+/// A sentence of NMEA 0183 with its numbers as sent, units apart; what it leaves empty, or does not tell, is `None`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Nmea {
+    /// Which sentence.
+    pub sentence: Sentence,
+    /// UTC, seconds of the day.
+    pub time_s: Option<f64>,
+    /// Latitude and longitude, degrees, north and east positive.
+    pub position: Option<[f64; 2]>,
+    /// Altitude above mean sea level, metres.
+    pub altitude_m: Option<f64>,
+    /// Height of mean sea level above the WGS 84 ellipsoid, metres.
+    pub geoid_separation_m: Option<f64>,
+    /// As GGA counts: 0 no fix, 1 GNSS, 2 differential, 3 precise, 4 RTK, 5 RTK float, 6 dead reckoning, 7 typed in,
+    /// 8 simulated. The letters of other sentences are told by these numbers.
+    pub quality: Option<u8>,
+    /// Speed over ground, m/s.
+    pub speed_m_s: Option<f64>,
+    /// Course over ground, degrees clockwise from true north.
+    pub course_deg: Option<f64>,
+    /// Degrees clockwise from true north.
+    pub true_heading_deg: Option<f64>,
+    /// Degrees clockwise from magnetic north; of HDG with the deviation of the compass taken in.
+    pub magnetic_heading_deg: Option<f64>,
+    /// Magnetic north as seen from true north, degrees, east positive.
+    pub variation_deg: Option<f64>,
+}
+
+/// The sentences of NMEA 0183 that are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sentence {
+    /// Fix with altitude.
+    Gga,
+    /// Fix of several satellite systems.
+    Gns,
+    /// Recommended minimum: position, speed and course.
+    Rmc,
+    /// Course and speed.
+    Vtg,
+    /// True heading.
+    Hdt,
+    /// Magnetic heading with deviation and variation.
+    Hdg,
+    /// Magnetic heading.
+    Hdm,
 }
 
 /// `geometry_msgs/msg/PoseStamped` or `PoseWithCovarianceStamped`, numbers as published.

@@ -151,6 +151,11 @@ impl<'a> Cursor<'a> {
         })
     }
 
+    /// `f32`.
+    pub fn f32(&mut self) -> Result<f32, DecodeError> {
+        Ok(f32::from_bits(self.u32()?))
+    }
+
     /// `N` numbers in a row.
     pub fn f64s<const N: usize>(&mut self) -> Result<[f64; N], DecodeError> {
         let mut values = [0.0; N];
@@ -186,13 +191,21 @@ impl<'a> Cursor<'a> {
     /// A string: its length, then its bytes. In CDR the length counts a closing NUL; writers that leave it out, or give
     /// an empty string the length 0, are understood too.
     pub fn str(&mut self) -> Result<&'a str, DecodeError> {
+        self.str_at().map(|(_, text)| text)
+    }
+
+    /// A string with the position of its first byte.
+    pub fn str_at(&mut self) -> Result<(usize, &'a str), DecodeError> {
         let start = self.position();
         let bytes = self.bytes()?;
+        let first = self.position() - bytes.len();
         let text = match self.wire {
             Wire::Cdr => bytes.strip_suffix(&[0]).unwrap_or(bytes),
             Wire::Ros1 => bytes,
         };
-        std::str::from_utf8(text).map_err(|_| DecodeError(format!("the string at byte {start} is not UTF-8")))
+        let text = std::str::from_utf8(text);
+        let text = text.map_err(|_| DecodeError(format!("the string at byte {start} is not UTF-8")))?;
+        Ok((first, text))
     }
 
     /// A frame name: a string of at most [`MAX_NAME`] bytes.

@@ -2,14 +2,14 @@
 //!
 //! Owns the choice by type, definition and encoding. Must not know recordings.
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use super::content::{Body, Content};
 use super::definition::{Carried, Definitions, Layout, Schema, plain_name};
 use super::header::Header;
-use super::walk::Route;
-use super::{Cursor, DecodeError, Wire, bodies, foxglove, tf};
+use super::route::Route;
+use super::standard::{Standard, TopicWord};
+use super::{DecodeError, Wire, foxglove};
 
 /// What is known of the messages of a channel before the first one.
 #[derive(Clone, Copy, Debug)]
@@ -27,15 +27,11 @@ pub struct Format<'a> {
 }
 
 impl Format<'_> {
-    /// The last part of the topic, by which some types are read; empty where it decides nothing.
-    pub fn topic_word(&self) -> &str {
-        let last = self.topic.rsplit('/').next().unwrap_or(self.topic);
-        if last == DESCRIPTION { last } else { "" }
+    /// What the topic decides about how its messages are read.
+    pub(super) fn topic_word(&self) -> Option<TopicWord> {
+        TopicWord::of(self.topic)
     }
 }
-
-/// The topics on which a text is a robot description, wherever they stand.
-const DESCRIPTION: &str = "robot_description";
 
 /// Reads the messages of one channel.
 #[derive(Clone, Debug)]
@@ -60,20 +56,6 @@ enum Way {
     },
 }
 
-/// The types whose content is read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Standard {
-    Tf,
-    Transform,
-    Odometry,
-    Imu,
-    Fix,
-    Pose { covariance: bool },
-    Twist { covariance: bool },
-    Description,
-    Clock,
-}
-
 impl Decoder {
     /// Decides how the messages of a channel are read: the standard types by their published layout, where the
     /// recording's definition does not say otherwise; any other by its definition, for its header. The definition is
@@ -93,7 +75,7 @@ impl Decoder {
             Carried::Nothing | Carried::Unread(_) => None,
         };
         let schema = Schema::link(&name, types, definitions);
-        if let Some(standard) = Standard::of(&name, format) {
+        if let Some(standard) = Standard::of(&name, format.topic_word()) {
             let is_defined = types.is_some() || definitions.adds(&name);
             let differs = |schema: &Schema| {
                 Schema::published(&name).is_some_and(|published| schema.layout(&published, wire) == Layout::Different)
@@ -174,23 +156,20 @@ impl Decoder {
     pub fn decode<'m>(&self, message: &'m [u8]) -> Result<Content<'m>, DecodeError> {
         match &self.way {
             Way::Standard(wire, standard) => standard.read(wire.open(message)?),
-            Way::Header(wire) => Ok(Content {
-                header: Some(Header::read(&mut wire.open(message)?)?),
-                body: Body::Nothing,
-            }),
+            Way::Header(wire) => {
+                let header = Header::read(&mut wire.open(message)?)?;
+                Ok(Content::new(Some(header), Body::Nothing))
+            }
             Way::Foxglove(reader) => reader.decode(message),
             Way::Route(wire, route) => route.read(wire.open(message)?),
-            Way::Nothing | Way::Unread { .. } => Ok(Content {
-                header: None,
-                body: Body::Nothing,
-            }),
+            Way::Nothing | Way::Unread { .. } => Ok(Content::new(None, Body::Nothing)),
         }
     }
 }
 
 impl Way {
     fn by_definition(wire: Wire, schema: Schema) -> Self {
-        match Route::of(schema) {
+        match Route::of(schema, wire) {
             Ok(None) => Self::Nothing,
             Ok(Some(route)) if route.is_header_alone(wire) => Self::Header(wire),
             Ok(Some(route)) => Self::Route(wire, Arc::new(route)),
@@ -203,59 +182,6 @@ impl Way {
             why,
             lacks_definition: false,
         }
-    }
-}
-
-impl Standard {
-    /// The type `name` (`package/Type`), if its content is read on this topic.
-    fn of(name: &str, format: &Format<'_>) -> Option<Self> {
-        Some(match name {
-            "tf2_msgs/TFMessage" | "tf/tfMessage" => Self::Tf,
-            "geometry_msgs/TransformStamped" => Self::Transform,
-            "nav_msgs/Odometry" => Self::Odometry,
-            "sensor_msgs/Imu" => Self::Imu,
-            "sensor_msgs/NavSatFix" => Self::Fix,
-            "geometry_msgs/PoseStamped" => Self::Pose { covariance: false },
-            "geometry_msgs/PoseWithCovarianceStamped" => Self::Pose { covariance: true },
-            "geometry_msgs/TwistStamped" => Self::Twist { covariance: false },
-            "geometry_msgs/TwistWithCovarianceStamped" => Self::Twist { covariance: true },
-            "rosgraph_msgs/Clock" => Self::Clock,
-            "std_msgs/String" if format.topic_word() == DESCRIPTION => Self::Description,
-            _ => return None,
-        })
-    }
-
-    fn read(self, mut cursor: Cursor<'_>) -> Result<Content<'_>, DecodeError> {
-        let headless = |body| Ok(Content { header: None, body });
-        match self {
-            Self::Tf => {
-                return headless(Body::Transforms(tf::transforms(cursor)?.collect::<Result<_, _>>()?));
-            }
-            Self::Transform => {
-                let transform = tf::read(&mut cursor)?;
-                let header = Header {
-                    stamp_ns: transform.stamp_ns,
-                    frame_id: transform.parent.clone(),
-                };
-                return Ok(Content {
-                    header: Some(header),
-                    body: Body::Transforms(vec![transform]),
-                });
-            }
-            Self::Description => return headless(Body::Description(Cow::Borrowed(cursor.str()?))),
-            Self::Clock => return headless(Body::Clock(cursor.time()?)),
-            _ => {}
-        }
-        let header = Some(Header::read(&mut cursor)?);
-        let body = match self {
-            Self::Odometry => bodies::odometry(&mut cursor)?,
-            Self::Imu => bodies::imu(&mut cursor)?,
-            Self::Fix => bodies::fix(&mut cursor)?,
-            Self::Pose { covariance } => bodies::pose(&mut cursor, covariance)?,
-            Self::Twist { covariance } => bodies::twist(&mut cursor, covariance)?,
-            Self::Tf | Self::Transform | Self::Description | Self::Clock => Body::Nothing,
-        };
-        Ok(Content { header, body })
     }
 }
 

@@ -7,6 +7,7 @@ use std::sync::Arc;
 
 use super::decoder::{Decoder, Format};
 use super::definition::Definitions;
+use super::standard::TopicWord;
 
 /// Bound on the fields that all decoders of a recording keep, each some hundred bytes. A decoder keeps only what stands
 /// before the header, which is nothing for nearly all types.
@@ -30,8 +31,7 @@ struct Key {
     schema_encoding: String,
     message_type: String,
     message_encoding: String,
-    /// The last part of the topic: some types are read on certain topics only.
-    topic: String,
+    topic: Option<TopicWord>,
 }
 
 impl Decoders {
@@ -50,7 +50,7 @@ impl Decoders {
             schema_encoding: format.schema_encoding.to_owned(),
             message_type: format.message_type.to_owned(),
             message_encoding: format.message_encoding.to_owned(),
-            topic: format.topic_word().to_owned(),
+            topic: format.topic_word(),
         };
         if let Some((_, decoder)) = self.made.get(&key) {
             return decoder.clone();

@@ -9,11 +9,15 @@ pub mod decoder;
 pub mod decoders;
 pub mod definition;
 pub mod foxglove;
+mod guess;
 pub mod header;
+mod nmea;
+mod route;
+mod standard;
 #[cfg(test)]
 mod tests;
 pub mod tf;
-pub mod walk;
+mod walk;
 
 use std::fmt;
 

@@ -18,8 +18,19 @@ impl Schema {
     /// Compares a type with the published one, field by field: names, forms and how often. At the end of the message
     /// itself there may be more fields; inside of it, a type has exactly the published ones.
     pub fn layout(&self, published: &Self, wire: Wire) -> Layout {
-        let mut to_compare = vec![(0, 0)];
-        let mut seen = BTreeSet::from([(0, 0)]);
+        self.layout_of(0, published, wire)
+    }
+
+    /// Whether the type at a place inside the message is exactly the published one of its name.
+    pub fn is_published(&self, place: usize, wire: Wire) -> bool {
+        let named = self.types.get(place).filter(|_| place > 0);
+        let published = named.and_then(|one| Self::published(&one.name));
+        published.is_some_and(|published| self.layout_of(place, &published, wire) == Layout::Published)
+    }
+
+    fn layout_of(&self, place: usize, published: &Self, wire: Wire) -> Layout {
+        let mut to_compare = vec![(place, 0)];
+        let mut seen = BTreeSet::from([(place, 0)]);
         while let Some(pair) = to_compare.pop() {
             let (Some(ours), Some(theirs)) = (self.types.get(pair.0), published.types.get(pair.1)) else {
                 return Layout::Different;

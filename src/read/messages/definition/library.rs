@@ -79,6 +79,11 @@ impl Definitions {
         self.added.types.contains_key(name)
     }
 
+    /// Whether a standard package defines a type (`package/Type`).
+    pub fn is_standard(name: &str) -> bool {
+        builtin().types.contains_key(name)
+    }
+
     /// Where types are looked up, in this order.
     pub(super) fn bundles(&self) -> impl Iterator<Item = &Bundle> + use<'_> {
         [&self.added, builtin()].into_iter()

@@ -41,8 +41,7 @@ pub(super) fn decode(kind: Kind, message: &[u8]) -> Result<Content<'_>, DecodeEr
         Kind::Transform => 1,
         Kind::Transforms => cdr.u32()?,
         _ => {
-            let (header, body) = (Some(Header::read(&mut cdr)?), Body::Nothing);
-            return Ok(Content { header, body });
+            return Ok(Content::new(Some(Header::read(&mut cdr)?), Body::Nothing));
         }
     };
     // Nothing is set aside for the number that a message claims.
@@ -58,8 +57,5 @@ pub(super) fn decode(kind: Kind, message: &[u8]) -> Result<Content<'_>, DecodeEr
             rotation: cdr.f64s()?,
         });
     }
-    Ok(Content {
-        header: None,
-        body: Body::Transforms(transforms),
-    })
+    Ok(Content::new(None, Body::Transforms(transforms)))
 }

@@ -13,10 +13,7 @@ use crate::read::messages::{DecodeError, MAX_NAME};
 
 /// The content of a message of a kind.
 pub(super) fn of(kind: Kind, value: Value<'_>) -> Result<Content<'_>, DecodeError> {
-    let nothing = |header| Content {
-        header,
-        body: Body::Nothing,
-    };
+    let nothing = |header| Content::new(header, Body::Nothing);
     let mut object = match value {
         Value::Object(object) => object,
         _ if kind == Kind::Unknown => return Ok(nothing(None)),
@@ -24,35 +21,25 @@ pub(super) fn of(kind: Kind, value: Value<'_>) -> Result<Content<'_>, DecodeErro
     };
     let object = &mut object;
     Ok(match kind {
-        Kind::Transform => Content {
-            header: None,
-            body: Body::Transforms(vec![transform(object)?]),
-        },
-        Kind::Transforms => Content {
-            header: None,
-            body: Body::Transforms(
-                elements(object, "transforms")?
-                    .map(|element| transform(&mut element?))
-                    .collect::<Result<_, _>>()?,
-            ),
-        },
+        Kind::Transform => Content::new(None, Body::Transforms(vec![transform(object)?])),
+        Kind::Transforms => {
+            let transforms = elements(object, "transforms")?.map(|element| transform(&mut element?));
+            Content::new(None, Body::Transforms(transforms.collect::<Result<_, _>>()?))
+        }
         Kind::Fix => located(object)?,
         Kind::Fixes => match elements(object, "fixes")?.next() {
             Some(first) => located(&mut first?)?,
             None => nothing(None),
         },
-        Kind::Pose => Content {
-            header: None,
-            body: Body::Pose(Box::new(pose(object)?)),
-        },
-        Kind::PoseInFrame => Content {
-            header: header(object)?,
-            body: Body::Pose(Box::new(pose(&mut nested(object, "pose")?)?)),
-        },
-        Kind::Odometry => Content {
-            header: header(object)?,
-            body: Body::Odometry(Box::new(odometry(object)?)),
-        },
+        Kind::Pose => Content::new(None, Body::Pose(Box::new(pose(object)?))),
+        Kind::PoseInFrame => {
+            let body = Body::Pose(Box::new(pose(&mut nested(object, "pose")?)?));
+            Content::new(header(object)?, body)
+        }
+        Kind::Odometry => {
+            let body = Body::Odometry(Box::new(odometry(object)?));
+            Content::new(header(object)?, body)
+        }
         Kind::Scene => scene(object)?,
         Kind::Header => nothing(header(object)?),
         Kind::Unknown => nothing(header(object).ok().flatten()),
@@ -107,11 +94,9 @@ fn located<'m>(object: &mut Object<'m>) -> Result<Content<'m>, DecodeError> {
         longitude: number(object, "longitude")?,
         altitude: number(object, "altitude")?,
         covariance: matrix(object, "position_covariance")?,
+        velocity: None,
     };
-    Ok(Content {
-        header: header(object)?,
-        body: Body::Fix(fix),
-    })
+    Ok(Content::new(header(object)?, Body::Fix(fix)))
 }
 
 fn odometry<'m>(object: &mut Object<'m>) -> Result<Odometry<'m>, DecodeError> {
@@ -148,7 +133,7 @@ fn scene<'m>(object: &mut Object<'m>) -> Result<Content<'m>, DecodeError> {
     } else {
         Body::Frames(others.into_iter().collect())
     };
-    Ok(Content { header: first, body })
+    Ok(Content::new(first, body))
 }
 
 fn pose(object: &mut Object<'_>) -> Result<Pose, DecodeError> {

@@ -3,8 +3,8 @@
 use super::{FORMS, Form, Piece, STAMP_NS, decoder, floats, header, schema};
 use crate::read::messages::content::{Body, Content, Fix, Imu, Odometry, Pose, Twist};
 use crate::read::messages::definition::Schema;
+use crate::read::messages::route::Route;
 use crate::read::messages::tf::Transform;
-use crate::read::messages::walk::Route;
 use crate::read::messages::{Wire, definition};
 
 fn row<const N: usize>(from: u32) -> [f64; N] {
@@ -125,6 +125,7 @@ fn measurements() -> Vec<Known> {
                 longitude: 1.5,
                 altitude: 2.5,
                 covariance: row(3),
+                velocity: None,
             }),
         ),
         (
@@ -164,7 +165,7 @@ fn every_standard_type_is_read_whole_under_each_spelling() {
             for spelling in [name, &long] {
                 let decoder = decoder(topic, spelling, form, "");
                 assert_eq!((decoder.unread(), decoder.note()), (None, None), "{spelling} {form:?}");
-                let Content { header, body: read } = decoder.decode(&message).unwrap();
+                let Content { header, body: read, .. } = decoder.decode(&message).unwrap();
                 assert_eq!(read, body, "{spelling} {form:?}");
                 let header = header.map(|header| (header.stamp_ns, header.frame_id.into_owned()));
                 let expected = has_header.then(|| (STAMP_NS, "map".to_owned()));
@@ -184,7 +185,7 @@ fn every_standard_type_is_read_whole_under_each_spelling() {
 #[test]
 fn the_walk_by_definition_finds_what_the_readers_find() {
     for (topic, name, pieces, _) in all() {
-        let Some(route) = Route::of(Schema::published(name).unwrap()).unwrap() else {
+        let Some(route) = Route::of(Schema::published(name).unwrap(), Wire::Cdr).unwrap() else {
             continue;
         };
         // The standard packages are described as ROS 2 has them, without the sequence number of ROS 1.

@@ -173,7 +173,7 @@ fn only_a_header_of_the_message_itself_counts() {
     for own in [
         "std_msgs/Header[] headers\n",
         "std_msgs/Header[2] headers\n",
-        "geometry_msgs/PoseStamped pose\n",
+        "geometry_msgs/PointStamped point\n",
         "# std_msgs/Header header\nuint8 x\n",
         "uint8 A=1\n",
     ] {

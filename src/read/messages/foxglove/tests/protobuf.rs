@@ -126,6 +126,7 @@ fn fixes_are_read_with_covariances_packed_or_not() {
         longitude: 11.5,
         altitude: 520.0,
         covariance,
+        velocity: None,
     };
     let reader = reader("foxglove.LocationFix");
     let bytes = fix.encode_to_vec();

@@ -1,0 +1,316 @@
+//! The way through the messages of a type that is not known: to its header, its child frame, and what stands in it that
+//! is known.
+//!
+//! Owns what is wanted of such a type. Standard types count at most one type deep inside the message; inside of types
+//! that the standard packages publish, nothing is looked for: what those mean, their packages say.
+
+use std::sync::Arc;
+
+use super::content::{Body, Content, Member};
+use super::definition::{Count, Definitions, Field, Kind, Schema, Struct};
+use super::guess::{self, Guess, Slot};
+use super::header::Header;
+use super::standard::Standard;
+use super::walk::Walk;
+use super::{Cursor, DecodeError, Wire};
+
+/// Bound on the members of a message; real drivers have some five.
+const MAX_MEMBERS: usize = 32;
+/// Bound on the fields of a type that is looked into.
+const MAX_INNER_FIELDS: usize = 1000;
+
+/// What is done with the fields of a message, one after the other, up to the last one that is wanted.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Route {
+    schema: Schema,
+    items: Vec<Item>,
+    guesses: Vec<Guess>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+enum Item {
+    Pass(Field),
+    /// The message's own header.
+    Header {
+        has_seq: bool,
+    },
+    /// The message's own child frame.
+    Child,
+    /// A member of a standard type.
+    Member(Arc<str>, Standard),
+    /// A field of one of the guesses.
+    Plain(usize, Slot),
+}
+
+impl Route {
+    /// Finds the first header among the message's own fields, its first text called `child_frame_id`, and members. `None`
+    /// where there is neither header nor member; the error says why a header that is there, or may be, cannot be reached.
+    pub(super) fn of(schema: Schema, wire: Wire) -> Result<Option<Self>, String> {
+        let Some(root) = schema.root() else { return Ok(None) };
+        let is_header = |field: &Field| matches!(field.kind, Kind::Header { .. }) && field.count == Count::One;
+        let header = root.fields.iter().position(is_header);
+        if header.is_none() {
+            let named = schema.types.iter().find(|one| one.is_called_header());
+            if let Some(fault) = &root.fault {
+                return Err(format!("its definition is not understood: {fault}"));
+            }
+            if named.is_some_and(|header| schema.holds(&header.name)) {
+                return Err("the std_msgs/Header that is defined with it is not the published one".to_owned());
+            }
+        }
+        let is_child =
+            |field: &Field| field.name == "child_frame_id" && field.kind == Kind::Text && field.count == Count::One;
+        let child = root.fields.iter().position(is_child).filter(|_| header.is_some());
+        // What stands behind a field of unknown size cannot be reached.
+        let mut fields = root.fields.as_slice();
+        let mut numbered = fields.iter().enumerate();
+        if let Some((at, what)) = numbered.find_map(|(at, field)| Some((at, schema.impassable(field)?))) {
+            if header.is_some_and(|header| at < header) {
+                return Err(format!("its header cannot be reached: {what}"));
+            }
+            fields = fields.get(..at).unwrap_or_default();
+        }
+        let mut plan = Plan {
+            schema: &schema,
+            wire,
+            items: Vec::new(),
+            guesses: Vec::new(),
+            members: 0,
+            wanted: 0,
+        };
+        let looked_into = (!Definitions::is_standard(&root.name)).then(|| plan.guess(fields, ""));
+        for (at, field) in fields.iter().enumerate() {
+            match (&field.kind, &looked_into) {
+                (Kind::Header { has_seq }, _) if header == Some(at) => plan.want(Item::Header { has_seq: *has_seq }),
+                _ if child == Some(at) => plan.want(Item::Child),
+                (_, None) => plan.pass(field),
+                (_, Some(guessed)) => plan.field(at, field, "", guessed),
+            }
+        }
+        let Plan {
+            mut items,
+            guesses,
+            wanted,
+            ..
+        } = plan;
+        items.truncate(wanted);
+        Ok((wanted > 0).then(|| Self {
+            schema: schema.passed_by(&items),
+            items,
+            guesses,
+        }))
+    }
+
+    /// How many fields are kept, for a bound on all routes together.
+    pub(super) fn fields(&self) -> usize {
+        self.items.len() + self.schema.types.iter().map(|one| one.fields.len()).sum::<usize>()
+    }
+
+    /// Whether the message is read by its header alone, which stands first.
+    pub(super) fn is_header_alone(&self, wire: Wire) -> bool {
+        let has_seq = wire == Wire::Ros1;
+        self.items == [Item::Header { has_seq }]
+    }
+
+    /// Reads a message up to the last field that is wanted.
+    pub(super) fn read<'m>(&self, mut cursor: Cursor<'m>) -> Result<Content<'m>, DecodeError> {
+        let mut content = Content::new(None, Body::Nothing);
+        let mut guesses: Vec<_> = self.guesses.iter().map(Guess::values).collect();
+        let mut walk = Walk::new(&self.schema, &cursor);
+        for item in &self.items {
+            walk.step(&cursor)?;
+            match item {
+                Item::Pass(field) => walk.pass(&mut cursor, field)?,
+                Item::Header { has_seq } => content.header = Some(Header::read_as(&mut cursor, *has_seq)?),
+                Item::Child => content.body = Body::ChildFrame(cursor.name()?.into()),
+                Item::Member(field, standard) => content.members.push(Member {
+                    field: Arc::clone(field),
+                    header: Some(Header::read(&mut cursor)?),
+                    body: standard.body(&mut cursor)?,
+                    guessed: false,
+                }),
+                Item::Plain(guess, slot) => {
+                    if let Some(values) = guesses.get_mut(*guess) {
+                        values.read(&mut cursor, *slot)?;
+                    }
+                }
+            }
+        }
+        let guessed = self.guesses.iter().zip(guesses).map(|(guess, values)| Member {
+            field: Arc::clone(&guess.field),
+            header: None,
+            body: values.body(),
+            guessed: true,
+        });
+        content.members.extend(guessed);
+        if let Some(outer) = &content.header {
+            for member in &mut content.members {
+                fill(&mut member.header, outer);
+            }
+        }
+        Ok(content)
+    }
+}
+
+/// Takes what a member's header leaves empty from the message's own: drivers fill in only one of the two.
+fn fill<'m>(inner: &mut Option<Header<'m>>, outer: &Header<'m>) {
+    let header = inner.get_or_insert_with(|| outer.clone());
+    if header.stamp_ns == 0 {
+        header.stamp_ns = outer.stamp_ns;
+    }
+    if header.frame_id.is_empty() {
+        header.frame_id.clone_from(&outer.frame_id);
+    }
+}
+
+/// A route that is being laid.
+struct Plan<'s> {
+    schema: &'s Schema,
+    wire: Wire,
+    items: Vec<Item>,
+    guesses: Vec<Guess>,
+    members: usize,
+    /// How many of the items lead up to the last one that is wanted.
+    wanted: usize,
+}
+
+/// Which fields of a type belong to guesses: its place, the guess, where the numbers belong.
+type Guessed = Vec<(usize, usize, Slot)>;
+
+impl Plan<'_> {
+    fn want(&mut self, item: Item) {
+        self.items.push(item);
+        self.wanted = self.items.len();
+    }
+
+    fn pass(&mut self, field: &Field) {
+        let Field { kind, count, .. } = field.clone();
+        self.items.push(Item::Pass(Field {
+            name: String::new(),
+            kind,
+            count,
+        }));
+    }
+
+    /// Notes what the plain fields of a type say together.
+    fn guess(&mut self, fields: &[Field], prefix: &str) -> Guessed {
+        let mut guessed = Vec::new();
+        for guess in guess::of(self.schema, fields, prefix, self.wire) {
+            if self.members < MAX_MEMBERS {
+                self.members += 1;
+                guessed.extend(guess.slots.iter().map(|(at, slot)| (*at, self.guesses.len(), *slot)));
+                self.guesses.push(guess);
+            }
+        }
+        guessed
+    }
+
+    /// Takes in a field of the message itself, or of a type in it whose name is `prefix`.
+    fn field(&mut self, at: usize, field: &Field, prefix: &str, guessed: &Guessed) {
+        if let Some((_, guess, slot)) = guessed.iter().find(|(place, ..)| *place == at) {
+            return self.want(Item::Plain(*guess, *slot));
+        }
+        let inner = match field.kind {
+            Kind::Nested(index) if field.count == Count::One && self.members < MAX_MEMBERS => {
+                self.schema.types.get(index).map(|inner| (index, inner))
+            }
+            _ => None,
+        };
+        let Some((index, inner)) = inner else {
+            return self.pass(field);
+        };
+        if let Some(standard) = Standard::of_member(&inner.name) {
+            if !self.schema.is_published(index, self.wire) {
+                return self.pass(field);
+            }
+            self.members += 1;
+            let path = format!("{prefix}{}", field.name);
+            return self.want(Item::Member(path.into(), standard));
+        }
+        if !prefix.is_empty() || Definitions::is_standard(&inner.name) || inner.fields.len() > MAX_INNER_FIELDS {
+            return self.pass(field);
+        }
+        self.inside(inner, field);
+    }
+
+    /// Looks into a type in the message; passes over it as a whole where there is nothing in it.
+    fn inside(&mut self, inner: &Struct, field: &Field) {
+        let (before, wanted) = (self.items.len(), self.wanted);
+        let prefix = format!("{}.", field.name);
+        let guessed = self.guess(&inner.fields, &prefix);
+        for (at, field) in inner.fields.iter().enumerate() {
+            self.field(at, field, &prefix, &guessed);
+        }
+        if self.wanted == wanted {
+            self.items.truncate(before);
+            self.pass(field);
+        }
+    }
+}
+
+impl Schema {
+    /// Leaves only the types that are passed over, and no names.
+    fn passed_by(mut self, items: &[Item]) -> Self {
+        let nested = |field: &Field| match field.kind {
+            Kind::Nested(index) => Some(index),
+            _ => None,
+        };
+        let passed = items.iter().filter_map(|item| match item {
+            Item::Pass(field) => nested(field),
+            _ => None,
+        });
+        let mut to_look: Vec<usize> = passed.collect();
+        let mut reached = vec![false; self.types.len()];
+        while let Some(index) = to_look.pop() {
+            let (Some(one), Some(seen)) = (self.types.get(index), reached.get_mut(index)) else {
+                continue;
+            };
+            if !std::mem::replace(seen, true) {
+                to_look.extend(one.fields.iter().filter_map(nested));
+            }
+        }
+        for (one, is_reached) in self.types.iter_mut().zip(reached) {
+            if !is_reached {
+                one.fields = Vec::new();
+            }
+            one.fields.shrink_to_fit();
+            one.fields.iter_mut().for_each(|field| field.name = String::new());
+            one.name = String::new();
+        }
+        self
+    }
+
+    /// Whether a field of the message itself is of this type.
+    fn holds(&self, name: &str) -> bool {
+        let named = |field: &Field| match field.kind {
+            Kind::Nested(index) => self.types.get(index).is_some_and(|one| one.name == name),
+            _ => false,
+        };
+        self.root().is_some_and(|root| root.fields.iter().any(named))
+    }
+
+    /// Why a field cannot be passed over: something in it has a size that is not known.
+    fn impassable(&self, field: &Field) -> Option<String> {
+        let mut seen = vec![false; self.types.len()];
+        let mut to_look = vec![&field.kind];
+        while let Some(kind) = to_look.pop() {
+            match kind {
+                Kind::Unsupported(what) => return Some(what.clone()),
+                Kind::Nested(index) => {
+                    let (Some(nested), Some(seen)) = (self.types.get(*index), seen.get_mut(*index)) else {
+                        continue;
+                    };
+                    if std::mem::replace(seen, true) {
+                        continue;
+                    }
+                    if let Some(fault) = &nested.fault {
+                        return Some(format!("{} is not understood: {fault}", nested.name));
+                    }
+                    to_look.extend(nested.fields.iter().map(|field| &field.kind));
+                }
+                Kind::Number(_) | Kind::Text | Kind::Time | Kind::Header { .. } => {}
+            }
+        }
+        None
+    }
+}
