@@ -154,6 +154,8 @@ pub static RULES: &[Entry] = &[
     entry::<rot::identity_or_placeholder::IdentityOrPlaceholder>(),
     entry::<rot::angle_unit::AngleUnit>(),
     entry::<rot::truncated_literal::TruncatedLiteral>(),
+    entry::<axes::heading_convention::HeadingConvention>(),
+    entry::<axes::gnss_vs_odom_handedness::GnssVsOdomHandedness>(),
     entry::<axes::odom_twist_frame::OdomTwistFrame>(),
     entry::<quat::quaternion_order_static::QuaternionOrderStatic>(),
     entry::<geo::navsatfix_sanity::NavsatfixSanity>(),

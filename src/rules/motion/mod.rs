@@ -4,17 +4,19 @@
 //! not judge.
 
 mod clock;
+mod imu;
 mod mount;
 mod stream;
+mod track;
 
 use std::sync::Arc;
 
-use crate::world::motion::{FixRow, InertialRow, PoseRow, TwistRow};
+use crate::world::motion::{FixRow, PoseRow, TwistRow};
 use crate::world::{BagEvidence, World};
 
-pub(crate) use clock::Clock;
-pub(crate) use mount::{Mount, mount};
+pub(crate) use imu::Imu;
 pub(crate) use stream::{Stream, Timed};
+pub(crate) use track::{Course, Track, span_rad};
 
 /// The streams of motion of each recording of a world, in its order.
 pub(crate) struct Motion {
@@ -24,10 +26,8 @@ pub(crate) struct Motion {
 
 /// The streams of motion of one recording, by topic.
 pub(crate) struct BagMotion {
-    /// Index into `World::bags`.
-    pub(crate) bag: usize,
     /// Inertial sensors.
-    pub(crate) imus: Vec<Stream<InertialRow>>,
+    pub(crate) imus: Vec<Imu>,
     /// Satellite receivers.
     pub(crate) fixes: Vec<Stream<FixRow>>,
     /// Odometry, poses on topics, and moving transforms.
@@ -40,18 +40,14 @@ impl Motion {
     /// The motion of a world; worked out once.
     pub(crate) fn of(world: &World) -> Arc<Self> {
         world.derived(|world| Self {
-            bags: (0..)
-                .zip(&world.bags)
-                .map(|(index, bag)| BagMotion::of(index, bag))
-                .collect(),
+            bags: world.bags.iter().map(|bag| BagMotion::of(world, bag)).collect(),
         })
     }
 }
 
 impl BagMotion {
-    fn of(index: usize, bag: &BagEvidence) -> Self {
+    fn of(world: &World, bag: &BagEvidence) -> Self {
         let mut motion = Self {
-            bag: index,
             imus: Vec::new(),
             fixes: Vec::new(),
             poses: Vec::new(),
@@ -59,7 +55,7 @@ impl BagMotion {
         };
         for topic in bag.topics.values() {
             let of = &topic.content.motion;
-            motion.imus.extend(Stream::of_topic(bag, topic, of.inertial.as_ref()));
+            motion.imus.extend(Imu::of(world, bag, topic));
             motion.fixes.extend(Stream::of_topic(bag, topic, of.fixes.as_ref()));
             motion.poses.extend(Stream::of_topic(bag, topic, of.poses.as_ref()));
             motion.twists.extend(Stream::of_topic(bag, topic, of.twists.as_ref()));
@@ -68,5 +64,11 @@ impl BagMotion {
             .poses
             .extend(bag.tf.iter().filter_map(|edge| Stream::of_edge(bag, edge)));
         motion
+    }
+
+    /// Where the platform went: by satellite receivers first, then by odometry and poses.
+    pub(crate) fn tracks(&self) -> Vec<Track> {
+        let fixes = self.fixes.iter().map(Track::of_fixes);
+        fixes.chain(self.poses.iter().map(Track::of_poses)).collect()
     }
 }

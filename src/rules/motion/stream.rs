@@ -25,8 +25,6 @@ pub(crate) struct Stream<R> {
     pub(crate) source: SourceId,
     /// Topic of the messages.
     pub(crate) topic: String,
-    /// Their type; empty for TF.
-    pub(crate) message_type: String,
     /// What reports call the stream: `topic /imu`, `TF odom -> base_link on /tf`.
     pub(crate) subject: String,
     /// The frame that the numbers are told in (header frame, or parent), canonical; `None` where the headers name none or
@@ -36,10 +34,6 @@ pub(crate) struct Stream<R> {
     pub(crate) child: Option<FrameId>,
     /// First message.
     first: Option<MessageRef>,
-    /// How the times were made.
-    pub(crate) clock: Clock,
-    /// Messages that the rows were made from.
-    pub(crate) count: u64,
     /// Runs of rows without a hole, times growing inside each.
     pub(crate) stretches: Vec<Vec<Timed<R>>>,
 }
@@ -48,17 +42,14 @@ impl<R: Row> Stream<R> {
     /// The stream of a topic; `None` where it has no rows.
     pub(super) fn of_topic(bag: &BagEvidence, topic: &TopicEvidence, series: Option<&Series<R>>) -> Option<Self> {
         let series = series?;
-        let (clock, stretches) = on_clock(bag, series)?;
+        let stretches = on_clock(bag, series)?;
         Some(Self {
             source: bag.source,
             topic: topic.topic.clone(),
-            message_type: topic.message_type.clone(),
             subject: format!("topic `{}`", topic.topic),
             frame: only(&topic.header_frames),
             child: only(&topic.child_frames),
             first: topic.stamps.first.clone(),
-            clock,
-            count: series.count,
             stretches,
         })
     }
@@ -66,17 +57,6 @@ impl<R: Row> Stream<R> {
     /// Every row, whatever its stretch.
     pub(crate) fn rows(&self) -> impl Iterator<Item = &Timed<R>> {
         self.stretches.iter().flatten()
-    }
-
-    /// Length of all stretches together, seconds.
-    pub(crate) fn seconds(&self) -> f64 {
-        let length = |stretch: &Vec<Timed<R>>| Some(stretch.last()?.t_s - stretch.first()?.t_s);
-        self.stretches.iter().filter_map(length).sum()
-    }
-
-    /// First and last time, seconds after the recording's start.
-    pub(crate) fn span_s(&self) -> Option<(f64, f64)> {
-        Some((self.rows().next()?.t_s, self.stretches.last()?.last()?.t_s))
     }
 
     /// Runs of neighbouring rows that last `seconds` each, one after the other, without a step longer than `max_step_s`.
@@ -111,18 +91,15 @@ impl Stream<PoseRow> {
     /// The stream of a moving transform.
     pub(super) fn of_edge(bag: &BagEvidence, edge: &TfEdge) -> Option<Self> {
         let series = edge.motion.as_ref()?;
-        let (clock, stretches) = on_clock(bag, series)?;
+        let stretches = on_clock(bag, series)?;
         let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
         Some(Self {
             source: bag.source,
             topic: edge.topic.clone(),
-            message_type: String::new(),
             subject: format!("TF `{parent}` -> `{child}` on {}", edge.topic),
             frame: Some(parent),
             child: Some(child),
             first: Some(edge.first_at.clone()),
-            clock,
-            count: series.count,
             stretches,
         })
     }
@@ -130,7 +107,7 @@ impl Stream<PoseRow> {
 
 type Stretches<R> = Vec<Vec<Timed<R>>>;
 
-fn on_clock<R: Row>(bag: &BagEvidence, series: &Series<R>) -> Option<(Clock, Stretches<R>)> {
+fn on_clock<R: Row>(bag: &BagEvidence, series: &Series<R>) -> Option<Stretches<R>> {
     let start_ns = bag.start_ns?;
     let clock = Clock::of(series);
     let mut stretches: Stretches<R> = Vec::new();
@@ -146,7 +123,7 @@ fn on_clock<R: Row>(bag: &BagEvidence, series: &Series<R>) -> Option<(Clock, Str
         stretches.push(kept);
     }
     stretches.retain(|stretch| !stretch.is_empty());
-    (!stretches.is_empty()).then_some((clock, stretches))
+    (!stretches.is_empty()).then_some(stretches)
 }
 
 /// The one frame that is named, canonical; the empty name is none.

@@ -1,0 +1,121 @@
+//! AXES07: a track of odometry that is the mirror image of the satellites' one.
+
+use serde::Deserialize;
+
+use crate::math::stats::median;
+use crate::rules::motion::{Motion, Stream, Track};
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+use crate::world::motion::FixRow;
+
+use super::handedness::Votes;
+
+/// AXES07.
+pub struct GnssVsOdomHandedness;
+
+/// Limits of AXES07.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    pub(super) window_s: f64,
+    pub(super) longest_window_s: f64,
+    pub(super) min_points: usize,
+    min_minor_m: f64,
+    minor_of_sigma: f64,
+    least_sigma_m: f64,
+    pub(super) min_ratio: f64,
+    pub(super) max_residual: f64,
+    min_agreement: f64,
+}
+
+impl Rule for GnssVsOdomHandedness {
+    const PAGE: &'static str = include_str!("../../../rules/axes/gnss-vs-odom-handedness.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in &Motion::of(world).bags {
+            for fixes in &bag.fixes {
+                let satellites = Track::of_fixes(fixes);
+                for poses in &bag.poses {
+                    let subject = format!("{} against {}", poses.subject, fixes.subject);
+                    let minor_m = min_minor_m(fixes, limits);
+                    let votes = Votes::of(&satellites, &Track::of_poses(poses), minor_m, limits);
+                    judge_votes(&subject, poses, fixes, &votes, minor_m, limits, out);
+                }
+            }
+        }
+    }
+}
+
+/// How far odometry must spread to be told from its mirror image under this receiver's noise.
+fn min_minor_m(fixes: &Stream<FixRow>, limits: &Limits) -> f64 {
+    let sigma = |row: &FixRow| {
+        let [east, north, _] = row.variance_m2;
+        east.max(north).sqrt()
+    };
+    let sigmas: Vec<f64> = fixes
+        .rows()
+        .map(|timed| sigma(&timed.row))
+        .filter(|sigma| *sigma > 0.0)
+        .collect();
+    median(&sigmas).map_or(limits.min_minor_m, |sigma| {
+        limits.minor_of_sigma * sigma.max(limits.least_sigma_m)
+    })
+}
+
+fn judge_votes<R, S>(
+    subject: &str,
+    poses: &Stream<R>,
+    fixes: &Stream<S>,
+    votes: &Votes,
+    minor_m: f64,
+    limits: &Limits,
+    out: &mut Judge,
+) where
+    R: crate::world::motion::Row,
+    S: crate::world::motion::Row,
+{
+    let [turned, mirrored] = votes.says;
+    let all = turned + mirrored;
+    if votes.windows == 0 {
+        let why = format!(
+            "the odometry spreads {:.1} m to the side of its way while both are there ({:.0} m long), {minor_m:.1} m are needed",
+            votes.widest_m, votes.longest_m
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let agreement = turned.max(mirrored) as f64 / all.max(1) as f64;
+    if all == 0 || 2.0 * agreement - 1.0 < limits.min_agreement {
+        let why = format!(
+            "of {} windows {turned} say turned and {mirrored} mirrored: the tracks differ by more than that",
+            votes.windows
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let [rms_turned, rms_mirrored] = votes.rms_m;
+    let measured = [
+        Measured::new("residual, turned", rms_turned, "m").samples(all as u64),
+        Measured::new("residual, mirrored", rms_mirrored, "m").samples(all as u64),
+        Measured::new("agreement of windows", agreement, "1").limit(limits.min_agreement),
+    ];
+    if turned > mirrored {
+        return out.pass(subject, measured);
+    }
+    let (from, to) = votes.span_s.unwrap_or_default();
+    let message = format!(
+        "the track on {} is the mirror image of the satellites' on {}: laid over it from {from:.0} to {to:.0} s it is {rms_mirrored:.2} m \
+         off mirrored, {rms_turned:.2} m turned",
+        poses.topic, fixes.topic
+    );
+    let finding = Finding::error(subject, message, poses.place())
+        .likely()
+        .relation("mirrored")
+        .related(fixes.place(), "the satellites' track")
+        .help(
+            "one of the two has x and y changed (north and east taken for x and y), or one of them negated: NED positions \
+             become ENU as (y, x, -z); latitude comes before longitude",
+        );
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
+}

@@ -1,0 +1,97 @@
+//! Two tracks of one platform, laid over each other turned and mirrored, window by window.
+//!
+//! Must not judge.
+
+use nalgebra::{Vector2, Vector3};
+
+use crate::math::similarity2::{fit_similarities, path_length, spread};
+use crate::rules::motion::Track;
+
+use super::gnss_vs_odom_handedness::Limits;
+
+/// What the windows say.
+#[derive(Debug, Default)]
+pub(super) struct Votes {
+    /// Windows in which the odometry turned enough to tell.
+    pub(super) windows: usize,
+    /// Windows that say turned, and mirrored.
+    pub(super) says: [usize; 2],
+    /// Root mean squares of the fit turned and of the fit mirrored over the windows that voted: the medians, metres.
+    pub(super) rms_m: [f64; 2],
+    /// Longest way along a window, metres.
+    pub(super) longest_m: f64,
+    /// Largest standard deviation of the odometry across its main direction in any window, metres.
+    pub(super) widest_m: f64,
+    /// First and last time that voted, seconds after the recording's start.
+    pub(super) span_s: Option<(f64, f64)>,
+}
+
+/// One place by both tracks.
+struct Both {
+    t_s: f64,
+    odometry: Vector2<f64>,
+    satellites: Vector2<f64>,
+}
+
+impl Votes {
+    /// Lays the odometry over the satellites' track; `min_minor_m` is how far it must spread across its main direction.
+    pub(super) fn of(satellites: &Track, odometry: &Track, min_minor_m: f64, limits: &Limits) -> Self {
+        let mut found = Self::default();
+        let mut rms: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
+        for stretch in &satellites.stretches {
+            let mut window: Vec<Both> = Vec::new();
+            for (t_s, satellite) in stretch {
+                let Some(place) = odometry.at(*t_s) else {
+                    window.clear();
+                    continue;
+                };
+                window.push(Both {
+                    t_s: *t_s,
+                    odometry: place.xy(),
+                    satellites: Vector3::xy(satellite),
+                });
+                let lasts = window.first().map_or(0.0, |first| t_s - first.t_s);
+                if lasts < limits.window_s {
+                    continue;
+                }
+                let told = found.look(&window, min_minor_m, &mut rms, limits);
+                if told || lasts >= limits.longest_window_s {
+                    window.clear();
+                }
+            }
+            found.look(&window, min_minor_m, &mut rms, limits);
+        }
+        found.rms_m = rms.map(|values| crate::math::stats::median(&values).unwrap_or(f64::NAN));
+        found
+    }
+
+    /// Whether the window spreads enough to tell; counts its vote.
+    fn look(&mut self, window: &[Both], min_minor_m: f64, rms: &mut [Vec<f64>; 2], limits: &Limits) -> bool {
+        let odometry: Vec<_> = window.iter().map(|both| both.odometry).collect();
+        let satellites: Vec<_> = window.iter().map(|both| both.satellites).collect();
+        let way_m = path_length(&odometry);
+        let (Some(spread), Some(fits)) = (spread(&odometry), fit_similarities(&odometry, &satellites)) else {
+            return false;
+        };
+        self.longest_m = self.longest_m.max(way_m);
+        self.widest_m = self.widest_m.max(spread.minor_sd_m);
+        if spread.minor_sd_m < min_minor_m || window.len() < limits.min_points {
+            return false;
+        }
+        self.windows += 1;
+        let (turned, mirrored) = (fits.proper.rms_m, fits.improper.rms_m);
+        let (best, other) = (turned.min(mirrored), turned.max(mirrored));
+        if best <= limits.max_residual * way_m && other >= limits.min_ratio * best {
+            let [for_turned, for_mirrored] = &mut self.says;
+            *(if turned < mirrored { for_turned } else { for_mirrored }) += 1;
+            let [of_turned, of_mirrored] = rms;
+            of_turned.push(turned);
+            of_mirrored.push(mirrored);
+            if let (Some(first), Some(last)) = (window.first(), window.last()) {
+                let begin = self.span_s.map_or(first.t_s, |(begin, _)| begin);
+                self.span_s = Some((begin, last.t_s));
+            }
+        }
+        true
+    }
+}

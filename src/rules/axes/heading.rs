@@ -1,0 +1,200 @@
+//! The yaw of an orientation against the course of a track: which way it turns, and where its zero is.
+//!
+//! Must not judge.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::math::circular::{circular_mean, wrapped};
+use crate::math::readings::Reading;
+use crate::rules::motion::{Course, Stream, span_rad};
+use crate::world::motion::InertialRow;
+
+use super::heading_convention::Limits;
+
+/// Which way a yaw turns.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Sense {
+    /// Counter-clockwise, seen from above: REP-103.
+    Left,
+    /// Clockwise: a compass, or z down.
+    Right,
+}
+
+/// A yaw against a course.
+#[derive(Debug, Default)]
+pub(super) struct Heading {
+    /// Windows with a turn that were judged.
+    pub(super) windows: usize,
+    /// Windows in which the yaw turns with the course, and against it.
+    pub(super) votes: [usize; 2],
+    /// Courses in the windows that voted.
+    pub(super) samples: usize,
+    /// Resultants of `course - yaw` and `course + yaw` over the windows that voted: the mean, weighted by samples.
+    pub(super) resultants: [f64; 2],
+    /// `yaw - course`, or `yaw + course`, over the windows that voted for the winner, radians, with its resultant.
+    pub(super) offset_rad: f64,
+    /// Resultant of that offset over all those windows: 1 where they agree.
+    pub(super) offset_resultant: f64,
+    /// Largest turn of the course within a window, radians.
+    pub(super) widest_rad: f64,
+    /// Time of the first and last course that voted, seconds after the recording's start.
+    pub(super) span_s: Option<(f64, f64)>,
+}
+
+/// A course with the yaw at that time.
+struct Pair {
+    course: Course,
+    yaw_rad: f64,
+}
+
+impl Heading {
+    /// Holds the yaw of the base's x axis, by the orientation as published, against the courses.
+    pub(super) fn of(
+        imu: &Stream<InertialRow>,
+        base_from_imu: &UnitQuaternion<f64>,
+        courses: &[Vec<Course>],
+        limits: &Limits,
+    ) -> Self {
+        let yaws = Yaws::of(imu, base_from_imu);
+        let mut heading = Self::default();
+        let mut voted: Vec<(Sense, Vec<Pair>)> = Vec::new();
+        for run in courses {
+            let mut window: Vec<Pair> = Vec::new();
+            for course in run {
+                let Some(yaw_rad) = yaws.at(course.t_s) else {
+                    window.clear();
+                    continue;
+                };
+                window.push(Pair {
+                    course: *course,
+                    yaw_rad,
+                });
+                let only: Vec<Course> = window.iter().map(|pair| pair.course).collect();
+                let turned = span_rad(&only);
+                heading.widest_rad = heading.widest_rad.max(turned);
+                let lasts = course.t_s - only.first().map_or(course.t_s, |first| first.t_s);
+                if turned >= limits.window_turn_deg.to_radians() || lasts >= limits.window_s {
+                    let window = std::mem::take(&mut window);
+                    if turned >= limits.min_turn_deg.to_radians() && way_m(&only) >= limits.min_way_m {
+                        heading.windows += 1;
+                        voted.extend(vote(&window, limits).map(|sense| (sense, window)));
+                    }
+                }
+            }
+            let only: Vec<Course> = window.iter().map(|pair| pair.course).collect();
+            if span_rad(&only) >= limits.min_turn_deg.to_radians() && way_m(&only) >= limits.min_way_m {
+                heading.windows += 1;
+                voted.extend(vote(&window, limits).map(|sense| (sense, window)));
+            }
+        }
+        heading.count(&voted);
+        heading
+    }
+
+    fn count(&mut self, voted: &[(Sense, Vec<Pair>)]) {
+        let of = |sense: Sense| voted.iter().filter(move |(voted, _)| *voted == sense);
+        self.votes = [Sense::Left, Sense::Right].map(|sense| of(sense).count());
+        self.samples = voted.iter().map(|(_, window)| window.len()).sum();
+        let mut sums = [0.0; 2];
+        for (_, window) in voted {
+            for (sum, sense) in sums.iter_mut().zip([Sense::Left, Sense::Right]) {
+                *sum += resultant(window, sense).1 * window.len() as f64;
+            }
+        }
+        self.resultants = sums.map(|sum| sum / self.samples.max(1) as f64);
+        let winner = self.winner();
+        let pairs = of(winner).flat_map(|(_, window)| window);
+        if let Some(mean) = circular_mean(pairs.map(|pair| (offset(pair, winner), weight(pair)))) {
+            self.offset_rad = mean.mean_rad;
+            self.offset_resultant = mean.resultant;
+        }
+        let times = || voted.iter().flat_map(|(_, window)| window).map(|pair| pair.course.t_s);
+        self.span_s = times().reduce(f64::min).zip(times().reduce(f64::max));
+    }
+
+    /// The sense that has more votes.
+    pub(super) fn winner(&self) -> Sense {
+        let [left, right] = self.votes;
+        if right > left { Sense::Right } else { Sense::Left }
+    }
+
+    /// The share of the votes that the winner has; `None` without votes.
+    pub(super) fn agreement(&self) -> Option<f64> {
+        let [left, right] = self.votes;
+        let all = left + right;
+        (all > 0).then(|| left.max(right) as f64 / all as f64)
+    }
+}
+
+/// What one window says.
+fn vote(window: &[Pair], limits: &Limits) -> Option<Sense> {
+    let [left, right] = [Sense::Left, Sense::Right].map(|sense| (sense, resultant(window, sense).1));
+    let (best, other) = if right.1 > left.1 { (right, left) } else { (left, right) };
+    let clear = 1.0 - other.1 >= limits.variance_ratio * (1.0 - best.1);
+    (best.1 >= limits.min_resultant && clear).then_some(best.0)
+}
+
+fn resultant(window: &[Pair], sense: Sense) -> (f64, f64) {
+    let mean = circular_mean(window.iter().map(|pair| (offset(pair, sense), weight(pair))));
+    mean.map_or((0.0, 0.0), |mean| (mean.mean_rad, mean.resultant))
+}
+
+fn offset(pair: &Pair, sense: Sense) -> f64 {
+    match sense {
+        Sense::Left => wrapped(pair.yaw_rad - pair.course.angle_rad),
+        Sense::Right => wrapped(pair.yaw_rad + pair.course.angle_rad),
+    }
+}
+
+fn weight(pair: &Pair) -> f64 {
+    pair.course.speed_m_s / (pair.course.speed_m_s + 1.0)
+}
+
+/// Length of the way along courses, metres.
+fn way_m(courses: &[Course]) -> f64 {
+    let step = |pair: &[Course]| match pair {
+        [a, b] => (b.t_s - a.t_s) * (a.speed_m_s + b.speed_m_s) / 2.0,
+        _ => 0.0,
+    };
+    courses.windows(2).map(step).sum()
+}
+
+/// Yaw of the base's x axis over time.
+struct Yaws {
+    stretches: Vec<Vec<(f64, f64)>>,
+}
+
+/// Longest step between two orientations that a yaw is interpolated over, seconds.
+const MAX_STEP_S: f64 = 2.5;
+/// The part of the x axis that must lie in the horizontal plane.
+const MIN_HORIZONTAL: f64 = 0.5;
+
+impl Yaws {
+    fn of(imu: &Stream<InertialRow>, base_from_imu: &UnitQuaternion<f64>) -> Self {
+        let yaw = |row: &InertialRow| {
+            let world_from_imu = Reading::Xyzw.world_from_body(row.orientation)?;
+            let forward = world_from_imu * (base_from_imu.inverse() * Vector3::x());
+            (forward.xy().norm() >= MIN_HORIZONTAL).then(|| forward.y.atan2(forward.x))
+        };
+        let stretches = imu.stretches.iter();
+        Self {
+            stretches: stretches
+                .map(|rows| {
+                    rows.iter()
+                        .filter_map(|timed| Some((timed.t_s, yaw(&timed.row)?)))
+                        .collect()
+                })
+                .collect(),
+        }
+    }
+
+    fn at(&self, t_s: f64) -> Option<f64> {
+        let covers = |yaws: &&Vec<(f64, f64)>| {
+            yaws.first().is_some_and(|first| first.0 <= t_s) && yaws.last().is_some_and(|last| last.0 >= t_s)
+        };
+        let yaws = self.stretches.iter().find(covers)?;
+        let after = yaws.partition_point(|(t, _)| *t < t_s).max(1);
+        let ((t0, a), (t1, b)) = (yaws.get(after - 1)?, yaws.get(after)?);
+        (t1 - t0 <= MAX_STEP_S).then(|| a + wrapped(b - a) * ((t_s - t0) / (t1 - t0)))
+    }
+}

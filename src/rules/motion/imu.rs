@@ -1,0 +1,68 @@
+//! An inertial sensor: its rows, where it is mounted, and whether it gives an orientation at all.
+
+use nalgebra::UnitQuaternion;
+
+use crate::world::bag::TopicEvidence;
+use crate::world::motion::InertialRow;
+use crate::world::{BagEvidence, World};
+
+use super::mount::{Mount, mount};
+use super::stream::Stream;
+
+/// An inertial sensor.
+#[derive(Clone, Debug)]
+pub(crate) struct Imu {
+    /// Its measurements.
+    pub(crate) stream: Stream<InertialRow>,
+    /// Where it is mounted, by URDF and static TF; `None` where its frame has no rigid way to a base.
+    pub(crate) mount: Option<Mount>,
+    /// Why its orientation is none.
+    pub(crate) no_orientation: Option<&'static str>,
+}
+
+impl Imu {
+    /// The sensor of a topic; `None` where it says nothing inertial.
+    pub(super) fn of(world: &World, bag: &BagEvidence, topic: &TopicEvidence) -> Option<Self> {
+        let stream = Stream::of_topic(bag, topic, topic.content.motion.inertial.as_ref())?;
+        Some(Self {
+            mount: stream.frame.as_ref().and_then(|frame| mount(world, frame)),
+            no_orientation: no_orientation(topic),
+            stream,
+        })
+    }
+
+    /// `base_from_imu`, the identity where the mounting is not known.
+    pub(crate) fn base_from_imu(&self) -> UnitQuaternion<f64> {
+        self.mount
+            .as_ref()
+            .map_or_else(UnitQuaternion::identity, |mount| mount.base_from_sensor.rotation)
+    }
+
+    /// How the sensor sits on its base, for a message.
+    pub(crate) fn mounting(&self) -> String {
+        match (&self.mount, &self.stream.frame) {
+            (Some(mount), _) if mount.is_base => format!("its frame `{}` is the base", mount.base),
+            (Some(mount), Some(frame)) => {
+                let degrees = mount.base_from_sensor.rotation.angle().to_degrees();
+                format!("`{}_from_{frame}` turns by {degrees:.1} deg", mount.base)
+            }
+            (_, Some(frame)) => format!("`{frame}` is not tied to a base; it is taken to be mounted straight"),
+            _ => "it names no frame; it is taken to be mounted straight".to_owned(),
+        }
+    }
+}
+
+/// Why a topic's orientation is none: it says so, or never fills it in.
+fn no_orientation(topic: &TopicEvidence) -> Option<&'static str> {
+    let imu = topic.content.imu.as_ref()?;
+    let covariance = topic.content.covariances.get("orientation_covariance");
+    if covariance.is_some_and(|covariance| covariance.minus_one == covariance.count) {
+        Some("it says that it has no orientation (orientation_covariance[0] is -1)")
+    } else if imu.zero == imu.count {
+        Some("its orientation is all zeros: it has none")
+    } else if imu.same_as_first == imu.count {
+        Some("its orientation is the same in every message: it has none")
+    } else {
+        None
+    }
+}
