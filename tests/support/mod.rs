@@ -11,10 +11,13 @@
     clippy::indexing_slicing,
     clippy::panic,
     clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
     clippy::missing_panics_doc
 )]
 
 pub mod contents;
+pub mod drive;
+pub mod driven;
 pub mod encode;
 pub mod heard;
 pub mod motion;
