@@ -72,11 +72,11 @@ impl Topic {
     }
 }
 
-fn pose_fields<'a>(pose: Published) -> [Field<'a>; 2] {
+pub(super) fn pose_fields<'a>(pose: Published) -> [Field<'a>; 2] {
     [Field::F64s(pose.position.into()), Field::F64s(pose.orientation.into())]
 }
 
-fn twist_fields<'a>(twist: Twist) -> [Field<'a>; 2] {
+pub(super) fn twist_fields<'a>(twist: Twist) -> [Field<'a>; 2] {
     [Field::F64s(twist.linear.into()), Field::F64s(twist.angular.into())]
 }
 

@@ -64,8 +64,14 @@ pub enum Field<'a> {
     U8(u8),
     /// A number of two bytes.
     U16(u16),
+    /// A number of two bytes with a sign.
+    I16(i16),
     /// A text.
     Text(&'a str),
+    /// A header within the message.
+    Header(Header<'a>),
+    /// As many empty sequences.
+    Empty(usize),
 }
 
 impl Body<'_> {
@@ -126,7 +132,10 @@ impl Body<'_> {
                         Field::I8(value) => out.write_i8(*value),
                         Field::U8(value) => out.write_u8(*value),
                         Field::U16(value) => out.write_u16(*value),
+                        Field::I16(value) => out.write_i16(*value),
                         Field::Text(text) => out.write_string(text),
+                        Field::Header(inner) => header(out, inner),
+                        Field::Empty(n) => (0..*n).for_each(|_| out.write_sequence_length(0)),
                     }
                 }
             }

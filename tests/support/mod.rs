@@ -11,11 +11,14 @@
     clippy::indexing_slicing,
     clippy::panic,
     clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
     clippy::missing_panics_doc
 )]
 
 pub mod contents;
 pub mod damage;
+pub mod drive;
+pub mod driven;
 pub mod encode;
 pub mod foxglove;
 pub mod heard;

@@ -37,6 +37,57 @@
 //! - sensor_msgs/msg/NavSatFix: `latitude`, `longitude` (48, 11), `altitude` (500), `status` (0), `covariance: [9]`,
 //!   `east_velocity`, `north_velocity` (m/s), `nan_from_s` (from then on the position is NaN)
 //!
+//! **A drive** with exact truth, realistic noise and, where wanted, convention errors (`drive/`): topics and transforms
+//! with `from_drive` are its sensors, and all of them fit together.
+//!
+//! ```yaml
+//! duration_s: 60
+//! drive: {vehicle: car, motion: turning, seed: 1, imu: mems, gnss: rtk}
+//! topics:
+//!   - {topic: /imu, from_drive: imu, rate_hz: 100, frame_id: imu_link, errors: [ned_frd]}
+//!   - {topic: /fix, from_drive: fix, rate_hz: 5, frame_id: gps, xyz: [0, 0, 1.5]}
+//!   - {topic: /odom, from_drive: odometry, rate_hz: 20, frame_id: odom, child_frame_id: base_link}
+//!   - topic: /tf
+//!     rate_hz: 20
+//!     transforms:
+//!       - {parent: odom, child: base_link, from_drive: odometry}
+//!       - {parent: map, child: odom, from_drive: map_odom}
+//!   - {topic: /tf_static, transforms: [{parent: earth, child: map, from_drive: earth}]}
+//! ```
+//!
+//! `drive`, all of it optional: `vehicle: car | walker | drone | robot`, `motion: turning | straight | still | circles |
+//! out_and_back`, `seed`, `place: {latitude, longitude, altitude}` (48, 11, 500: the origin of ENU), `undulation_m` (46),
+//! `yaw_deg` (at the start), `tilt_deg` (deviation of the ground's roll and pitch), `imu: tactical | mems | perfect`,
+//! `gnss: rtk | single | perfect` (perfect makes poses exact, too), `odometry: real | perfect`.
+//!
+//! `from_drive` of a topic, which then needs no `type`: `imu`, `ins` (an Imu with an empty header within
+//! vn_driver/msg/Vectornav), `fix`, `gps_fix` (gps_msgs/msg/GPSFix), `custom_gps` (gps_driver/msg/Customgps: latitude,
+//! longitude, altitude), `gnss_velocity` (TwistStamped; ENU), `heading` (QuaternionStamped), `nmea` (nmea_msgs/msg/Sentence;
+//! `sentences: [GGA, RMC, HDT]` are sent at every tick), `odometry`, `pose` (PoseStamped, in the map = ENU). A `type` may
+//! name the variant WithCovariance of TwistStamped and PoseStamped, and be any name for `ins` and `custom_gps`.
+//! `from_drive` of a transform: `odometry` (odom from base), `pose` (map from base), `map_odom` (map from odom), `earth`
+//! (earth from map).
+//!
+//! Beside it: `xyz`, `rpy_deg` or `quaternion` (where the sensor sits in the base; not of odometry), `late_s` (what a
+//! message shows is older than its stamp; with `stamp_offset_s: -0.2` beside `late_s: 0.2` the stamp is right and the
+//! message late), `orientation_lag_s` (of an Imu's orientation beyond that; the grade's by default), `noise` (multiplies
+//! all noise; 0 is exact), `datum: {latitude, longitude, altitude}` (another origin of the map, of `pose` and `earth`),
+//! `world_from_enu: {xyz, rpy_deg}` (a map that is not ENU), and `errors`, applied in their order:
+//! - orientations (imu, ins, heading, pose, odometry): `ned_frd` (all of it), `ned_orientation` (the quaternion alone),
+//!   `ned_world`, `conjugate`, `wxyz`, `compass_yaw`, `zero_north`, `y_forward`, `backward`, `inverted` and `yaw_90` (a
+//!   mount that TF does not know), `euler_xyz`, `left_handed`
+//! - imu, ins: `frd` (gyro and accelerometer beside a correct quaternion), `deg_s`, `gyro_negated`, `g`, `gravity_sign`,
+//!   `gravity_removed`
+//! - pose, odometry: `x_negated`, `y_negated`, `z_negated`, `swap_xy` (positions alone); pose: `utm_grid` (from the
+//!   origin's easting and northing), `utm`, `ecef`
+//! - odometry: `twist_in_world`, `twist_reversed`, `twist_y_negated`, `twist_swapped`, `twist_yaw_negated`
+//! - fix, gps_fix, custom_gps: `swapped`, `msl`, `radians`, `e7`, `float32`; gnss_velocity: `ned_frd`, `swap_xy`,
+//!   `twist_in_body`, `twist_reversed`
+//! - covariances: `covariance_std`; imu, pose, odometry: `covariance_degrees`; pose, odometry:
+//!   `covariance_rotation_first`, `covariance_not_rotated` (left in the body's axes); pose: `covariance_of_enu` (left in
+//!   ENU, the pose being in `world_from_enu`); imu, fix: `covariance_up_first`
+//! - earth: `transposed`, `ned_rows`, `spherical_latitude`, `active_rotations`, `lat_lon_swapped`
+//!
 //! **Stamps**: `stamp_offset_s` (header stamp minus log time), `stamp_s` (constant), `stamp_scale` (multiplies),
 //! `stamp_start_s` (replaces the clock's origin), `stamp_drift_ppm` (of the time since the start), `stamp_jitter_s`
 //! (seeded, even in ± that), `stamp_repeat: n` (each stamp serves n messages). `from_s`, `until_s`: the active window of
@@ -52,6 +103,7 @@ use std::collections::BTreeMap;
 
 use serde::Deserialize;
 
+use super::drive::{Description, Drive};
 use super::raw::{self, Layout};
 use super::topic::{Topic, active, nanoseconds};
 
@@ -86,6 +138,8 @@ pub struct Recipe {
     /// Metadata records: key and value pairs by name.
     #[serde(default)]
     pub metadata: BTreeMap<String, BTreeMap<String, String>>,
+    /// The drive that topics with `from_drive` are of; its length is the recipe's.
+    pub drive: Option<Description>,
     /// Topics, written in the order of log time, then in this order.
     pub topics: Vec<Topic>,
 }
@@ -128,17 +182,18 @@ impl Recipe {
             chunk_bytes: self.chunk_size_bytes.unwrap_or(64 << 10),
             ..Layout::default()
         };
+        let drive = self.drive();
         let mut messages: Vec<(i64, usize, Vec<u8>)> = Vec::new();
         for (index, topic) in self.topics.iter().enumerate() {
             let ticks = self.ticks(topic);
+            let driven = topic.driven(drive.as_ref(), &ticks, self.start_s);
             for (number, at_s) in (0..).zip(ticks.iter().copied()) {
                 let log_ns = nanoseconds(self.start_s) + nanoseconds(at_s);
                 let stamped = number - number % topic.stamp_repeat.max(1);
                 let stamped_s = ticks[usize::try_from(stamped).unwrap()];
                 let stamp_ns = topic.stamp_ns(nanoseconds(self.start_s), stamped_s, stamped);
-                if let Some(message) = topic.message(at_s, number, stamp_ns) {
-                    messages.push((log_ns, index, message));
-                }
+                let of_tick = topic.messages(at_s, number, stamp_ns, &driven);
+                messages.extend(of_tick.into_iter().map(|message| (log_ns, index, message)));
             }
         }
         messages.sort_by_key(|(log_ns, index, _)| (*log_ns, *index));
@@ -157,6 +212,12 @@ impl Recipe {
                 bag.metadata(name, fields);
             }
         })
+    }
+
+    /// The drive that the recipe's topics are of.
+    pub fn drive(&self) -> Option<Drive> {
+        let duration_s = self.duration_s;
+        self.drive.map(|drive| Drive::new(Description { duration_s, ..drive }))
     }
 
     /// Times of the messages of a topic, seconds after the start.

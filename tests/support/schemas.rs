@@ -376,4 +376,126 @@ uint32 binning_y
 RegionOfInterest roi
 ",
     ),
+    (
+        "geometry_msgs/msg/QuaternionStamped",
+        "
+# This represents an orientation with reference coordinate frame and timestamp.
+std_msgs/Header header
+Quaternion quaternion
+",
+    ),
+    (
+        "sensor_msgs/msg/MagneticField",
+        "
+# Measurement of the Magnetic Field vector at a specific location.
+std_msgs/Header header
+
+geometry_msgs/Vector3 magnetic_field
+float64[9] magnetic_field_covariance
+",
+    ),
+    (
+        "nmea_msgs/msg/Sentence",
+        "
+# A message representing a single NMEA0183 sentence.
+
+# header.stamp is the ROS Time when the sentence was read.
+# header.frame_id is the frame_id reported by the satellite receiver
+std_msgs/Header header
+
+# This should only contain ASCII characters in order to be a valid NMEA0183 sentence.
+string sentence
+",
+    ),
+    (
+        "gps_msgs/msg/GPSStatus",
+        "
+std_msgs/Header header
+
+uint16 satellites_used
+int32[] satellite_used_prn
+
+uint16 satellites_visible
+int32[] satellite_visible_prn
+int32[] satellite_visible_z
+int32[] satellite_visible_azimuth
+int32[] satellite_visible_snr
+
+int16 STATUS_NO_FIX=-1
+int16 STATUS_FIX=0
+int16 STATUS_SBAS_FIX=1
+int16 STATUS_GBAS_FIX=2
+int16 status
+
+uint16 motion_source
+uint16 orientation_source
+uint16 position_source
+",
+    ),
+    (
+        "gps_msgs/msg/GPSFix",
+        "
+# A more complete GPS fix to supplement sensor_msgs/NavSatFix.
+std_msgs/Header header
+
+GPSStatus status
+
+float64 latitude
+float64 longitude
+float64 altitude
+
+float64 track
+float64 speed
+float64 climb
+
+float64 pitch
+float64 roll
+float64 dip
+
+float64 time
+
+float64 gdop
+float64 pdop
+float64 hdop
+float64 vdop
+float64 tdop
+
+float64 err
+float64 err_horz
+float64 err_vert
+float64 err_track
+float64 err_speed
+float64 err_climb
+float64 err_time
+float64 err_pitch
+float64 err_roll
+float64 err_dip
+
+float64[9] position_covariance
+
+uint8 COVARIANCE_TYPE_UNKNOWN = 0
+uint8 COVARIANCE_TYPE_APPROXIMATED = 1
+uint8 COVARIANCE_TYPE_DIAGONAL_KNOWN = 2
+uint8 COVARIANCE_TYPE_KNOWN = 3
+uint8 position_covariance_type
+",
+    ),
+    (
+        "vn_driver/msg/Vectornav",
+        "
+std_msgs/Header header
+sensor_msgs/Imu imu
+sensor_msgs/MagneticField mag_field
+string vnymr_read
+",
+    ),
+    (
+        "gps_driver/msg/Customgps",
+        "
+std_msgs/Header header
+float64 latitude
+float64 longitude
+float64 altitude
+",
+    ),
 ];

@@ -2,8 +2,12 @@
 
 use serde::Deserialize;
 
+use super::drive::nmea::Kind;
+use super::drive::rows::PoseRow;
+use super::drive::{Error, Place};
+use super::driven::{Driven, FromDrive, Offset};
 use super::encode::{Body, Endian, Header, Transform as RawTransform};
-use super::motion::{Motion, even};
+use super::motion::{Motion, Published, even};
 use super::raw::RawChannel;
 use super::schemas;
 
@@ -76,6 +80,20 @@ pub struct Topic {
     /// Where the body is that its messages tell of.
     #[serde(flatten)]
     pub(super) motion: Motion,
+
+    /// Which sensor of the recipe's drive this is. The knobs up to `sentences` belong to it.
+    pub from_drive: Option<FromDrive>,
+    #[serde(default)]
+    pub(super) errors: Vec<Error>,
+    #[serde(default)]
+    pub(super) late_s: f64,
+    pub(super) orientation_lag_s: Option<f64>,
+    #[serde(default = "default_scale")]
+    pub(super) noise: f64,
+    pub(super) datum: Option<Place>,
+    pub(super) world_from_enu: Option<Offset>,
+    #[serde(default = "all_sentences")]
+    pub(super) sentences: Vec<Kind>,
 
     // Numbers of messages, as published.
     pub(super) twist: Option<Twist>,
@@ -150,10 +168,25 @@ pub struct Transform {
     pub from_s: f64,
     /// End of activity, not included.
     pub until_s: Option<f64>,
+
+    /// Which edge of the recipe's drive this is. The knobs below belong to it.
+    pub from_drive: Option<FromDrive>,
+    #[serde(default)]
+    pub(super) errors: Vec<Error>,
+    #[serde(default)]
+    pub(super) late_s: f64,
+    #[serde(default = "default_scale")]
+    pub(super) noise: f64,
+    pub(super) datum: Option<Place>,
+    pub(super) world_from_enu: Option<Offset>,
 }
 
 fn default_scale() -> f64 {
     1.0
+}
+
+fn all_sentences() -> Vec<Kind> {
+    vec![Kind::Gga, Kind::Rmc, Kind::Hdt]
 }
 
 fn default_repeat() -> u64 {
@@ -193,6 +226,7 @@ impl Topic {
             "tf" | "tf_static" => "tf2_msgs/msg/TFMessage",
             _ if !self.transforms.is_empty() => "tf2_msgs/msg/TFMessage",
             _ if self.text.is_some() => "std_msgs/msg/String",
+            _ if self.from_drive.is_some() => self.from_drive.unwrap().message_type(),
             _ => panic!("`{}` needs a type", self.name),
         };
         known.to_owned()
@@ -202,10 +236,9 @@ impl Topic {
         // A recipe lives as long as the test: leaking its few definitions keeps the builder simple.
         let leak = |text: String| -> &'static str { Box::leak(text.into_boxed_str()) };
         let message_type = self.message_type();
-        let schema = self
-            .schema
-            .clone()
-            .unwrap_or_else(|| schemas::definition(&message_type));
+        let schema = self.schema.clone().unwrap_or_else(|| {
+            schemas::definition(self.from_drive.map_or(&message_type, |kind| kind.layout(&message_type)))
+        });
         let latched = matches!(self.last_segment(), "tf_static" | "robot_description");
         let word = if latched || self.latched {
             "transient_local"
@@ -252,8 +285,8 @@ impl Topic {
         scaled + nanoseconds(self.stamp_offset_s) + nanoseconds(drift_s) + nanoseconds(jitter_s)
     }
 
-    /// The `number`-th message, at a time; `None` for TF without an active transform.
-    pub(super) fn message(&self, at_s: f64, number: u64, stamp_ns: i64) -> Option<Vec<u8>> {
+    /// The `number`-th messages, at a time: one, but for sentences; none for TF without an active transform.
+    pub(super) fn messages(&self, at_s: f64, number: u64, stamp_ns: i64, driven: &Driven) -> Vec<Vec<u8>> {
         let header = Header {
             stamp_ns,
             frame_id: &self.frame_id,
@@ -261,11 +294,21 @@ impl Topic {
         let transforms: Vec<RawTransform<'_>> = self
             .transforms
             .iter()
-            .filter(|transform| active(transform.from_s, transform.until_s, at_s))
-            .map(|transform| transform.at(at_s, number, stamp_ns))
+            .zip(&driven.edges)
+            .filter(|(transform, _)| active(transform.from_s, transform.until_s, at_s))
+            .map(|(transform, rows)| {
+                let row = rows.as_ref().map(|rows| &rows[usize::try_from(number).unwrap()]);
+                transform.at(at_s, number, stamp_ns, row.map(PoseRow::published))
+            })
             .collect();
-        let body = match self.message_type().as_str() {
-            "tf2_msgs/msg/TFMessage" if transforms.is_empty() => return None,
+        let endian = if self.big_endian { Endian::Big } else { Endian::Little };
+        let message_type = self.message_type();
+        if let Some(rows) = &driven.rows {
+            let bodies = rows.bodies(self, &message_type, usize::try_from(number).unwrap(), header);
+            return bodies.iter().map(|body| body.encode(endian)).collect();
+        }
+        let body = match message_type.as_str() {
+            "tf2_msgs/msg/TFMessage" if transforms.is_empty() => return Vec::new(),
             "tf2_msgs/msg/TFMessage" => Body::Tf(&transforms),
             "std_msgs/msg/String" => Body::Text(self.text.as_deref().unwrap_or_default()),
             other => match self.fields(other, at_s, number) {
@@ -273,14 +316,14 @@ impl Topic {
                 None => Body::Padded(header),
             },
         };
-        Some(body.encode(if self.big_endian { Endian::Big } else { Endian::Little }))
+        vec![body.encode(endian)]
     }
 }
 
 impl Transform {
     /// The transform of the `number`-th message.
-    fn at(&self, at_s: f64, number: u64, stamp_ns: i64) -> RawTransform<'_> {
-        let pose = self.motion.at(at_s, number, &self.child);
+    fn at(&self, at_s: f64, number: u64, stamp_ns: i64, driven: Option<Published>) -> RawTransform<'_> {
+        let pose = driven.unwrap_or_else(|| self.motion.at(at_s, number, &self.child));
         RawTransform {
             header: Header {
                 stamp_ns,

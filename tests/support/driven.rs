@@ -1,0 +1,321 @@
+//! Topics and transforms of a recipe that are sensors of its drive: which they are, and the messages their rows become.
+
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+use serde::Deserialize;
+
+use super::contents::{pose_fields, twist_fields};
+use super::drive::errors::rotation;
+use super::drive::nmea::compass;
+use super::drive::rows::{FixRow, ImuRow, OdometryRow, PoseRow, VelocityRow};
+use super::drive::{Drive, Stream};
+use super::encode::{Body, Field, Header};
+use super::motion::Published;
+use super::topic::{Topic, Transform, Twist};
+
+/// A sensor or an edge of a drive.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Eq)]
+#[serde(rename_all = "snake_case")]
+pub enum FromDrive {
+    /// `sensor_msgs/msg/Imu`.
+    Imu,
+    /// `vn_driver/msg/Vectornav`: the Imu within, with an empty header of its own.
+    Ins,
+    /// `sensor_msgs/msg/NavSatFix`.
+    Fix,
+    /// `gps_msgs/msg/GPSFix`.
+    GpsFix,
+    /// `gps_driver/msg/Customgps`: numbers in fields of their own.
+    CustomGps,
+    /// `geometry_msgs/msg/TwistStamped`, or `TwistWithCovarianceStamped`.
+    GnssVelocity,
+    /// `geometry_msgs/msg/QuaternionStamped`.
+    Heading,
+    /// `nmea_msgs/msg/Sentence`.
+    Nmea,
+    /// `nav_msgs/msg/Odometry`; as an edge, `odom_from_base`.
+    Odometry,
+    /// `geometry_msgs/msg/PoseStamped`, or `PoseWithCovarianceStamped`; as an edge, `map_from_base`.
+    Pose,
+    /// The edge `map_from_odom`.
+    MapOdom,
+    /// The edge `earth_from_map`.
+    Earth,
+}
+
+/// A frame against another one.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Offset {
+    /// Metres.
+    #[serde(default)]
+    pub xyz: [f64; 3],
+    /// Roll, pitch, yaw about fixed axes, degrees.
+    #[serde(default)]
+    pub rpy_deg: [f64; 3],
+}
+
+/// What the drive says on a topic, and on each of its transforms: a row for each tick.
+#[derive(Debug)]
+pub struct Driven {
+    pub(super) rows: Option<Rows>,
+    pub(super) edges: Vec<Option<Vec<PoseRow>>>,
+}
+
+/// The rows of a topic.
+#[derive(Debug)]
+pub enum Rows {
+    Imu(Vec<ImuRow>),
+    Fix(Vec<FixRow>, Vec<VelocityRow>),
+    Velocity(Vec<VelocityRow>),
+    Pose(Vec<PoseRow>),
+    Odometry(Vec<OdometryRow>),
+    Sentences(Vec<Vec<String>>),
+}
+
+impl FromDrive {
+    pub(super) fn message_type(self) -> &'static str {
+        match self {
+            Self::Imu => "sensor_msgs/msg/Imu",
+            Self::Ins => "vn_driver/msg/Vectornav",
+            Self::Fix => "sensor_msgs/msg/NavSatFix",
+            Self::GpsFix => "gps_msgs/msg/GPSFix",
+            Self::CustomGps => "gps_driver/msg/Customgps",
+            Self::GnssVelocity => "geometry_msgs/msg/TwistStamped",
+            Self::Heading => "geometry_msgs/msg/QuaternionStamped",
+            Self::Nmea => "nmea_msgs/msg/Sentence",
+            Self::Odometry => "nav_msgs/msg/Odometry",
+            Self::Pose => "geometry_msgs/msg/PoseStamped",
+            Self::MapOdom | Self::Earth => panic!("{self:?} is an edge of TF, not a topic"),
+        }
+    }
+
+    /// The type whose definition a topic has: types of drivers may have any name.
+    pub(super) fn layout(self, message_type: &str) -> &str {
+        match self {
+            Self::Ins | Self::CustomGps => self.message_type(),
+            _ => message_type,
+        }
+    }
+}
+
+impl From<Offset> for Isometry3<f64> {
+    fn from(offset: Offset) -> Self {
+        let [roll, pitch, yaw] = offset.rpy_deg.map(f64::to_radians);
+        Self::from_parts(
+            Translation3::from(offset.xyz),
+            UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+        )
+    }
+}
+
+impl Topic {
+    /// What the recipe's drive says at the ticks.
+    pub(super) fn driven(&self, drive: Option<&Drive>, ticks: &[f64], start_s: f64) -> Driven {
+        let the_drive = || drive.unwrap_or_else(|| panic!("`{}` is of a drive; the recipe has none", self.name));
+        let rows = self.from_drive.map(|kind| {
+            let (drive, stream) = (the_drive(), self.stream(ticks));
+            match kind {
+                FromDrive::Imu | FromDrive::Ins => Rows::Imu(drive.imu_rows(&stream)),
+                FromDrive::Fix | FromDrive::GpsFix | FromDrive::CustomGps => {
+                    let velocity = Stream {
+                        errors: Vec::new(),
+                        ..stream.clone()
+                    };
+                    Rows::Fix(drive.fix_rows(&stream), drive.velocity_rows(&velocity))
+                }
+                FromDrive::GnssVelocity => Rows::Velocity(drive.velocity_rows(&stream)),
+                FromDrive::Heading => Rows::Pose(drive.heading_rows(&stream)),
+                FromDrive::Nmea => Rows::Sentences(drive.sentences(&stream, &self.sentences, start_s)),
+                FromDrive::Odometry => Rows::Odometry(drive.odometry_rows(&stream)),
+                FromDrive::Pose => Rows::Pose(drive.pose_rows(&stream)),
+                FromDrive::MapOdom | FromDrive::Earth => panic!("{kind:?} is an edge of TF, not a topic"),
+            }
+        });
+        let edge = |transform: &Transform| {
+            let kind = transform.from_drive?;
+            Some(transform.rows(kind, the_drive(), ticks))
+        };
+        Driven {
+            rows,
+            edges: self.transforms.iter().map(edge).collect(),
+        }
+    }
+
+    fn stream(&self, ticks: &[f64]) -> Stream {
+        let mut mount = Isometry3::from(Offset {
+            xyz: self.motion.xyz,
+            rpy_deg: self.motion.rpy_deg,
+        });
+        if let Some(slots) = self.motion.quaternion {
+            mount.rotation = rotation(slots);
+        }
+        Stream {
+            late_s: self.late_s,
+            orientation_lag_s: self.orientation_lag_s,
+            base_from_sensor: mount,
+            datum: self.datum,
+            world_from_enu: self.world_from_enu.map_or_else(Isometry3::identity, Isometry3::from),
+            noise: self.noise,
+            errors: self.errors.clone(),
+            ..Stream::new(&self.name, ticks.to_vec())
+        }
+    }
+}
+
+impl Transform {
+    fn rows(&self, kind: FromDrive, drive: &Drive, ticks: &[f64]) -> Vec<PoseRow> {
+        let stream = Stream {
+            late_s: self.late_s,
+            base_from_sensor: Offset {
+                xyz: self.motion.xyz,
+                rpy_deg: self.motion.rpy_deg,
+            }
+            .into(),
+            datum: self.datum,
+            world_from_enu: self.world_from_enu.map_or_else(Isometry3::identity, Isometry3::from),
+            noise: self.noise,
+            errors: self.errors.clone(),
+            ..Stream::new(&self.child, ticks.to_vec())
+        };
+        match kind {
+            FromDrive::Odometry => drive.odometry_rows(&stream).into_iter().map(|row| row.pose).collect(),
+            FromDrive::Pose => drive.pose_rows(&stream),
+            FromDrive::MapOdom => drive.map_odom_rows(&stream),
+            FromDrive::Earth => drive.earth_rows(&stream),
+            _ => panic!("{kind:?} is a topic, not an edge of TF"),
+        }
+    }
+}
+
+impl Rows {
+    /// The messages of a tick.
+    pub(super) fn bodies<'a>(
+        &'a self,
+        topic: &'a Topic,
+        message_type: &str,
+        number: usize,
+        header: Header<'a>,
+    ) -> Vec<Body<'a>> {
+        let with_covariance = message_type.contains("WithCovariance");
+        let fields = match self {
+            Self::Imu(rows) if topic.from_drive == Some(FromDrive::Ins) => ins_fields(&rows[number]),
+            Self::Imu(rows) => imu_fields(&rows[number]),
+            Self::Fix(rows, velocities) => match topic.from_drive {
+                Some(FromDrive::GpsFix) => gps_fix_fields(header, &rows[number], &velocities[number]),
+                Some(FromDrive::CustomGps) => custom_gps_fields(&rows[number]),
+                _ => fix_fields(&rows[number]),
+            },
+            Self::Velocity(rows) => {
+                let row = &rows[number];
+                let twist = twist_fields(Twist {
+                    linear: row.linear,
+                    angular: [0.0; 3],
+                });
+                let mut fields = Vec::from(twist);
+                fields.extend(with_covariance.then(|| Field::F64s(row.covariance.into())));
+                fields
+            }
+            Self::Pose(rows) => {
+                let row = &rows[number];
+                let [position, orientation] = pose_fields(row.published());
+                if topic.from_drive == Some(FromDrive::Heading) {
+                    vec![orientation]
+                } else {
+                    let covariance = with_covariance.then(|| Field::F64s(row.covariance.into()));
+                    [position, orientation].into_iter().chain(covariance).collect()
+                }
+            }
+            Self::Odometry(rows) => {
+                let row = &rows[number];
+                let mut fields = vec![Field::Text(&topic.child_frame_id)];
+                fields.extend(pose_fields(row.pose.published()));
+                fields.push(Field::F64s(row.pose.covariance.into()));
+                fields.extend(twist_fields(Twist {
+                    linear: row.linear,
+                    angular: row.angular,
+                }));
+                fields.push(Field::F64s(row.twist_covariance.into()));
+                fields
+            }
+            Self::Sentences(rows) => {
+                let body = |text: &'a String| Body::Fields(header, vec![Field::Text(text)]);
+                return rows[number].iter().map(body).collect();
+            }
+        };
+        vec![Body::Fields(header, fields)]
+    }
+}
+
+impl PoseRow {
+    pub(super) fn published(&self) -> Published {
+        Published {
+            position: self.position,
+            orientation: self.orientation,
+        }
+    }
+}
+
+fn imu_fields<'a>(row: &ImuRow) -> Vec<Field<'a>> {
+    vec![
+        Field::F64s(row.orientation.into()),
+        Field::F64s(row.orientation_covariance.into()),
+        Field::F64s(row.gyro.into()),
+        Field::F64s(row.gyro_covariance.into()),
+        Field::F64s(row.acceleration.into()),
+        Field::F64s(row.acceleration_covariance.into()),
+    ]
+}
+
+const NO_HEADER: Header<'_> = Header {
+    stamp_ns: 0,
+    frame_id: "",
+};
+
+fn ins_fields<'a>(row: &ImuRow) -> Vec<Field<'a>> {
+    let mut fields = vec![Field::Header(NO_HEADER)];
+    fields.extend(imu_fields(row));
+    // The magnetometer, and the text that it was read from.
+    fields.push(Field::Header(NO_HEADER));
+    fields.push(Field::F64s(vec![0.0; 3 + 9]));
+    fields.push(Field::Text("$VNYMR"));
+    fields
+}
+
+fn fix_fields<'a>(row: &FixRow) -> Vec<Field<'a>> {
+    vec![
+        Field::I8(row.status),
+        Field::U16(1),
+        Field::F64s(vec![row.latitude, row.longitude, row.altitude]),
+        Field::F64s(row.covariance.into()),
+        Field::U8(2),
+    ]
+}
+
+fn custom_gps_fields<'a>(row: &FixRow) -> Vec<Field<'a>> {
+    vec![Field::F64s(vec![row.latitude, row.longitude, row.altitude])]
+}
+
+fn gps_fix_fields<'a>(header: Header<'a>, row: &FixRow, velocity: &VelocityRow) -> Vec<Field<'a>> {
+    let [east, north, up] = velocity.linear;
+    let mut numbers = vec![row.latitude, row.longitude, row.altitude];
+    numbers.extend([compass(north.atan2(east)), east.hypot(north), up]);
+    // pitch, roll, dip; time; dilutions; errors.
+    numbers.extend([0.0; 3]);
+    numbers.push(header.stamp_ns as f64 * 1e-9);
+    numbers.extend([0.0; 5 + 10]);
+    vec![
+        // The status: satellites used, which; visible, which, where; status and sources.
+        Field::Header(header),
+        Field::U16(14),
+        Field::Empty(1),
+        Field::U16(20),
+        Field::Empty(4),
+        Field::I16(i16::from(row.status)),
+        Field::U16(1),
+        Field::U16(0),
+        Field::U16(1),
+        Field::F64s(numbers),
+        Field::F64s(row.covariance.into()),
+        Field::U8(2),
+    ]
+}
