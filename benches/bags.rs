@@ -18,6 +18,9 @@
 #[path = "../tests/support/encode.rs"]
 #[allow(dead_code, unreachable_pub)]
 mod encode;
+#[path = "../tests/support/schemas.rs"]
+#[allow(dead_code, unreachable_pub)]
+mod schemas;
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -26,7 +29,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::Duration;
 
-use encode::{Body, Endian, Header, Transform};
+use encode::{Body, Endian, Field, Header, Transform};
 use fastrand::Rng;
 use mcap::records::MessageHeader;
 use mcap::{Compression, WriteOptions, Writer};
@@ -222,6 +225,46 @@ fn image(random: &mut Rng) -> Vec<u8> {
     bytes
 }
 
+/// Where the vehicle is: on a circle of 50 m, at 10 m/s, to the left.
+struct Circle {
+    position: [f64; 3],
+    orientation: [f64; 4],
+}
+
+const RADIUS_M: f64 = 50.0;
+const SPEED_M_S: f64 = 10.0;
+
+impl Circle {
+    fn at(seconds: f64) -> Self {
+        let yaw = seconds * SPEED_M_S / RADIUS_M;
+        Self {
+            position: [RADIUS_M * yaw.sin(), RADIUS_M * (1.0 - yaw.cos()), 0.0],
+            orientation: [0.0, 0.0, (yaw / 2.0).sin(), (yaw / 2.0).cos()],
+        }
+    }
+
+    /// Orientation, rate and specific force, each with its covariance.
+    fn imu(&self) -> Vec<f64> {
+        let covariance = |variance: f64| [variance, 0.0, 0.0, 0.0, variance, 0.0, 0.0, 0.0, variance];
+        let mut numbers = self.orientation.to_vec();
+        numbers.extend(covariance(1e-4));
+        numbers.extend([0.0, 0.0, SPEED_M_S / RADIUS_M]);
+        numbers.extend(covariance(1e-6));
+        numbers.extend([0.0, SPEED_M_S * SPEED_M_S / RADIUS_M, 9.806_65]);
+        numbers.extend(covariance(1e-3));
+        numbers
+    }
+
+    /// Latitude, longitude and altitude, and the covariance.
+    fn fix(&self) -> Vec<f64> {
+        let [x, y, _] = self.position;
+        let (north, east) = (111_200.0, 111_200.0 * 48f64.to_radians().cos());
+        let mut numbers = vec![48.0 + y / north, 11.0 + x / east, 500.0];
+        numbers.extend([4e-4, 0.0, 0.0, 0.0, 4e-4, 0.0, 0.0, 0.0, 1e-3]);
+        numbers
+    }
+}
+
 struct Out {
     writer: Writer<BufWriter<File>>,
     channels: BTreeMap<&'static str, u16>,
@@ -231,10 +274,7 @@ struct Out {
 
 impl Out {
     fn channel(&mut self, topic: &'static str, message_type: &str) {
-        let schema = match message_type {
-            "tf2_msgs/msg/TFMessage" => "geometry_msgs/TransformStamped[] transforms\n",
-            _ => "std_msgs/Header header\n",
-        };
+        let schema = schemas::definition(message_type);
         let schema = self
             .writer
             .add_schema(message_type, "ros2msg", schema.as_bytes())
@@ -288,20 +328,21 @@ fn write_drive(path: &Path, compression: Option<Compression>, chunk_bytes: u64, 
     }
     let mut random = Rng::with_seed(7);
     let clouds: Vec<Vec<u8>> = (0..8).map(|_| cloud(&mut random)).collect();
-    let mount = |child, z| Transform {
+    let mount = |child, z, rotation| Transform {
         header: Header {
             stamp_ns: START_NS,
             frame_id: "base_link",
         },
         child,
         translation: [0.3, 0.0, z],
-        rotation: [0.0, 0.0, 0.0, 1.0],
+        rotation,
     };
+    let straight = [0.0, 0.0, 0.0, 1.0];
     let mounts = [
-        mount("imu", 0.3),
-        mount("lidar", 1.8),
-        mount("camera", 1.5),
-        mount("gps", 1.9),
+        mount("imu", 0.3, straight),
+        mount("lidar", 1.8, straight),
+        mount("camera_optical_frame", 1.5, [-0.5, 0.5, -0.5, 0.5]),
+        mount("gps", 1.9, straight),
     ];
     out.message("/tf_static", START_NS, &Body::Tf(&mounts).encode(Endian::Little));
     let large = |frame_id, stamp_ns, data: &[u8]| {
@@ -320,15 +361,17 @@ fn write_drive(path: &Path, compression: Option<Compression>, chunk_bytes: u64, 
             frame_id,
         };
         let number = usize::try_from(tick).expect("positive");
+        let at = Circle::at(tick as f64 / 600.0);
         if tick % 3 == 0 {
-            out.message("/imu", now, &Body::Imu(header("imu")).encode(Endian::Little));
+            let imu = vec![Field::F64s(at.imu())];
+            out.message("/imu", now, &Body::Fields(header("imu"), imu).encode(Endian::Little));
         }
         if tick % 6 == 0 {
             let transform = Transform {
                 header: header("odom"),
                 child: "base_link",
-                translation: [tick as f64 / 60.0, 0.0, 0.0],
-                rotation: [0.0, 0.0, 0.0, 1.0],
+                translation: at.position,
+                rotation: at.orientation,
             };
             out.message("/tf", now, &Body::Tf(&[transform]).encode(Endian::Little));
         }
@@ -341,10 +384,11 @@ fn write_drive(path: &Path, compression: Option<Compression>, chunk_bytes: u64, 
         }
         if tick % 20 == 0 {
             let image = image(&mut random);
-            out.message("/image", now, &large("camera", now, &image));
+            out.message("/image", now, &large("camera_optical_frame", now, &image));
         }
         if tick % 120 == 0 {
-            out.message("/fix", now, &Body::Padded(header("gps")).encode(Endian::Little));
+            let fix = vec![Field::I8(2), Field::U16(1), Field::F64s(at.fix()), Field::U8(2)];
+            out.message("/fix", now, &Body::Fields(header("gps"), fix).encode(Endian::Little));
         }
     }
     out.writer.finish().expect("the drive is written");

@@ -6,14 +6,31 @@
 pub mod axis_maps;
 pub mod circular;
 pub mod constants;
+pub mod effective;
+pub mod geodesy;
+pub mod geoid;
+pub mod gravity;
+pub mod lag;
 pub mod readings;
+pub mod regress;
 pub mod relation;
+pub mod rest;
 pub mod rotation;
 pub mod similarity2;
 pub mod stats;
+pub mod turns;
+pub mod utm;
 
 #[cfg(test)]
 mod tests_constants;
+#[cfg(test)]
+mod tests_drive;
+#[cfg(test)]
+mod tests_geodesy;
+#[cfg(test)]
+mod tests_gravity;
+#[cfg(test)]
+mod tests_regress;
 #[cfg(test)]
 mod tests_rotation;
 #[cfg(test)]

@@ -223,6 +223,15 @@ fn the_earth_is_that_of_textbooks() {
     };
     assert_eq!(place.utm_meridian(), 9.0);
     let (east, north) = place.utm(9.0);
+    // Numbers of PROJ, EPSG:32632 and, in the south, EPSG:32756.
+    assert!((east - 691_434.912_2).hypot(north - 5_334_907.914_4) < 1e-3);
+    let sydney = Place {
+        latitude: -33.9,
+        longitude: 151.2,
+        altitude: 0.0,
+    };
+    let (south_east, south_north) = sydney.utm(sydney.utm_meridian());
+    assert!((south_east - 333_568.941_1).hypot(south_north - 6_247_473.336_8) < 1e-3);
     let (further, higher) = place.of_enu(Vector3::new(0.0, 100.0, 0.0)).utm(9.0);
     let convergence = -(further - east).atan2(higher - north);
     let wanted = (2.573_3_f64.to_radians().tan() * place.latitude.to_radians().sin()).atan();
@@ -511,8 +520,14 @@ fn maps_lie_on_the_earth() {
 
 #[test]
 fn map_from_odom_closes_the_chain() {
-    let drive = Drive::new(Description::default());
-    let stream = Stream::new("odom", drive.times(10.0));
+    let drive = Drive::new(Description {
+        vehicle: Vehicle::Walker,
+        ..Description::default()
+    });
+    let stream = Stream {
+        noise: 0.0,
+        ..Stream::new("odom", drive.times(10.0))
+    };
     let odometry = drive.odometry_rows(&stream);
     let poses = drive.pose_rows(&stream);
     for ((edge, odometry), pose) in drive.map_odom_rows(&stream).iter().zip(&odometry).zip(&poses) {
@@ -520,6 +535,42 @@ fn map_from_odom_closes_the_chain() {
         assert!((chain.translation.vector - pose.isometry().translation.vector).norm() < 1e-9);
         assert!(chain.rotation.angle_to(&pose.isometry().rotation) < 1e-9);
     }
+}
+
+#[test]
+fn a_filter_holds_the_map_still() {
+    for vehicle in VEHICLES {
+        let drive = Drive::new(Description {
+            vehicle,
+            duration_s: 120.0,
+            ..Description::default()
+        });
+        let stream = Stream::new("odom", drive.times(20.0));
+        let rows = drive.map_odom_rows(&stream);
+        for pair in rows.windows(2) {
+            let step = Vector3::from(pair[1].position) - Vector3::from(pair[0].position);
+            assert!(step.norm() < 0.3, "{vehicle:?} at {}: {step}", pair[1].t_s);
+        }
+        for (edge, row) in rows.iter().zip(&drive.odometry_rows(&stream)) {
+            let there = (edge.isometry() * row.pose.isometry()).translation.vector;
+            assert!((there - drive.at(row.pose.t_s).position).norm() < 0.5, "{vehicle:?}");
+        }
+    }
+}
+
+#[test]
+fn one_receiver_has_one_noise() {
+    let drive = Drive::new(Description {
+        gnss: Gnss::Single,
+        ..Description::default()
+    });
+    let slow = drive.fix_rows(&Stream::new("receiver", vec![3.0, 7.0]));
+    let fast = drive.fix_rows(&Stream::new("receiver", drive.times(10.0)));
+    let late = drive.fix_rows(&Stream::new("receiver", vec![7.5]).late(0.5));
+    assert_eq!(slow[1], fast[70]);
+    assert_eq!(slow[1].altitude, late[0].altitude);
+    let other = drive.fix_rows(&Stream::new("another", vec![7.0]));
+    assert_ne!(slow[1].altitude, other[0].altitude);
 }
 
 #[test]
@@ -597,6 +648,7 @@ fn recipes_speak_of_drives() {
     ] {
         assert_eq!(bag.topics[topic].message_type.as_str(), kind);
         assert_eq!(bag.topics[topic].count, count, "{topic}");
+        assert_eq!((bag.topics[topic].malformed, &bag.topics[topic].unread), (0, &None));
     }
 }
 

@@ -102,3 +102,31 @@ fn the_folder_of_a_package_makes_its_types_readable() {
     let right = call("src").text();
     assert!(!right.contains("gps_driver") && right.contains("antenna"), "{right}");
 }
+
+#[test]
+fn a_driver_that_wraps_standard_types_is_read_through_its_definition() {
+    let head = |frame_id| Header { stamp_ns: 5, frame_id };
+    let imu = Body::Imu(head("")).encode(Endian::Little);
+    let mut wrapped = Body::Padded(head("imu1_frame")).encode(Endian::Little);
+    // `header`, 8 and 4 bytes and a text of 11, is padded to 24 bytes; then the member as it stands alone.
+    wrapped.truncate(4 + 24);
+    wrapped.extend(&imu[4..]);
+    let short = wrapped.get(..100).unwrap().to_vec();
+    let bytes = in_memory(Layout::default(), |out| {
+        let channel = out.channel(&RawChannel {
+            topic: "/imu",
+            message_type: "vn_driver/msg/Vectornav",
+            schema: "std_msgs/Header header\nsensor_msgs/Imu imu\nstring read\n",
+            ..RawChannel::default()
+        });
+        out.message(channel, 1, &wrapped);
+        out.message(channel, 2, &short);
+    });
+    let (source, collected) = support::collected(&bytes);
+    let problems: Vec<_> = source.problems.iter().map(|problem| problem.message.as_str()).collect();
+    let cut = "1 of 2 messages on `/imu` do not decode: 8 bytes at byte 100 run past the end of the message of 100";
+    assert_eq!(problems, [cut]);
+    let topic = &support::bag(&collected).topics["/imu"];
+    let frames: Vec<_> = topic.header_frames.keys().map(ToString::to_string).collect();
+    assert_eq!((frames, topic.unread.as_deref()), (vec!["imu1_frame".to_owned()], None));
+}

@@ -2,14 +2,14 @@
 //! there.
 #![no_main]
 
-use frames_lint::read::messages::content::Body;
+use frames_lint::read::messages::content::{Body, MAX_PATH};
 use frames_lint::read::messages::decoder::{Decoder, Format};
 use frames_lint::read::messages::definition::Definitions;
 use frames_lint::read::messages::header::Header;
 use frames_lint::read::messages::{MAX_NAME, Wire, tf};
 use libfuzzer_sys::fuzz_target;
 
-const TYPES: [(&str, &str); 11] = [
+const TYPES: [(&str, &str); 18] = [
     ("/tf", "tf2_msgs/msg/TFMessage"),
     ("/pose/tf", "geometry_msgs/msg/TransformStamped"),
     ("/odom", "nav_msgs/msg/Odometry"),
@@ -21,6 +21,13 @@ const TYPES: [(&str, &str); 11] = [
     ("/twist_cov", "geometry_msgs/TwistWithCovarianceStamped"),
     ("/clock", "rosgraph_msgs/Clock"),
     ("/robot_description", "std_msgs/msg/String"),
+    ("/nmea", "std_msgs/msg/String"),
+    ("/nmea_sentence", "nmea_msgs/msg/Sentence"),
+    ("/gps", "gps_msgs/msg/GPSFix"),
+    ("/heading", "geometry_msgs/msg/QuaternionStamped"),
+    ("/fix_velocity", "geometry_msgs/msg/Vector3Stamped"),
+    ("/geopose", "geographic_msgs/msg/GeoPoseStamped"),
+    ("/plan", "nav_msgs/msg/Path"),
 ];
 
 fuzz_target!(|bytes: &[u8]| {
@@ -42,6 +49,9 @@ fuzz_target!(|bytes: &[u8]| {
             match content.body {
                 Body::Odometry(odometry) => assert!(odometry.child.len() <= MAX_NAME),
                 Body::Description(text) => assert!(text.len() <= bytes.len()),
+                // The shortest pose is 12 bytes of header and 56 of numbers.
+                Body::Path(poses) => assert!(poses.len() <= (bytes.len() / 68).min(MAX_PATH as usize)),
+                Body::Fix(fix) => assert!(fix.velocity.is_none_or(|velocity| velocity.iter().all(|part| part.is_finite()))),
                 _ => {}
             }
         }

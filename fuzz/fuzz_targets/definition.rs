@@ -49,6 +49,12 @@ fuzz_target!(|bytes: &[u8]| {
                 if let Body::ChildFrame(child) = &content.body {
                     assert!(child.len() <= MAX_NAME);
                 }
+                // Members take bytes of the message, except for what is empty; each has the outer header at least.
+                assert!(content.members.len() <= 32);
+                for member in &content.members {
+                    assert!(!member.field.is_empty() && !matches!(member.body, Body::Nothing));
+                    assert!(member.header.is_some() || content.header.is_none());
+                }
             }
         }
     }

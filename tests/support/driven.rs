@@ -149,6 +149,11 @@ impl Topic {
         if let Some(slots) = self.motion.quaternion {
             mount.rotation = rotation(slots);
         }
+        // What is measured in one GNSS frame comes from one receiver.
+        let name = match self.from_drive {
+            Some(FromDrive::Imu | FromDrive::Ins | FromDrive::Odometry | FromDrive::Pose) => self.name.clone(),
+            _ => format!("receiver {}", self.frame_id),
+        };
         Stream {
             late_s: self.late_s,
             orientation_lag_s: self.orientation_lag_s,
@@ -156,8 +161,9 @@ impl Topic {
             datum: self.datum,
             world_from_enu: self.world_from_enu.map_or_else(Isometry3::identity, Isometry3::from),
             noise: self.noise,
+            covariance_scale: self.covariance_scale,
             errors: self.errors.clone(),
-            ..Stream::new(&self.name, ticks.to_vec())
+            ..Stream::new(&name, ticks.to_vec())
         }
     }
 }
@@ -238,12 +244,20 @@ impl Rows {
                 fields
             }
             Self::Sentences(rows) => {
-                let body = |text: &'a String| Body::Fields(header, vec![Field::Text(text)]);
-                return rows[number].iter().map(body).collect();
+                let body = |(k, text): (usize, &'a String)| {
+                    let stamp_ns = header.stamp_ns + sentence_ns(k);
+                    Body::Fields(Header { stamp_ns, ..header }, vec![Field::Text(text)])
+                };
+                return rows[number].iter().enumerate().map(body).collect();
             }
         };
         vec![Body::Fields(header, fields)]
     }
+}
+
+/// How much later than the first the `k`-th sentence of a tick is read and stamped, nanoseconds.
+pub(super) fn sentence_ns(k: usize) -> i64 {
+    5_000_000 * i64::try_from(k).unwrap()
 }
 
 impl PoseRow {

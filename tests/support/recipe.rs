@@ -63,28 +63,28 @@
 //! `from_drive` of a topic, which then needs no `type`: `imu`, `ins` (an Imu with an empty header within
 //! vn_driver/msg/Vectornav), `fix`, `gps_fix` (gps_msgs/msg/GPSFix), `custom_gps` (gps_driver/msg/Customgps: latitude,
 //! longitude, altitude), `gnss_velocity` (TwistStamped; ENU), `heading` (QuaternionStamped), `nmea` (nmea_msgs/msg/Sentence;
-//! `sentences: [GGA, RMC, HDT]` are sent at every tick), `odometry`, `pose` (PoseStamped, in the map = ENU). A `type` may
+//! `sentences: [GGA, RMC, HDT]` are sent at every tick, 5 ms apart), `odometry`, `pose` (PoseStamped, in the map = ENU). A `type` may
 //! name the variant WithCovariance of TwistStamped and PoseStamped, and be any name for `ins` and `custom_gps`.
 //! `from_drive` of a transform: `odometry` (odom from base), `pose` (map from base), `map_odom` (map from odom), `earth`
-//! (earth from map).
+//! (earth from map). GNSS topics of one `frame_id` are of one receiver and share its noise.
 //!
 //! Beside it: `xyz`, `rpy_deg` or `quaternion` (where the sensor sits in the base; not of odometry), `late_s` (what a
 //! message shows is older than its stamp; with `stamp_offset_s: -0.2` beside `late_s: 0.2` the stamp is right and the
 //! message late), `orientation_lag_s` (of an Imu's orientation beyond that; the grade's by default), `noise` (multiplies
-//! all noise; 0 is exact), `datum: {latitude, longitude, altitude}` (another origin of the map, of `pose` and `earth`),
+//! all noise; 0 is exact), `covariance_scale` (multiplies covariances alone), `datum: {latitude, longitude, altitude}` (another origin of the map, of `pose` and `earth`),
 //! `world_from_enu: {xyz, rpy_deg}` (a map that is not ENU), and `errors`, applied in their order:
 //! - orientations (imu, ins, heading, pose, odometry): `ned_frd` (all of it), `ned_orientation` (the quaternion alone),
 //!   `ned_world`, `conjugate`, `wxyz`, `compass_yaw`, `zero_north`, `y_forward`, `backward`, `inverted` and `yaw_90` (a
 //!   mount that TF does not know), `euler_xyz`, `left_handed`
-//! - imu, ins: `frd` (gyro and accelerometer beside a correct quaternion), `deg_s`, `gyro_negated`, `g`, `gravity_sign`,
+//! - imu, ins: `frd` (gyro and accelerometer beside a correct quaternion), `deg_s`, `gyro_negated`, `g`, `cm_s2`, `gravity_sign`,
 //!   `gravity_removed`
 //! - pose, odometry: `x_negated`, `y_negated`, `z_negated`, `swap_xy` (positions alone); pose: `utm_grid` (from the
 //!   origin's easting and northing), `utm`, `ecef`
 //! - odometry: `twist_in_world`, `twist_reversed`, `twist_y_negated`, `twist_swapped`, `twist_yaw_negated`
 //! - fix, gps_fix, custom_gps: `swapped`, `msl`, `radians`, `e7`, `float32`; gnss_velocity: `ned_frd`, `swap_xy`,
 //!   `twist_in_body`, `twist_reversed`
-//! - covariances: `covariance_std`; imu, pose, odometry: `covariance_degrees`; pose, odometry:
-//!   `covariance_rotation_first`, `covariance_not_rotated` (left in the body's axes); pose: `covariance_of_enu` (left in
+//! - covariances: `covariance_std`; imu, pose, odometry: `covariance_degrees`; pose, odometry, fix:
+//!   `covariance_centimetres`; pose, odometry: `covariance_rotation_first`, `covariance_not_rotated` (left in the body's axes); pose: `covariance_of_enu` (left in
 //!   ENU, the pose being in `world_from_enu`); imu, fix: `covariance_up_first`
 //! - earth: `transposed`, `ned_rows`, `spherical_latitude`, `active_rotations`, `lat_lon_swapped`
 //!
@@ -104,6 +104,7 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use super::drive::{Description, Drive};
+use super::driven::sentence_ns;
 use super::raw::{self, Layout};
 use super::topic::{Topic, active, nanoseconds};
 
@@ -193,7 +194,9 @@ impl Recipe {
                 let stamped_s = ticks[usize::try_from(stamped).unwrap()];
                 let stamp_ns = topic.stamp_ns(nanoseconds(self.start_s), stamped_s, stamped);
                 let of_tick = topic.messages(at_s, number, stamp_ns, &driven);
-                messages.extend(of_tick.into_iter().map(|message| (log_ns, index, message)));
+                for (k, message) in of_tick.into_iter().enumerate() {
+                    messages.push((log_ns + sentence_ns(k), index, message));
+                }
             }
         }
         messages.sort_by_key(|(log_ns, index, _)| (*log_ns, *index));

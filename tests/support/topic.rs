@@ -90,6 +90,8 @@ pub struct Topic {
     pub(super) orientation_lag_s: Option<f64>,
     #[serde(default = "default_scale")]
     pub(super) noise: f64,
+    #[serde(default = "default_scale")]
+    pub(super) covariance_scale: f64,
     pub(super) datum: Option<Place>,
     pub(super) world_from_enu: Option<Offset>,
     #[serde(default = "all_sentences")]

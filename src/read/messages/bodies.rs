@@ -51,7 +51,7 @@ pub(super) fn gps_fix<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeErr
     let status = gps_status(cursor)?;
     let [latitude, longitude, altitude, track, speed, climb] = cursor.f64s()?;
     // Attitude, time, dilutions of precision and errors.
-    cursor.skip_numbers(8, 20)?;
+    cursor.skip_numbers(8, 19)?;
     let (sin, cos) = track.to_radians().sin_cos();
     let velocity = [speed * sin, speed * cos, climb];
     let is_known = status >= 0 && velocity.iter().all(|part| part.is_finite());

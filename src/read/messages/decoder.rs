@@ -58,8 +58,8 @@ enum Way {
 
 impl Decoder {
     /// Decides how the messages of a channel are read: the standard types by their published layout, where the
-    /// recording's definition does not say otherwise; any other by its definition, for its header. The definition is
-    /// the recording's own; else one of `definitions`.
+    /// recording's definition does not say otherwise; any other by its definition, for its header and for what stands
+    /// in it that is known. The definition is the recording's own; else one of `definitions`.
     pub fn of(format: &Format<'_>, definitions: &Definitions) -> Self {
         if let Some(reader) = foxglove::Reader::of(format) {
             return Self::new(reader.map_or_else(Way::unread, |reader| Way::Foxglove(Box::new(reader))));

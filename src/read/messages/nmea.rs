@@ -43,7 +43,7 @@ fn sentence(text: &str, at: usize) -> Result<Option<Nmea>, DecodeError> {
 
 /// Which sentence an address stands for: two letters for the sender, three for the sentence. Those of makers begin with P.
 fn kind_of(address: &str) -> Option<Sentence> {
-    if address.len() != 5 || address.starts_with('P') {
+    if address.len() != 5 || !address.is_ascii() || address.starts_with('P') {
         return None;
     }
     Some(match address.get(2..)? {

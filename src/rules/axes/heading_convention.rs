@@ -7,7 +7,9 @@ use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
+use super::causes::{self, Diagnosis};
 use super::heading::{Heading, Sense};
+use super::sensors::Sensors;
 
 /// AXES04.
 pub struct HeadingConvention;
@@ -34,36 +36,18 @@ impl Rule for HeadingConvention {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        for bag in &Motion::of(world).bags {
-            let tracks = bag.tracks();
-            for imu in &bag.imus {
-                judge_imu(imu, &tracks, limits, out);
-            }
+        let (motion, sensors) = (Motion::of(world), Sensors::of(world));
+        for (bag, imu, diagnosis) in sensors.each(&motion) {
+            judge_imu(imu, &bag.tracks(), diagnosis, limits, out);
         }
     }
 }
 
-fn judge_imu(imu: &Imu, tracks: &[Track], limits: &Limits, out: &mut Judge) {
+fn judge_imu(imu: &Imu, tracks: &[Track], diagnosis: &Diagnosis, limits: &Limits, out: &mut Judge) {
     let subject = format!("yaw of {}", imu.stream.subject);
-    if let Some(why) = imu.no_orientation {
-        return out.not_evaluated(&subject, NotEvaluated::NotApplicable, why);
-    }
-    if tracks.is_empty() {
-        let why = "no satellite fixes, odometry or poses show where it went";
-        return out.not_evaluated(&subject, NotEvaluated::MissingInput, why);
-    }
-    let against = |track: &Track| {
-        let courses = track.courses(limits.min_speed_m_s);
-        Heading::of(&imu.stream, &imu.base_from_imu(), &courses, limits)
-    };
-    let headings: Vec<(&Track, Heading)> = tracks.iter().map(|track| (track, against(track))).collect();
-    // Satellites first: odometry is often made of this very yaw.
-    let decided = headings
-        .iter()
-        .find(|(_, heading)| heading.agreement().is_some_and(|share| share >= limits.min_agreement));
-    let Some((track, heading)) = decided else {
-        let why = undecided(&headings, limits);
-        return out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
+    let Decided { track, heading } = match look(imu, tracks, limits) {
+        Ok(decided) => decided,
+        Err((why, reason)) => return out.not_evaluated(&subject, why, reason),
     };
     let [left, right] = heading.resultants;
     let (best, other) = match heading.winner() {
@@ -80,21 +64,58 @@ fn judge_imu(imu: &Imu, tracks: &[Track], limits: &Limits, out: &mut Judge) {
         Measured::count("windows with a turn", heading.votes.iter().sum()),
     ];
     if heading.winner() == Sense::Right {
-        return out.fail(clockwise(imu, &subject, track, heading, measured));
+        if let Some(owner) = diagnosis.reported_by("AXES04") {
+            let why = format!("the yaw turns against the course: part of what {owner} reports of this sensor");
+            return out.not_evaluated(&subject, NotEvaluated::NotApplicable, why);
+        }
+        return out.fail(clockwise(imu, &subject, track, &heading, diagnosis, measured));
     }
-    match offset_finding(imu, &subject, track, heading, limits) {
+    match offset_finding(imu, &subject, track, &heading, limits) {
         Some(finding) => out.fail(measured.into_iter().fold(finding, Finding::measured)),
         None => out.pass(&subject, measured),
     }
 }
 
+/// What was seen.
+pub(super) struct Decided<'t> {
+    track: &'t Track,
+    heading: Heading,
+}
+
+impl Decided<'_> {
+    pub(super) fn class(&self) -> causes::Heading {
+        match self.heading.winner() {
+            Sense::Left => causes::Heading::With,
+            Sense::Right => causes::Heading::Against,
+        }
+    }
+}
+
+/// How the yaw turns against the first track that tells. Satellites come first: odometry is often made of this very yaw.
+pub(super) fn look<'t>(imu: &Imu, tracks: &'t [Track], limits: &Limits) -> Result<Decided<'t>, (NotEvaluated, String)> {
+    if let Some(why) = imu.no_orientation {
+        return Err((NotEvaluated::NotApplicable, why.to_owned()));
+    }
+    if tracks.is_empty() {
+        let why = "no satellite fixes, odometry or poses show where it went".to_owned();
+        return Err((NotEvaluated::MissingInput, why));
+    }
+    let mut undecided_by = Vec::new();
+    for track in tracks {
+        let courses = track.courses(limits.min_speed_m_s);
+        let heading = Heading::of(&imu.stream, &imu.base_from_imu(), &courses, limits);
+        if heading.agreement().is_some_and(|share| share >= limits.min_agreement) {
+            return Ok(Decided { track, heading });
+        }
+        undecided_by.push(heading);
+    }
+    Err((NotEvaluated::TooLittleEvidence, undecided(&undecided_by, limits)))
+}
+
 /// Why no track decided: what the best of them lacked.
-fn undecided(headings: &[(&Track, Heading)], limits: &Limits) -> String {
-    let widest = headings
-        .iter()
-        .map(|(_, heading)| heading.widest_rad)
-        .fold(0.0, f64::max);
-    let windows: usize = headings.iter().map(|(_, heading)| heading.windows).sum();
+fn undecided(headings: &[Heading], limits: &Limits) -> String {
+    let widest = headings.iter().map(|heading| heading.widest_rad).fold(0.0, f64::max);
+    let windows: usize = headings.iter().map(|heading| heading.windows).sum();
     if windows == 0 {
         return format!(
             "the course turns by {:.0} deg at most while both are there and it moves, {} deg within {} s are needed",
@@ -103,37 +124,48 @@ fn undecided(headings: &[(&Track, Heading)], limits: &Limits) -> String {
             limits.window_s
         );
     }
-    let votes: [usize; 2] = headings.iter().fold([0, 0], |sum, (_, heading)| {
-        [sum[0] + heading.votes[0], sum[1] + heading.votes[1]]
+    let [left, right] = headings.iter().fold([0, 0], |[left, right], heading| {
+        let [more_left, more_right] = heading.votes;
+        [left + more_left, right + more_right]
     });
     format!(
-        "the yaw follows the course clearly neither way: of {windows} windows with a turn {} say counter-clockwise, {} \
-         clockwise",
-        votes[0], votes[1]
+        "the yaw follows the course clearly neither way: of {windows} windows with a turn {left} say counter-clockwise, {right} \
+         clockwise"
     )
 }
 
-fn clockwise(imu: &Imu, subject: &str, track: &Track, heading: &Heading, measured: [Measured; 4]) -> Finding {
+fn clockwise(
+    imu: &Imu,
+    subject: &str,
+    track: &Track,
+    heading: &Heading,
+    diagnosis: &Diagnosis,
+    measured: [Measured; 4],
+) -> Finding {
     let offset = heading.offset_rad.to_degrees();
     let (from, to) = heading.span_s.unwrap_or_default();
     let zero = if !track.is_geodetic {
         "where its zero is cannot be told from this track".to_owned()
     } else if (offset - 90.0).abs() <= 30.0 {
-        format!("its zero is {offset:.0} deg from that of a compass's at east, as a heading from north has")
+        format!("the offset of {offset:.0} deg is that of a heading counted from north")
     } else {
         format!("with an offset of {offset:.0} deg, where a heading from north has 90")
     };
     let message = format!(
-        "the yaw of `{}` grows clockwise: it turns against the course of {} from {from:.0} to {to:.0} s; {zero}",
-        imu.stream.topic, track.subject
+        "the yaw of `{}` grows clockwise: it turns against the course of {} from {from:.0} to {to:.0} s; {zero}{}",
+        imu.stream.topic,
+        track.subject,
+        diagnosis.words()
     );
+    let help = diagnosis.help().unwrap_or_else(|| {
+        "REP-103 counts yaw counter-clockwise from east: publish `yaw_ros = pi/2 - heading`; of a whole NED/FRD orientation \
+         `R_enu_flu = P * R_ned_frd * F`"
+            .to_owned()
+    });
     let finding = Finding::error(subject, message, imu.stream.place())
         .likely()
-        .relation("clockwise-yaw")
-        .help(
-            "REP-103 counts yaw counter-clockwise from east: publish `yaw_ros = pi/2 - heading`; of a whole NED/FRD \
-             orientation `R_enu_flu = P * R_ned_frd * F`",
-        );
+        .relation(diagnosis.word().unwrap_or("clockwise-yaw"))
+        .help(help);
     measured.into_iter().fold(finding, Finding::measured)
 }
 

@@ -1,8 +1,16 @@
 //! AXES: axes and conventions, measured from motion.
 
+pub mod accel_vs_speed;
+pub(crate) mod causes;
 pub mod gnss_vs_odom_handedness;
+pub mod gyro_vs_turn_sign;
 mod handedness;
 mod heading;
 pub mod heading_convention;
+pub mod imu_gravity_sign;
+pub mod imu_units;
 pub mod odom_twist_frame;
+pub mod orientation_vs_gravity;
+mod rates;
+pub(crate) mod sensors;
 mod twist;

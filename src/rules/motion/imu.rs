@@ -6,6 +6,7 @@ use crate::world::bag::TopicEvidence;
 use crate::world::motion::InertialRow;
 use crate::world::{BagEvidence, World};
 
+use super::inertial::Inertial;
 use super::mount::{Mount, mount};
 use super::stream::Stream;
 
@@ -18,15 +19,19 @@ pub(crate) struct Imu {
     pub(crate) mount: Option<Mount>,
     /// Why its orientation is none.
     pub(crate) no_orientation: Option<&'static str>,
+    /// What its numbers measure.
+    pub(crate) inertial: Inertial,
 }
 
 impl Imu {
     /// The sensor of a topic; `None` where it says nothing inertial.
     pub(super) fn of(world: &World, bag: &BagEvidence, topic: &TopicEvidence) -> Option<Self> {
         let stream = Stream::of_topic(bag, topic, topic.content.motion.inertial.as_ref())?;
+        let no_orientation = no_orientation(topic);
         Some(Self {
             mount: stream.frame.as_ref().and_then(|frame| mount(world, frame)),
-            no_orientation: no_orientation(topic),
+            inertial: Inertial::of(&stream, no_orientation.is_none()),
+            no_orientation,
             stream,
         })
     }

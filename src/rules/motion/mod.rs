@@ -5,12 +5,14 @@
 
 mod clock;
 mod imu;
+mod inertial;
 mod mount;
 mod stream;
 mod track;
 
 use std::sync::Arc;
 
+use crate::rules::names;
 use crate::world::motion::{FixRow, PoseRow, TwistRow};
 use crate::world::{BagEvidence, World};
 
@@ -69,6 +71,10 @@ impl BagMotion {
     /// Where the platform went: by satellite receivers first, then by odometry and poses.
     pub(crate) fn tracks(&self) -> Vec<Track> {
         let fixes = self.fixes.iter().map(Track::of_fixes);
-        fixes.chain(self.poses.iter().map(Track::of_poses)).collect()
+        // Joints move, too, and say nothing of the platform's way.
+        let is_way = |poses: &&Stream<PoseRow>| poses.frame.as_ref().is_none_or(names::is_world);
+        fixes
+            .chain(self.poses.iter().filter(is_way).map(Track::of_poses))
+            .collect()
     }
 }

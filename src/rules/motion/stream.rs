@@ -59,6 +59,12 @@ impl<R: Row> Stream<R> {
         self.stretches.iter().flatten()
     }
 
+    /// Length of all stretches together, seconds.
+    pub(crate) fn seconds(&self) -> f64 {
+        let length = |stretch: &Vec<Timed<R>>| Some(stretch.last()?.t_s - stretch.first()?.t_s);
+        self.stretches.iter().filter_map(length).sum()
+    }
+
     /// Runs of neighbouring rows that last `seconds` each, one after the other, without a step longer than `max_step_s`.
     pub(crate) fn windows(&self, seconds: f64, max_step_s: f64) -> Vec<&[Timed<R>]> {
         let mut windows = Vec::new();

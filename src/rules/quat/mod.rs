@@ -2,4 +2,5 @@
 
 mod listed;
 
+pub mod quaternion_convention;
 pub mod quaternion_order_static;

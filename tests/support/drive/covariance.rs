@@ -47,6 +47,7 @@ pub fn apply(covariance: &mut [f64; 9], error: Error) -> bool {
     match error {
         Error::CovarianceStd => covariance.iter_mut().for_each(root),
         Error::CovarianceUpFirst => covariance.reverse(),
+        Error::CovarianceCentimetres => *covariance = covariance.map(|value| value * 1e4),
         _ => return false,
     }
     true
@@ -61,8 +62,13 @@ pub fn apply6(covariance: &mut [f64; 36], error: Error) -> bool {
             let swapped = Matrix6::from_fn(|row, column| matrix[((row + 3) % 6, (column + 3) % 6)]);
             *covariance = row_major(&swapped);
         }
-        Error::CovarianceDegrees => {
-            let unit = |axis: usize| if axis < 3 { 1.0 } else { 1.0_f64.to_degrees() };
+        Error::CovarianceDegrees | Error::CovarianceCentimetres => {
+            let units = if error == Error::CovarianceDegrees {
+                [1.0, 1.0_f64.to_degrees()]
+            } else {
+                [100.0, 1.0]
+            };
+            let unit = |axis: usize| units[axis / 3];
             let scaled = Matrix6::from_fn(|row, column| matrix[(row, column)] * unit(row) * unit(column));
             *covariance = row_major(&scaled);
         }

@@ -51,6 +51,9 @@ pub enum Error {
     GyroNegated,
     /// Accelerations in units of gravity.
     G,
+    /// Accelerations in cm/s².
+    #[serde(rename = "cm_s2")]
+    CmS2,
     /// Accelerations with the other sign.
     GravitySign,
     /// Accelerations without gravity.
@@ -103,6 +106,8 @@ pub enum Error {
     CovarianceRotationFirst,
     /// Rotations in degrees squared.
     CovarianceDegrees,
+    /// Positions in square centimetres.
+    CovarianceCentimetres,
     /// Left in the body's axes.
     CovarianceNotRotated,
     /// Left in ENU, though the pose is given in another frame.

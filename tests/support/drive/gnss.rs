@@ -5,7 +5,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use super::covariance::{self, diagonal, diagonal6, rotate, rotate6};
 use super::description::Gnss;
 use super::errors::{self, Error, ned_from_enu, slots};
-use super::random::Correlated;
+use super::random::Wander;
 use super::rows::{FixRow, PoseRow, VelocityRow};
 use super::{Drive, Stream};
 
@@ -68,13 +68,19 @@ impl Drive {
     pub fn fix_rows(&self, stream: &Stream) -> Vec<FixRow> {
         let quality = self.description.gnss.quality();
         let random = &mut self.random(&stream.name);
-        let mut slow = Correlated::new(spread(quality.correlated * stream.noise), quality.tau_s);
+        let slow = Wander::new(
+            random,
+            spread(quality.correlated * stream.noise),
+            quality.tau_s,
+            self.known_s(),
+        );
         let white = spread(quality.white * stream.noise);
         let deviation = spread(quality.correlated.hypot(quality.white) * stream.noise);
         let row = |t_s: &f64| {
-            let state = self.at(t_s - stream.late_s);
+            let then_s = t_s - stream.late_s;
+            let state = self.at(then_s);
             let antenna = state.position + state.orientation * stream.base_from_sensor.translation.vector;
-            let wrong = slow.at(*t_s, random) + random.normals().component_mul(&white);
+            let wrong = slow.at(then_s) + self.normals_at(&stream.name, then_s).component_mul(&white);
             let place = self.description.place.of_enu(antenna + wrong);
             let mut row = FixRow {
                 t_s: *t_s,
@@ -82,7 +88,7 @@ impl Drive {
                 longitude: place.longitude,
                 altitude: place.altitude,
                 status: quality.status,
-                covariance: diagonal(deviation),
+                covariance: diagonal(deviation).map(|value| value * stream.covariance_scale),
             };
             for error in &stream.errors {
                 row.apply(*error, self.description.undulation_m);
@@ -95,14 +101,15 @@ impl Drive {
     /// What a receiver publishes as its velocity.
     pub fn velocity_rows(&self, stream: &Stream) -> Vec<VelocityRow> {
         let quality = self.description.gnss.quality();
-        let random = &mut self.random(&format!("{} velocity", stream.name));
+        let name = format!("{} velocity", stream.name);
         let deviation = spread(quality.velocity * stream.noise);
         let row = |t_s: &f64| {
-            let state = self.moment(t_s - stream.late_s);
+            let then_s = t_s - stream.late_s;
+            let state = self.moment(then_s);
             let arm = stream.base_from_sensor.translation.vector;
-            let wrong = random.normals().component_mul(&deviation);
+            let wrong = self.normals_at(&name, then_s).component_mul(&deviation);
             let mut velocity = state.velocity + state.orientation * state.rate.cross(&arm) + wrong;
-            let mut covariance = diagonal6(deviation, Vector3::zeros());
+            let mut covariance = diagonal6(deviation, Vector3::zeros()).map(|value| value * stream.covariance_scale);
             for error in &stream.errors {
                 match error {
                     Error::NedFrd | Error::NedWorld => {
@@ -128,9 +135,10 @@ impl Drive {
     /// The heading between two antennas, as an orientation that is level: rows without a position.
     pub fn heading_rows(&self, stream: &Stream) -> Vec<PoseRow> {
         let deviation = self.description.gnss.quality().heading * stream.noise;
-        let random = &mut self.random(&format!("{} heading", stream.name));
+        let name = format!("{} heading", stream.name);
         let row = |t_s: &f64| {
-            let yaw = self.moment(t_s - stream.late_s).yaw + random.normal() * deviation;
+            let then_s = t_s - stream.late_s;
+            let yaw = self.moment(then_s).yaw + self.normals_at(&name, then_s).x * deviation;
             let level = UnitQuaternion::from_euler_angles(0.0, 0.0, yaw);
             let mut row = PoseRow {
                 t_s: *t_s,
@@ -150,7 +158,8 @@ impl Drive {
 }
 
 impl FixRow {
-    fn apply(&mut self, error: Error, undulation_m: f64) {
+    /// Applies an error, at a place where the geoid is this high.
+    pub fn apply(&mut self, error: Error, undulation_m: f64) {
         let both = |row: &mut Self, change: fn(f64) -> f64| {
             (row.latitude, row.longitude) = (change(row.latitude), change(row.longitude));
         };

@@ -79,7 +79,8 @@ fn vibration(vehicle: Vehicle) -> (f64, f64) {
 }
 
 impl Drive {
-    /// What an IMU publishes. Its axes are those of `base_from_sensor`, its orientation is `enu_from_sensor`.
+    /// What an IMU publishes. Its axes are those of `base_from_sensor`, its orientation is
+    /// `world_from_sensor`.
     pub fn imu_rows(&self, stream: &Stream) -> Vec<ImuRow> {
         let quality = self.description.imu.quality();
         let shaken = self.description.motion != Motion::Still && self.description.imu != Grade::Perfect;
@@ -125,6 +126,10 @@ impl Drive {
                 acceleration: (sensor_from_base * force + force_noise).into(),
                 acceleration_covariance: diagonal(force_deviation),
             };
+            row.change_world(&stream.world_from_enu.rotation.to_rotation_matrix());
+            for covariance in row.covariances() {
+                *covariance = covariance.map(|value| value * stream.covariance_scale);
+            }
             for error in &stream.errors {
                 row.apply(*error, self.description.place.gravity());
             }
@@ -135,7 +140,8 @@ impl Drive {
 }
 
 impl ImuRow {
-    fn apply(&mut self, error: Error, gravity: f64) {
+    /// Applies an error. Only a row that still tells its orientation can lose the place's gravity.
+    pub fn apply(&mut self, error: Error, gravity: f64) {
         if errors::apply(self, error) {
             return;
         }
@@ -143,6 +149,7 @@ impl ImuRow {
             Error::Frd => self.turn_vectors(&frd_from_flu()),
             Error::DegS => self.gyro = self.gyro.map(f64::to_degrees),
             Error::GyroNegated => self.gyro = self.gyro.map(|rate| -rate),
+            Error::CmS2 => self.acceleration = self.acceleration.map(|force| force * 100.0),
             Error::G => self.acceleration = self.acceleration.map(|force| force / 9.806_65),
             Error::GravitySign => self.acceleration = self.acceleration.map(|force| -force),
             Error::GravityRemoved => {
@@ -155,17 +162,22 @@ impl ImuRow {
                 }
             }
             _ => {
-                let [a, b, c] = [
-                    &mut self.orientation_covariance,
-                    &mut self.gyro_covariance,
-                    &mut self.acceleration_covariance,
-                ]
-                .map(|covariance| covariance::apply(covariance, error));
-                if !(a && b && c) {
+                let applied = self
+                    .covariances()
+                    .map(|covariance| covariance::apply(covariance, error));
+                if applied != [true; 3] {
                     errors::refuse("imu", error);
                 }
             }
         }
+    }
+
+    fn covariances(&mut self) -> [&mut [f64; 9]; 3] {
+        [
+            &mut self.orientation_covariance,
+            &mut self.gyro_covariance,
+            &mut self.acceleration_covariance,
+        ]
     }
 
     fn turn_vectors(&mut self, new_from_old: &Rotation3<f64>) {

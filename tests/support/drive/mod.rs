@@ -8,6 +8,9 @@
 //! let imu = drive.imu_rows(&Stream::new("/imu", drive.times(100.0)).errors(&[Error::NedFrd]));
 //! ```
 //!
+//! Rows are quick: a drive of two minutes with 100 Hz of IMU takes some 70 ms in a release build. Scenarios that differ in
+//! errors alone can share the rows, and put each error into a copy of them (`ImuRow::apply`).
+//!
 //! Time is in seconds after the start of the drive. A row's `t_s` is its stamp; a stream that is `late_s` late shows the
 //! world as it was that much earlier.
 
@@ -49,7 +52,8 @@ pub struct Drive {
 /// How a sensor of a drive is read: when, from where, and what is wrong with it.
 #[derive(Clone, Debug)]
 pub struct Stream {
-    /// Seeds the noise: two streams of other names have other noise.
+    /// Seeds the noise: two streams of other names have other noise. GNSS noise is a function of this and of time: all
+    /// streams of one receiver have one name, whatever their rates.
     pub name: String,
     /// Times of the rows, ascending.
     pub times_s: Vec<f64>,
@@ -65,6 +69,8 @@ pub struct Stream {
     pub world_from_enu: Isometry3<f64>,
     /// Multiplies every noise and every bias.
     pub noise: f64,
+    /// Multiplies every covariance: below 1 a sensor believes itself better than it is.
+    pub covariance_scale: f64,
     /// What is wrong, applied in this order.
     pub errors: Vec<Error>,
 }
@@ -81,6 +87,7 @@ impl Stream {
             datum: None,
             world_from_enu: Isometry3::identity(),
             noise: 1.0,
+            covariance_scale: 1.0,
             errors: Vec::new(),
         }
     }
@@ -129,11 +136,8 @@ impl Drive {
 
     /// The truth at a time, the position left zero: four times as fast.
     fn moment(&self, t_s: f64) -> State {
-        let end_s = self.description.duration_s + vehicle::MARGIN_S;
-        assert!(
-            (-vehicle::MARGIN_S..=end_s).contains(&t_s),
-            "the drive is not known at {t_s} s"
-        );
+        let [start_s, end_s] = self.known_s();
+        assert!((start_s..=end_s).contains(&t_s), "the drive is not known at {t_s} s");
         self.truth.moment(t_s)
     }
 
@@ -158,5 +162,15 @@ impl Drive {
 
     fn random(&self, stream: &str) -> Random {
         Random::new(self.description.seed, stream)
+    }
+
+    /// Three normal numbers of a stream at a moment.
+    fn normals_at(&self, stream: &str, t_s: f64) -> Vector3<f64> {
+        Random::at(self.description.seed, stream, t_s).normals()
+    }
+
+    /// From when to when the drive is known.
+    fn known_s(&self) -> [f64; 2] {
+        [-vehicle::MARGIN_S, self.description.duration_s + vehicle::MARGIN_S]
     }
 }

@@ -19,7 +19,7 @@ mod real {
     /// Constant error of the yaw rate, rad/s.
     pub(super) const YAW_RATE_BIAS: f64 = 0.001;
     /// Wandering error of the yaw rate, forgotten in five seconds, rad/s.
-    pub(super) const YAW_RATE: f64 = 0.003;
+    pub(super) const YAW_RATE: f64 = 0.002;
     /// White noise of the twist: ahead, m/s; aside and up are a quarter of it.
     pub(super) const LINEAR: f64 = 0.02;
     /// White noise of the twist, rad/s.
@@ -73,6 +73,9 @@ impl Drive {
                 angular: angular.into(),
                 twist_covariance: diagonal6(linear_noise, angular_noise.component_mul(&planar)),
             };
+            for covariance in [&mut row.pose.covariance, &mut row.twist_covariance] {
+                *covariance = covariance.map(|value| value * stream.covariance_scale);
+            }
             row.pose
                 .change_world(&stream.world_from_enu.rotation.to_rotation_matrix());
             row.pose.shift(stream.world_from_enu.translation.vector);
@@ -107,7 +110,8 @@ impl Drive {
         )
     }
 
-    fn planar(&self) -> bool {
+    /// Whether odometry knows nothing of height, roll and pitch.
+    pub fn planar(&self) -> bool {
         matches!(self.description.vehicle, Vehicle::Car | Vehicle::Robot)
     }
 
@@ -147,7 +151,8 @@ impl Drive {
 }
 
 impl OdometryRow {
-    fn apply(&mut self, error: Error) {
+    /// Applies an error.
+    pub fn apply(&mut self, error: Error) {
         if apply_position(&mut self.pose, error) || errors::apply(self, error) {
             return;
         }

@@ -7,6 +7,7 @@ use super::covariance::{self, diagonal6, rotate6};
 use super::description::Gnss;
 use super::earth::Place;
 use super::errors::{self, Error, Oriented, mirrored, ned_from_enu, rotation, slots, turn};
+use super::random::Wander;
 use super::rows::PoseRow;
 use super::{Drive, Stream};
 
@@ -14,6 +15,9 @@ use super::{Drive, Stream};
 const POSITION: Vector3<f64> = Vector3::new(0.10, 0.03, 0.05);
 /// White noise of localisation about the axes of the world, rad: 0.1, 0.1 and 0.3 degrees.
 const ROTATION: Vector3<f64> = Vector3::new(1.745e-3, 1.745e-3, 5.236e-3);
+
+/// Wandering errors of a filter: metres, and rad about the axes of the world.
+const FILTERED: (Vector3<f64>, Vector3<f64>) = (Vector3::new(0.05, 0.05, 0.05), Vector3::new(0.0, 0.0, 1e-3));
 
 impl Drive {
     /// What localisation publishes: `map_from_base`, the map being the ENU frame of the datum unless the stream says
@@ -35,7 +39,8 @@ impl Drive {
             let wrong = random.normals().component_mul(&ROTATION) * noise;
             exact.rotation = UnitQuaternion::from_scaled_axis(wrong) * exact.rotation;
 
-            let mut covariance = diagonal6(POSITION * noise, ROTATION * noise);
+            let mut covariance =
+                diagonal6(POSITION * noise, ROTATION * noise).map(|value| value * stream.covariance_scale);
             if !stream.has(Error::CovarianceNotRotated) {
                 rotate6(&mut covariance, &ahead, &Rotation3::identity());
             }
@@ -59,12 +64,39 @@ impl Drive {
         stream.times_s.iter().map(row).collect()
     }
 
-    /// `map_from_odom`, as localisation and odometry together make it.
+    /// `map_from_odom`: what carries odometry to where a filter believes the vehicle to be, whose errors wander. Where
+    /// odometry knows no roll and pitch, the filter doesn't either.
     pub fn map_odom_rows(&self, stream: &Stream) -> Vec<PoseRow> {
-        let mut rows = self.pose_rows(stream);
+        let noise = if self.description.gnss == Gnss::Perfect {
+            0.0
+        } else {
+            stream.noise
+        };
+        let random = &mut self.random(&stream.name);
+        let mut wander = |deviation| Wander::new(random, deviation * noise, 20.0, self.known_s());
+        let (moved, turned) = (wander(FILTERED.0), wander(FILTERED.1));
+        let exact = Stream {
+            noise: 0.0,
+            errors: Vec::new(),
+            ..stream.clone()
+        };
+        let mut rows = self.pose_rows(&exact);
         for row in &mut rows {
-            let (odom_from_base, ..) = self.odometry(row.t_s - stream.late_s);
-            *row = PoseRow::new(row.t_s, row.isometry() * odom_from_base.inverse(), &row.covariance);
+            let then_s = row.t_s - stream.late_s;
+            let (odom_from_base, ..) = self.odometry(then_s);
+            let mut base = row.isometry();
+            if self.planar() {
+                let level = turn(self.moment(then_s).yaw);
+                base.rotation = stream.world_from_enu.rotation * level;
+            }
+            base.rotation = UnitQuaternion::from_scaled_axis(turned.at(then_s)) * base.rotation;
+            base.translation.vector += moved.at(then_s);
+            *row = PoseRow::new(row.t_s, base * odom_from_base.inverse(), &row.covariance);
+            for error in &stream.errors {
+                if !apply_position(row, *error) && !errors::apply(row, *error) {
+                    errors::refuse("map_odom", *error);
+                }
+            }
         }
         rows
     }

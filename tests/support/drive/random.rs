@@ -9,15 +9,13 @@ pub struct Random(fastrand::Rng);
 impl Random {
     /// The series of a seed and a name: series of other names know nothing of it.
     pub fn new(seed: u64, name: &str) -> Self {
-        // FNV-1a; `DefaultHasher` may change with a release of Rust.
-        let hash = seed
-            .to_le_bytes()
-            .iter()
-            .chain(name.as_bytes())
-            .fold(0xcbf2_9ce4_8422_2325_u64, |hash, byte| {
-                (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
-            });
-        Self(fastrand::Rng::with_seed(hash))
+        Self(fastrand::Rng::with_seed(hash(seed, name)))
+    }
+
+    /// A series for a moment: noise that is a function of time, however often one asks.
+    pub fn at(seed: u64, name: &str, t_s: f64) -> Self {
+        let micros = (t_s * 1e6).round() as i64;
+        Self::new(hash(seed, name) ^ micros.cast_unsigned(), "moment")
     }
 
     /// Even between two numbers.
@@ -69,6 +67,46 @@ impl Correlated {
         self.last = Some((t_s, value));
         value
     }
+}
+
+/// Correlated noise that is a function of time, however often one asks.
+#[derive(Clone, Debug)]
+pub struct Wander {
+    start_s: f64,
+    step_s: f64,
+    values: Vec<Vector3<f64>>,
+}
+
+impl Wander {
+    /// Noise of a deviation and a time constant, known between two times.
+    pub fn new(random: &mut Random, deviation: Vector3<f64>, tau_s: f64, [start_s, end_s]: [f64; 2]) -> Self {
+        let step_s = tau_s / 50.0;
+        let n = ((end_s - start_s) / step_s) as usize + 2;
+        let mut noise = Correlated::new(deviation, tau_s);
+        Self {
+            start_s,
+            step_s,
+            values: (0..n).map(|k| noise.at(k as f64 * step_s, random)).collect(),
+        }
+    }
+
+    /// Its value at a time.
+    pub fn at(&self, t_s: f64) -> Vector3<f64> {
+        let place = ((t_s - self.start_s) / self.step_s).max(0.0);
+        let k = (place as usize).min(self.values.len() - 2);
+        self.values[k].lerp(&self.values[k + 1], place - k as f64)
+    }
+}
+
+/// FNV-1a; `DefaultHasher` may change with a release of Rust.
+fn hash(seed: u64, name: &str) -> u64 {
+    let bytes = seed.to_le_bytes();
+    bytes
+        .iter()
+        .chain(name.as_bytes())
+        .fold(0xcbf2_9ce4_8422_2325, |hash, byte| {
+            (hash ^ u64::from(*byte)).wrapping_mul(0x0100_0000_01b3)
+        })
 }
 
 /// A series of `n` values of one-dimensional correlated noise with deviation 1, `step_s` apart.

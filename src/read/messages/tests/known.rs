@@ -1,17 +1,17 @@
 //! The standard types, on both wires.
 
-use super::{FORMS, Form, Piece, STAMP_NS, decoder, floats, header, schema};
+use super::{FORMS, Form, Piece, STAMP_NS, decoder, floats, header, places, schema};
 use crate::read::messages::content::{Body, Content, Fix, Imu, Odometry, Pose, Twist};
 use crate::read::messages::definition::Schema;
 use crate::read::messages::route::Route;
 use crate::read::messages::tf::Transform;
 use crate::read::messages::{Wire, definition};
 
-fn row<const N: usize>(from: u32) -> [f64; N] {
+pub(super) fn row<const N: usize>(from: u32) -> [f64; N] {
     std::array::from_fn(|index| f64::from(from) + index as f64 + 0.5)
 }
 
-fn with(head: Piece, numbers: u32) -> Vec<Piece> {
+pub(super) fn with(head: Piece, numbers: u32) -> Vec<Piece> {
     std::iter::once(head).chain(floats(0, numbers)).collect()
 }
 
@@ -32,12 +32,13 @@ fn read_transform(parent: &'static str, child: &'static str) -> Transform<'stati
 }
 
 /// A type with its topic, a message and what that says.
-type Known = (&'static str, &'static str, Vec<Piece>, Body<'static>);
+pub(super) type Known = (&'static str, &'static str, Vec<Piece>, Body<'static>);
 
 /// Every type.
-fn all() -> Vec<Known> {
+pub(super) fn all() -> Vec<Known> {
     let mut all = transforms_and_texts();
     all.extend(measurements());
+    all.extend(places::all());
     all
 }
 
@@ -200,6 +201,20 @@ fn the_walk_by_definition_finds_what_the_readers_find() {
                 _ => Body::Nothing,
             };
             assert_eq!(walked.body, child, "{name}");
+        }
+    }
+}
+
+#[test]
+fn every_standard_type_is_as_long_as_its_definition_says() {
+    for (_, name, pieces, _) in all() {
+        for form in FORMS {
+            let own = format!("{name}[1] one\nstd_msgs/Header behind\n");
+            let mut whole = pieces.clone();
+            whole.push(header("behind"));
+            let message = form.write(&whole);
+            let walked = decoder("/t", "acme/Top", form, &schema(form, &own)).decode(&message);
+            assert_eq!(walked.unwrap().header.unwrap().frame_id, "behind", "{name} {form:?}");
         }
     }
 }

@@ -2,6 +2,10 @@
 
 mod hostile;
 mod known;
+mod members;
+mod nmea;
+mod places;
+mod plain;
 mod unknown;
 
 use re_cdr::{BigEndian, ByteOrder, CdrWriter, LittleEndian};

@@ -1,0 +1,169 @@
+//! AXES02: the units of an inertial sensor.
+
+use serde::Deserialize;
+
+use crate::math::readings::Reading;
+use crate::rules::motion::{Imu, Motion};
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+
+/// AXES02.
+pub struct ImuUnits;
+
+/// Limits of AXES02.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    min_s: f64,
+    gravity: f64,
+    gravity_share: f64,
+    max_removed: f64,
+    min_rotation_deg: f64,
+    gain_share: f64,
+    min_correlation: f64,
+}
+
+impl Rule for ImuUnits {
+    const PAGE: &'static str = include_str!("../../../rules/axes/imu-units.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in &Motion::of(world).bags {
+            for imu in &bag.imus {
+                judge_acceleration(imu, limits, out);
+                judge_rate(imu, limits, out);
+            }
+        }
+    }
+}
+
+fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
+    let subject = format!("acceleration of {}", imu.stream.subject);
+    let Some(force) = imu.inertial.force.filter(|force| *force > 0.0) else {
+        let why = "it gives no acceleration: zeros in every message";
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    };
+    let seconds = imu.stream.seconds();
+    if seconds < limits.min_s {
+        let why = format!("{seconds:.1} s of it, {} s are needed", limits.min_s);
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let measured = Measured::new("median length of the acceleration", force, "m/s2")
+        .limit(limits.gravity)
+        .samples(imu.stream.rows().count() as u64);
+    let near = |unit: f64| (force / unit - 1.0).abs() <= limits.gravity_share;
+    if near(limits.gravity) {
+        return out.pass(subject, [measured]);
+    }
+    let (what, help) = if near(1.0) {
+        (
+            "as in units of gravity (g)",
+            "multiply it by 9.80665: REP-145 and sensor_msgs/Imu want m/s2",
+        )
+    } else if near(100.0 * limits.gravity) {
+        ("as in cm/s2", "divide it by 100: sensor_msgs/Imu wants m/s2")
+    } else if near(1000.0 * limits.gravity) || near(1000.0) {
+        (
+            "as in mm/s2 or thousandths of g",
+            "scale it: sensor_msgs/Imu wants m/s2",
+        )
+    } else if force <= limits.max_removed {
+        (
+            "as where gravity was taken off",
+            "publish the specific force, gravity included (REP-145): filters take it off themselves",
+        )
+    } else {
+        let why = format!("its length is {force:.2} in the median, which is gravity in no unit that is known");
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    };
+    let message = format!(
+        "the acceleration of `{}` is {force:.3} long in the median of {seconds:.0} s, {what}, where m/s2 with gravity are 9.81",
+        imu.stream.topic
+    );
+    let finding = if force <= limits.max_removed && !near(1.0) {
+        Finding::warning(subject, message, imu.stream.place())
+    } else {
+        Finding::error(subject, message, imu.stream.place())
+    };
+    out.fail(finding.likely().help(help).measured(measured));
+}
+
+fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
+    let subject = format!("angular velocity of {}", imu.stream.subject);
+    if let Some(why) = imu.no_orientation {
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    let Some(turns) = &imu.inertial.turns else {
+        let why = "no unbroken second of orientation and rate";
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    };
+    let Some(score) = turns
+        .scores
+        .iter()
+        .max_by(|a, b| a.gain_correlation.abs().total_cmp(&b.gain_correlation.abs()))
+    else {
+        return;
+    };
+    // What the orientation turned, whatever the gyro's unit.
+    let turned_deg = turned_rad(score.turn_power, turns.active).to_degrees();
+    if turned_deg < limits.min_rotation_deg || !score.gain.is_finite() {
+        let why = format!(
+            "the orientation turns by {turned_deg:.0} deg in windows with a rate, {} deg are needed",
+            limits.min_rotation_deg
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    if score.gain_correlation.abs() < limits.min_correlation {
+        let why = format!(
+            "the orientation does not follow the rate under any reading (correlation {:.2} as {})",
+            score.gain_correlation,
+            score.reading.word()
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let gain = score.gain.abs();
+    let measured = Measured::new("turning of the orientation, over that of the gyro", gain, "1")
+        .limit(limits.gain_share)
+        .samples(turns.active as u64);
+    let near = |value: f64| (gain / value - 1.0).abs() <= limits.gain_share;
+    if near(1.0) {
+        return out.pass(subject, [measured]);
+    }
+    let (what, help) = if near(1f64.to_radians()) {
+        (
+            "the gyro is in deg/s",
+            "multiply it by pi/180: sensor_msgs/Imu wants rad/s",
+        )
+    } else if near(1f64.to_degrees()) {
+        (
+            "the gyro was made radians twice",
+            "take one multiplication by pi/180 out",
+        )
+    } else {
+        ("its scale is wrong", "compare the gyro's scale with its data sheet")
+    };
+    let message = format!(
+        "the orientation of `{}` turns {gain:.4} times as far as its gyro says: {what}",
+        imu.stream.topic
+    );
+    let mut finding = if near(1f64.to_radians()) || near(1f64.to_degrees()) {
+        Finding::error(subject, message, imu.stream.place())
+    } else {
+        Finding::warning(subject, message, imu.stream.place())
+    };
+    finding = finding.likely().help(help).measured(measured);
+    if score.reading != Reading::Xyzw {
+        finding = finding.related(
+            imu.stream.place(),
+            format!("under the reading {}", score.reading.word()),
+        );
+    }
+    out.fail(finding);
+}
+
+/// Rotation that windows with this power hold at least, radians: windows of one size hold the most for their power.
+fn turned_rad(power: f64, windows: usize) -> f64 {
+    (power * windows as f64).sqrt()
+}

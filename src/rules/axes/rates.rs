@@ -1,0 +1,169 @@
+//! What gyro and accelerometer of a sensor say of a track: turning against turning, force against speeding up.
+//!
+//! Courses and speeds are means over two seconds, so the integrals of the sensor are smoothed alike. Must not judge.
+
+use nalgebra::Vector3;
+
+use crate::math::circular::wrapped;
+use crate::rules::motion::{Course, Imu};
+
+/// Half the time that a course is taken over, seconds.
+const HALF_S: f64 = 1.0;
+/// From one pair to the next, seconds, as courses come.
+const STEP_S: f64 = 0.5;
+/// Points that a mean is taken from.
+const PARTS: i32 = 5;
+/// Longest step between two rows that is integrated over, seconds.
+const MAX_STEP_S: f64 = 0.5;
+
+/// A line through pairs of changes: how much the sensor changes for one of the track.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Slope {
+    /// Change of the sensor for one of the track.
+    pub(super) gain: f64,
+    /// Correlation.
+    pub(super) correlation: f64,
+    /// Root mean square of the track's changes, in a second.
+    pub(super) excitation: f64,
+    /// Pairs.
+    pub(super) pairs: usize,
+    /// Pairs that do not overlap, as if they were drawn one by one.
+    pub(super) effective: f64,
+}
+
+impl Slope {
+    /// Student's t of the correlation.
+    pub(super) fn t(&self) -> f64 {
+        let rest = (1.0 - self.correlation * self.correlation).max(1e-12);
+        self.correlation * ((self.effective - 2.0).max(0.0) / rest).sqrt()
+    }
+
+    /// Length of the pairs together, seconds.
+    pub(super) fn seconds(&self) -> f64 {
+        self.pairs as f64 * STEP_S
+    }
+
+    /// A line through the means.
+    fn of(pairs: &[(f64, f64)]) -> Self {
+        let count = pairs.len().max(1) as f64;
+        let mean = |of: fn(&(f64, f64)) -> f64| pairs.iter().map(of).sum::<f64>() / count;
+        Self::about(pairs, mean(|pair| pair.0), mean(|pair| pair.1))
+    }
+
+    /// A line through zero: a steady turn counts.
+    fn through_zero(pairs: &[(f64, f64)]) -> Self {
+        Self::about(pairs, 0.0, 0.0)
+    }
+
+    fn about(pairs: &[(f64, f64)], x0: f64, y0: f64) -> Self {
+        let count = pairs.len().max(1) as f64;
+        let (mut xx, mut xy, mut yy, mut squares) = (0.0, 0.0, 0.0, 0.0);
+        for (x, y) in pairs {
+            xx += (x - x0) * (x - x0);
+            xy += (x - x0) * (y - y0);
+            yy += (y - y0) * (y - y0);
+            squares += x * x;
+        }
+        let ratio = |a: f64, b: f64| if b > 0.0 { a / b } else { 0.0 };
+        Self {
+            gain: ratio(xy, xx),
+            correlation: ratio(xy, (xx * yy).sqrt()),
+            excitation: (squares / count).sqrt() / (2.0 * STEP_S),
+            pairs: pairs.len(),
+            effective: count * STEP_S / (2.0 * HALF_S),
+        }
+    }
+}
+
+/// The sensor against the track.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Rates {
+    /// Rate about the base's z axis against the turning of the course.
+    pub(super) turning: Slope,
+    /// Force along the base's x axis against the change of speed.
+    pub(super) forward: Slope,
+    /// Force along the base's y axis against the change of speed.
+    pub(super) sideways: Slope,
+}
+
+impl Rates {
+    /// Holds the sensor's integrals against the courses.
+    pub(super) fn of(imu: &Imu, courses: &[Vec<Course>]) -> Self {
+        let integrals = Integrals::of(imu);
+        let (mut turning, mut forward, mut sideways) = (Vec::new(), Vec::new(), Vec::new());
+        for run in courses {
+            for three in run.windows(3) {
+                let [before, _, after] = three else { continue };
+                let ends = [before.t_s, after.t_s].map(|t_s| integrals.smooth(t_s));
+                let [Some(from), Some(to)] = ends else { continue };
+                let changed = to - from;
+                turning.push((wrapped(after.angle_rad - before.angle_rad), changed.x));
+                let faster = after.speed_m_s - before.speed_m_s;
+                forward.push((faster, changed.y));
+                sideways.push((faster, changed.z));
+            }
+        }
+        Self {
+            turning: Slope::through_zero(&turning),
+            forward: Slope::of(&forward),
+            sideways: Slope::of(&sideways),
+        }
+    }
+}
+
+/// Integrals over time of the rate about the base's z axis, and of the force along its x and y axes.
+struct Integrals {
+    stretches: Vec<Vec<(f64, Vector3<f64>)>>,
+}
+
+impl Integrals {
+    fn of(imu: &Imu) -> Self {
+        let base_from_imu = imu.base_from_imu();
+        let mut stretches = Vec::new();
+        for rows in &imu.stream.stretches {
+            let mut run: Vec<(f64, Vector3<f64>)> = Vec::new();
+            let mut before: Option<(f64, Vector3<f64>)> = None;
+            for timed in rows {
+                let rate = base_from_imu * Vector3::from(timed.row.angular_velocity);
+                let force = base_from_imu * Vector3::from(timed.row.linear_acceleration);
+                let value = Vector3::new(rate.z, force.x, force.y);
+                if !value.iter().all(|value| value.is_finite()) {
+                    continue;
+                }
+                let known = before.replace((timed.t_s, value));
+                match (known, run.last()) {
+                    (Some((t_s, last)), Some((_, sum))) if timed.t_s - t_s <= MAX_STEP_S => {
+                        let sum = sum + (last + value) * ((timed.t_s - t_s) / 2.0);
+                        run.push((timed.t_s, sum));
+                    }
+                    _ => {
+                        stretches.push(std::mem::take(&mut run));
+                        run.push((timed.t_s, Vector3::zeros()));
+                    }
+                }
+            }
+            stretches.push(run);
+        }
+        stretches.retain(|run| run.len() > 1);
+        Self { stretches }
+    }
+
+    /// The mean over two seconds about a time.
+    fn smooth(&self, t_s: f64) -> Option<Vector3<f64>> {
+        let covers = |run: &&Vec<(f64, Vector3<f64>)>| {
+            run.first().is_some_and(|first| first.0 <= t_s - HALF_S)
+                && run.last().is_some_and(|last| last.0 >= t_s + HALF_S)
+        };
+        let run = self.stretches.iter().find(covers)?;
+        let at = |t_s: f64| {
+            let after = run.partition_point(|(t, _)| *t < t_s).max(1);
+            let ((t0, a), (t1, b)) = (run.get(after - 1)?, run.get(after)?);
+            Some(a + (b - a) * ((t_s - t0) / (t1 - t0)))
+        };
+        let mut sum = Vector3::zeros();
+        for part in 0..PARTS {
+            sum += at(t_s - HALF_S + 2.0 * HALF_S * f64::from(part) / f64::from(PARTS - 1))?;
+        }
+        Some(sum / f64::from(PARTS))
+    }
+}
