@@ -41,6 +41,8 @@ pub(super) struct Plan {
     begin: Instant,
     /// Rows that lacked evidence in the round before.
     lacking: Option<usize>,
+    /// Rules for which no more is read.
+    content: BTreeSet<String>,
 }
 
 impl Plan {
@@ -60,6 +62,11 @@ impl Plan {
             current: (!asked.full).then_some(first),
             begin: Instant::now(),
             lacking: None,
+            content: rules
+                .iter()
+                .filter(|rule| !rule.entry.evidence.widens && asked.budget.is_none())
+                .map(|rule| rule.front.code.clone())
+                .collect(),
         }
     }
 
@@ -77,9 +84,10 @@ impl Plan {
         let lacking: usize = worlds
             .iter()
             .zip(verdicts)
-            .map(|(world, verdict)| lacking(world, verdict))
+            .map(|(world, verdict)| lacking(world, verdict, &self.content))
             .sum();
-        let is_stuck = self.lacking.is_some_and(|before| lacking >= before);
+        // Time that the user gave is used.
+        let is_stuck = self.asked.budget.is_none() && self.lacking.is_some_and(|before| lacking >= before);
         let spent = self.begin.elapsed();
         // The next round reads so many times more.
         let left = spent.saturating_mul(WIDENING) < self.asked.budget.unwrap_or(BUDGET).saturating_sub(spent);
@@ -93,8 +101,8 @@ impl Plan {
     }
 }
 
-/// Judgements that lacked evidence which a recording of the world still holds.
-fn lacking(world: &World, verdict: &Verdict) -> usize {
+/// Judgements that lacked evidence which a recording of the world still holds; those of the rules in `content` do without.
+fn lacking(world: &World, verdict: &Verdict, content: &BTreeSet<String>) -> usize {
     let sampled: Vec<_> = world.bags.iter().filter(|bag| !bag.share.whole).collect();
     if sampled.is_empty() {
         return 0;
@@ -104,7 +112,8 @@ fn lacking(world: &World, verdict: &Verdict) -> usize {
         .filter(|topic| topic.total.is_some() && !topic.has_more())
         .map(|topic: &TopicEvidence| topic.topic.as_str())
         .collect();
-    verdict.rows.iter().filter(|row| may_gain(row, &read_up)).count()
+    let asks = |row: &&Row| !content.contains(&row.rule) && may_gain(row, &read_up);
+    verdict.rows.iter().filter(asks).count()
 }
 
 /// Whether a row lacks evidence, and its subject is not a topic that was read wholly.
@@ -119,7 +128,9 @@ fn may_gain(row: &Row, read_up: &BTreeSet<&str>) -> bool {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
+    use crate::rules::Entry;
     use crate::source::SourceId;
     use crate::world::BagEvidence;
 
@@ -184,6 +195,53 @@ mod tests {
         assert!(plan.widen(&[world()], std::slice::from_ref(&verdict)));
         assert_eq!(plan.sampling().unwrap().bytes, before.bytes * u64::from(WIDENING));
         assert!(!plan.widen(&[world()], &[verdict]));
+    }
+
+    #[test]
+    fn time_that_is_given_is_used() {
+        let asked = Extent {
+            budget: Some(Duration::from_secs(3600)),
+            ..Extent::default()
+        };
+        let mut plan = Plan::new(asked, &[]);
+        let verdict = Verdict {
+            rows: vec![row("platform", NotEvaluated::TooLittleEvidence)],
+            ..Verdict::default()
+        };
+        for _ in 0..3 {
+            assert!(plan.widen(&[world()], std::slice::from_ref(&verdict)));
+        }
+    }
+
+    #[test]
+    fn rules_that_are_content_widen_only_for_time_that_is_given() {
+        const PATTERN: Entry = Entry {
+            page: include_str!("../../rules/axes/imu-units.md"),
+            needs: &[],
+            evidence: Evidence::USUAL,
+            run: |_, _, _| Ok(()),
+            check_limits: |_| Ok(()),
+        };
+        static CONTENT: Entry = Entry {
+            evidence: Evidence::MOTION,
+            ..PATTERN
+        };
+        let widens = |budget: Option<Duration>| {
+            let rule = Enabled::new(&CONTENT).unwrap();
+            let mut row = row("platform", NotEvaluated::TooLittleEvidence);
+            row.rule.clone_from(&rule.front.code);
+            let asked = Extent {
+                budget,
+                ..Extent::default()
+            };
+            let verdict = Verdict {
+                rows: vec![row],
+                ..Verdict::default()
+            };
+            Plan::new(asked, &[rule]).widen(&[world()], &[verdict])
+        };
+        assert!(!widens(None));
+        assert!(widens(Some(Duration::from_secs(3600))));
     }
 
     #[test]

@@ -193,6 +193,18 @@ TwistWithCovariance twist
 ",
     ),
     (
+        "nav_msgs/msg/Path",
+        "
+# An array of poses that represents a Path for a robot to follow.
+
+# Indicates the frame_id of the path.
+std_msgs/Header header
+
+# Array of poses to follow.
+geometry_msgs/PoseStamped[] poses
+",
+    ),
+    (
         "nav_msgs/msg/Odometry",
         "
 # This represents an estimate of a position and velocity in free space.

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::math::stats::median;
 use crate::rules::motion::{Motion, Stream, Track};
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 use crate::world::motion::FixRow;
@@ -32,6 +32,7 @@ pub struct Limits {
 impl Rule for GnssVsOdomHandedness {
     const PAGE: &'static str = include_str!("../../../rules/axes/gnss-vs-odom-handedness.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {

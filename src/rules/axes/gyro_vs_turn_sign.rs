@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use crate::rules::motion::{Imu, Motion, Track};
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
@@ -35,6 +35,7 @@ pub(super) struct Turned {
 impl Rule for GyroVsTurnSign {
     const PAGE: &'static str = include_str!("../../../rules/axes/gyro-vs-turn-sign.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {

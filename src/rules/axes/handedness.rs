@@ -70,12 +70,17 @@ impl Votes {
         let odometry: Vec<_> = window.iter().map(|both| both.odometry).collect();
         let satellites: Vec<_> = window.iter().map(|both| both.satellites).collect();
         let way_m = path_length(&odometry);
-        let (Some(spread), Some(fits)) = (spread(&odometry), fit_similarities(&odometry, &satellites)) else {
+        let (Some(by_satellites), Some(spread), Some(fits)) = (
+            spread(&satellites),
+            spread(&odometry),
+            fit_similarities(&odometry, &satellites),
+        ) else {
             return false;
         };
         self.longest_m = self.longest_m.max(way_m);
         self.widest_m = self.widest_m.max(spread.minor_sd_m);
-        if spread.minor_sd_m < min_minor_m || window.len() < limits.min_points {
+        let is_told = |minor_m: f64| minor_m >= min_minor_m;
+        if !is_told(spread.minor_sd_m) || !is_told(by_satellites.minor_sd_m) || window.len() < limits.min_points {
             return false;
         }
         self.windows += 1;

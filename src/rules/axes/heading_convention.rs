@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use crate::rules::motion::{Imu, Motion, Track};
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
@@ -33,6 +33,7 @@ pub struct Limits {
 impl Rule for HeadingConvention {
     const PAGE: &'static str = include_str!("../../../rules/axes/heading-convention.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {

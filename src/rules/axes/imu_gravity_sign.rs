@@ -4,7 +4,7 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 
 use crate::rules::motion::{Imu, Motion};
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
 
@@ -43,6 +43,7 @@ pub(super) struct Up {
 impl Rule for ImuGravitySign {
     const PAGE: &'static str = include_str!("../../../rules/axes/imu-gravity-sign.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::math::readings::Reading;
 use crate::rules::motion::{Imu, Motion};
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
@@ -27,6 +27,7 @@ pub struct Limits {
 impl Rule for ImuUnits {
     const PAGE: &'static str = include_str!("../../../rules/axes/imu-units.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {

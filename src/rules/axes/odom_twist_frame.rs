@@ -31,7 +31,7 @@ pub struct Limits {
 impl Rule for OdomTwistFrame {
     const PAGE: &'static str = include_str!("../../../rules/axes/odom-twist-frame.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::USUAL;
+    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use crate::math::gravity::WorldForce;
 use crate::math::readings::Reading;
 use crate::rules::motion::{Imu, Motion};
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 
 use super::causes::{Diagnosis, World};
@@ -39,6 +39,7 @@ pub(super) struct Above {
 impl Rule for OrientationVsGravity {
     const PAGE: &'static str = include_str!("../../../rules/axes/orientation-vs-gravity.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &crate::world::World, limits: &Limits, out: &mut Judge) {

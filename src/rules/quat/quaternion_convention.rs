@@ -8,7 +8,7 @@ use crate::math::turns::{Score, Turns};
 use crate::rules::axes::causes::{Diagnosis, Turn};
 use crate::rules::axes::sensors::Sensors;
 use crate::rules::motion::{Imu, Motion};
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
@@ -48,6 +48,7 @@ pub(crate) struct Turned {
 impl Rule for QuaternionConvention {
     const PAGE: &'static str = include_str!("../../../rules/quat/quaternion-convention.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
