@@ -182,9 +182,9 @@ fn offset_finding(imu: &Imu, subject: &str, track: &Track, heading: &Heading, li
         rest.abs() <= limits.max_spread_deg
     };
     let what = if near(90.0) {
-        "as of a body whose y axis points forward, or a sensor turned so and not said"
+        "as of a sensor turned to the left and not said"
     } else if near(-90.0) {
-        "as of a yaw that is zero in the north, or a sensor turned so and not said"
+        "as of a yaw that is zero in the north, a body whose y axis points forward, or a sensor turned to the right and not said"
     } else if near(180.0) {
         "as of a sensor mounted backwards, or a drive in reverse"
     } else {
