@@ -9,7 +9,7 @@ use crate::world::World;
 
 use super::causes::{Diagnosis, Push};
 use super::rates::{Rates, Slope};
-use super::sensors::Sensors;
+use super::sensors::{Look, Sensors, needed};
 
 /// AXES06.
 pub struct AccelVsSpeed;
@@ -43,11 +43,11 @@ impl Rule for AccelVsSpeed {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         let (motion, sensors) = (Motion::of(world), Sensors::of(world));
-        for (bag, imu, diagnosis) in sensors.each(&motion) {
+        for (imu, sensor) in sensors.each(&motion) {
             let subject = format!("forward acceleration of {}", imu.stream.subject);
-            match look(imu, &bag.tracks(), limits) {
-                Ok(pushed) => judge_pushed(imu, subject, &pushed, diagnosis, limits, out),
-                Err((why, reason)) => out.not_evaluated(subject, why, reason),
+            match &sensor.push {
+                Ok(pushed) => judge_pushed(imu, subject, pushed, &sensor.diagnosis, limits, out),
+                Err((why, reason)) => out.not_evaluated(subject, *why, reason),
             }
         }
     }
@@ -73,8 +73,8 @@ fn judge_pushed(imu: &Imu, subject: String, pushed: &Pushed, diagnosis: &Diagnos
     if pushed.class == Push::Forward {
         return out.pass(subject, measured);
     }
-    if let Some(owner) = diagnosis.reported_by("AXES06") {
-        let why = format!("the acceleration is not along x: part of what {owner} reports of this sensor");
+    let seen = "the acceleration is not along x";
+    if let Some(why) = diagnosis.reported_elsewhere("AXES06", seen) {
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
     let what = match pushed.class {
@@ -90,26 +90,18 @@ fn judge_pushed(imu: &Imu, subject: String, pushed: &Pushed, diagnosis: &Diagnos
         imu.mounting(),
         diagnosis.words()
     );
-    let help = diagnosis.help().unwrap_or_else(|| {
-        "x points forward (REP-103): give the sensor's frame its yaw in TF, or negate an accelerometer that gives gravity; a \
-         drive in reverse looks the same"
-            .to_owned()
-    });
-    let mut finding = Finding::warning(subject, message, imu.stream.place())
-        .likely()
-        .help(help);
-    if let Some(word) = diagnosis.word() {
-        finding = finding.relation(word);
-    }
+    let otherwise = "x points forward (REP-103): give the sensor's frame its yaw in TF, or negate an accelerometer that gives gravity; a \
+         drive in reverse looks the same";
+    let finding = diagnosis.explain(
+        Finding::warning(subject, message, imu.stream.place()).likely(),
+        otherwise,
+    );
     out.fail(measured.into_iter().fold(finding, Finding::measured));
 }
 
 /// Along which axis the first track that tells speeds up.
-pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Result<Pushed, (NotEvaluated, String)> {
-    if tracks.is_empty() {
-        let why = "no satellite fixes, odometry or poses show where it went".to_owned();
-        return Err((NotEvaluated::MissingInput, why));
-    }
+pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Look<Pushed> {
+    needed(tracks)?;
     let force = imu.inertial.force.unwrap_or(0.0);
     // The unit is AXES02's.
     let unit = if (0.9..1.1).contains(&force) {

@@ -3,6 +3,8 @@
 //! One wrong setting shows in several of them. Where they fit a fault that is known, one rule reports it, and the others
 //! point there. Owns the table; must not measure.
 
+use crate::verdict::Finding;
+
 /// Where the acceleration at rest points in the base.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Base {
@@ -279,9 +281,19 @@ impl Diagnosis {
         Self { causes, owner }
     }
 
-    /// The rule that reports what `code` sees, where that is another.
-    pub(crate) fn reported_by(&self, code: &str) -> Option<&'static str> {
-        self.owner.filter(|owner| *owner != code)
+    /// Why a rule does not report what it sees: another reports the fault that it is part of.
+    pub(crate) fn reported_elsewhere(&self, code: &str, seen: &str) -> Option<String> {
+        let owner = self.owner.filter(|owner| *owner != code)?;
+        Some(format!("{seen}: part of what {owner} reports of this sensor"))
+    }
+
+    /// A finding with the fault's name and help; `otherwise` is the help where no fault that is known fits.
+    pub(crate) fn explain(&self, finding: Finding, otherwise: &str) -> Finding {
+        let finding = finding.help(self.help().unwrap_or_else(|| otherwise.to_owned()));
+        match self.word() {
+            Some(word) => finding.relation(word),
+            None => finding,
+        }
     }
 
     /// The faults in words, for the end of a message; empty where none is known.
@@ -300,7 +312,7 @@ impl Diagnosis {
     }
 
     /// The word of the relation.
-    pub(crate) fn word(&self) -> Option<&'static str> {
+    fn word(&self) -> Option<&'static str> {
         match self.causes.as_slice() {
             [one] => Some(one.word),
             _ => None,
@@ -308,7 +320,7 @@ impl Diagnosis {
     }
 
     /// What to do.
-    pub(crate) fn help(&self) -> Option<String> {
+    fn help(&self) -> Option<String> {
         let helps: Vec<&str> = self.causes.iter().map(|cause| cause.help).collect();
         (!helps.is_empty()).then(|| helps.join("; or: "))
     }

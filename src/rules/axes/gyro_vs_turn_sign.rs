@@ -9,7 +9,7 @@ use crate::world::World;
 
 use super::causes::{Diagnosis, Sense};
 use super::rates::{Rates, Slope};
-use super::sensors::Sensors;
+use super::sensors::{Look, Sensors, needed};
 
 /// AXES05.
 pub struct GyroVsTurnSign;
@@ -40,11 +40,11 @@ impl Rule for GyroVsTurnSign {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         let (motion, sensors) = (Motion::of(world), Sensors::of(world));
-        for (bag, imu, diagnosis) in sensors.each(&motion) {
+        for (imu, sensor) in sensors.each(&motion) {
             let subject = format!("yaw rate of {}", imu.stream.subject);
-            match look(imu, &bag.tracks(), limits) {
-                Ok(turned) => judge_turned(imu, subject, &turned, diagnosis, limits, out),
-                Err((why, reason)) => out.not_evaluated(subject, why, reason),
+            match &sensor.sense {
+                Ok(turned) => judge_turned(imu, subject, turned, &sensor.diagnosis, limits, out),
+                Err((why, reason)) => out.not_evaluated(subject, *why, reason),
             }
         }
     }
@@ -65,8 +65,8 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
     if turned.class == Sense::With {
         return out.pass(subject, measured);
     }
-    if let Some(owner) = diagnosis.reported_by("AXES05") {
-        let why = format!("the yaw rate turns against the course: part of what {owner} reports of this sensor");
+    let seen = "the yaw rate turns against the course";
+    if let Some(why) = diagnosis.reported_elsewhere("AXES05", seen) {
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
     let message = format!(
@@ -77,24 +77,15 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
         imu.mounting(),
         diagnosis.words()
     );
-    let help = diagnosis.help().unwrap_or_else(|| {
-        "counter-clockwise turns are positive about z up (REP-103): negate y and z of a gyro in FRD axes, or tell TF how the \
-         sensor is mounted"
-            .to_owned()
-    });
-    let mut finding = Finding::error(subject, message, imu.stream.place()).likely().help(help);
-    if let Some(word) = diagnosis.word() {
-        finding = finding.relation(word);
-    }
+    let otherwise = "counter-clockwise turns are positive about z up (REP-103): negate y and z of a gyro in FRD axes, or tell TF how the \
+         sensor is mounted";
+    let finding = diagnosis.explain(Finding::error(subject, message, imu.stream.place()).likely(), otherwise);
     out.fail(measured.into_iter().fold(finding, Finding::measured));
 }
 
 /// How the gyro turns against the first track that tells.
-pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Result<Turned, (NotEvaluated, String)> {
-    if tracks.is_empty() {
-        let why = "no satellite fixes, odometry or poses show where it went".to_owned();
-        return Err((NotEvaluated::MissingInput, why));
-    }
+pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Look<Turned> {
+    needed(tracks)?;
     let mut best: Option<Slope> = None;
     for track in tracks {
         let slope = Rates::of(imu, &track.courses(limits.speed_m_s)).turning;

@@ -6,7 +6,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::math::circular::{circular_mean, wrapped};
 use crate::math::readings::Reading;
-use crate::rules::motion::{Course, Stream, span_rad};
+use crate::rules::motion::{Course, Stream, around, span_rad};
 use crate::world::motion::InertialRow;
 
 use super::heading_convention::Limits;
@@ -193,8 +193,7 @@ impl Yaws {
             yaws.first().is_some_and(|first| first.0 <= t_s) && yaws.last().is_some_and(|last| last.0 >= t_s)
         };
         let yaws = self.stretches.iter().find(covers)?;
-        let after = yaws.partition_point(|(t, _)| *t < t_s).max(1);
-        let ((t0, a), (t1, b)) = (yaws.get(after - 1)?, yaws.get(after)?);
-        (t1 - t0 <= MAX_STEP_S).then(|| a + wrapped(b - a) * ((t_s - t0) / (t1 - t0)))
+        let ([(t0, a), (t1, b)], share) = around(yaws, t_s)?;
+        (t1 - t0 <= MAX_STEP_S).then(|| a + wrapped(b - a) * share)
     }
 }

@@ -9,7 +9,7 @@ use crate::world::World;
 
 use super::causes::{self, Diagnosis};
 use super::heading::{Heading, Sense};
-use super::sensors::Sensors;
+use super::sensors::{Look, Sensors, needed};
 
 /// AXES04.
 pub struct HeadingConvention;
@@ -38,18 +38,18 @@ impl Rule for HeadingConvention {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         let (motion, sensors) = (Motion::of(world), Sensors::of(world));
-        for (bag, imu, diagnosis) in sensors.each(&motion) {
-            judge_imu(imu, &bag.tracks(), diagnosis, limits, out);
+        for (imu, sensor) in sensors.each(&motion) {
+            let subject = format!("yaw of {}", imu.stream.subject);
+            match &sensor.heading {
+                Ok(decided) => judge_decided(imu, &subject, decided, &sensor.diagnosis, limits, out),
+                Err((why, reason)) => out.not_evaluated(subject, *why, reason),
+            }
         }
     }
 }
 
-fn judge_imu(imu: &Imu, tracks: &[Track], diagnosis: &Diagnosis, limits: &Limits, out: &mut Judge) {
-    let subject = format!("yaw of {}", imu.stream.subject);
-    let Decided { track, heading } = match look(imu, tracks, limits) {
-        Ok(decided) => decided,
-        Err((why, reason)) => return out.not_evaluated(&subject, why, reason),
-    };
+fn judge_decided(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagnosis, limits: &Limits, out: &mut Judge) {
+    let heading = &decided.heading;
     let [left, right] = heading.resultants;
     let (best, other) = match heading.winner() {
         Sense::Left => (left, right),
@@ -65,25 +65,28 @@ fn judge_imu(imu: &Imu, tracks: &[Track], diagnosis: &Diagnosis, limits: &Limits
         Measured::count("windows with a turn", heading.votes.iter().sum()),
     ];
     if heading.winner() == Sense::Right {
-        if let Some(owner) = diagnosis.reported_by("AXES04") {
-            let why = format!("the yaw turns against the course: part of what {owner} reports of this sensor");
-            return out.not_evaluated(&subject, NotEvaluated::NotApplicable, why);
+        let seen = "the yaw turns against the course";
+        if let Some(why) = diagnosis.reported_elsewhere("AXES04", seen) {
+            return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         }
-        return out.fail(clockwise(imu, &subject, track, &heading, diagnosis, measured));
+        return out.fail(clockwise(imu, subject, decided, diagnosis, measured));
     }
-    match offset_finding(imu, &subject, track, &heading, limits) {
+    match offset_finding(imu, subject, decided, limits) {
         Some(finding) => out.fail(measured.into_iter().fold(finding, Finding::measured)),
-        None => out.pass(&subject, measured),
+        None => out.pass(subject, measured),
     }
 }
 
 /// What was seen.
-pub(super) struct Decided<'t> {
-    track: &'t Track,
+pub(super) struct Decided {
+    /// What reports call the track.
+    track: String,
+    /// Whether the track knows where east is.
+    is_geodetic: bool,
     heading: Heading,
 }
 
-impl Decided<'_> {
+impl Decided {
     pub(super) fn class(&self) -> causes::Heading {
         match self.heading.winner() {
             Sense::Left => causes::Heading::With,
@@ -93,20 +96,21 @@ impl Decided<'_> {
 }
 
 /// How the yaw turns against the first track that tells. Satellites come first: odometry is often made of this very yaw.
-pub(super) fn look<'t>(imu: &Imu, tracks: &'t [Track], limits: &Limits) -> Result<Decided<'t>, (NotEvaluated, String)> {
+pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Look<Decided> {
     if let Some(why) = imu.no_orientation {
         return Err((NotEvaluated::NotApplicable, why.to_owned()));
     }
-    if tracks.is_empty() {
-        let why = "no satellite fixes, odometry or poses show where it went".to_owned();
-        return Err((NotEvaluated::MissingInput, why));
-    }
+    needed(tracks)?;
     let mut undecided_by = Vec::new();
     for track in tracks {
         let courses = track.courses(limits.min_speed_m_s);
         let heading = Heading::of(&imu.stream, &imu.base_from_imu(), &courses, limits);
         if heading.agreement().is_some_and(|share| share >= limits.min_agreement) {
-            return Ok(Decided { track, heading });
+            return Ok(Decided {
+                track: track.subject.clone(),
+                is_geodetic: track.is_geodetic,
+                heading,
+            });
         }
         undecided_by.push(heading);
     }
@@ -135,17 +139,11 @@ fn undecided(headings: &[Heading], limits: &Limits) -> String {
     )
 }
 
-fn clockwise(
-    imu: &Imu,
-    subject: &str,
-    track: &Track,
-    heading: &Heading,
-    diagnosis: &Diagnosis,
-    measured: [Measured; 4],
-) -> Finding {
+fn clockwise(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagnosis, measured: [Measured; 4]) -> Finding {
+    let heading = &decided.heading;
     let offset = heading.offset_rad.to_degrees();
     let (from, to) = heading.span_s.unwrap_or_default();
-    let zero = if !track.is_geodetic {
+    let zero = if !decided.is_geodetic {
         "where its zero is cannot be told from this track".to_owned()
     } else if (offset - 90.0).abs() <= 30.0 {
         format!("the offset of {offset:.0} deg is that of a heading counted from north")
@@ -155,26 +153,24 @@ fn clockwise(
     let message = format!(
         "the yaw of `{}` grows clockwise: it turns against the course of {} from {from:.0} to {to:.0} s; {zero}{}",
         imu.stream.topic,
-        track.subject,
+        decided.track,
         diagnosis.words()
     );
-    let help = diagnosis.help().unwrap_or_else(|| {
-        "REP-103 counts yaw counter-clockwise from east: publish `yaw_ros = pi/2 - heading`; of a whole NED/FRD orientation \
-         `R_enu_flu = P * R_ned_frd * F`"
-            .to_owned()
-    });
+    let otherwise = "REP-103 counts yaw counter-clockwise from east: publish `yaw_ros = pi/2 - heading`; of a whole NED/FRD orientation \
+         `R_enu_flu = P * R_ned_frd * F`";
     let finding = Finding::error(subject, message, imu.stream.place())
         .likely()
-        .relation(diagnosis.word().unwrap_or("clockwise-yaw"))
-        .help(help);
+        .relation("clockwise-yaw");
+    let finding = diagnosis.explain(finding, otherwise);
     measured.into_iter().fold(finding, Finding::measured)
 }
 
 /// A zero that is far from east, where the track knows east.
-fn offset_finding(imu: &Imu, subject: &str, track: &Track, heading: &Heading, limits: &Limits) -> Option<Finding> {
+fn offset_finding(imu: &Imu, subject: &str, decided: &Decided, limits: &Limits) -> Option<Finding> {
+    let heading = &decided.heading;
     let offset = heading.offset_rad.to_degrees();
     let is_steady = heading.offset_resultant >= limits.min_resultant;
-    if !track.is_geodetic || !is_steady || offset.abs() <= limits.max_offset_deg {
+    if !decided.is_geodetic || !is_steady || offset.abs() <= limits.max_offset_deg {
         return None;
     }
     let near = |degrees: f64| {
@@ -193,7 +189,7 @@ fn offset_finding(imu: &Imu, subject: &str, track: &Track, heading: &Heading, li
     let message = format!(
         "the yaw of `{}` is {offset:.0} deg from the course of {}, {what}; {}",
         imu.stream.topic,
-        track.subject,
+        decided.track,
         imu.mounting()
     );
     Some(

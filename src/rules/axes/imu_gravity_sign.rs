@@ -8,8 +8,8 @@ use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
 
-use super::causes::Base;
-use super::sensors::Sensors;
+use super::causes::{Base, Diagnosis};
+use super::sensors::{Look, Sensors};
 
 /// AXES01.
 pub struct ImuGravitySign;
@@ -48,59 +48,48 @@ impl Rule for ImuGravitySign {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         let (motion, sensors) = (Motion::of(world), Sensors::of(world));
-        for (_, imu, diagnosis) in sensors.each(&motion) {
+        for (imu, sensor) in sensors.each(&motion) {
             let subject = format!("acceleration of {}", imu.stream.subject);
-            let up = match look(imu, limits) {
-                Ok(up) => up,
-                Err((why, reason)) => {
-                    out.not_evaluated(subject, why, reason);
-                    continue;
-                }
-            };
-            let measured = [
-                Measured::new(
-                    "angle of the acceleration to z of the base",
-                    up.angle_rad.to_degrees(),
-                    "deg",
-                )
-                .limit(limits.warning_deg)
-                .samples(up.rows),
-                Measured::new(if up.at_rest { "time at rest" } else { "time" }, up.seconds, "s"),
-            ];
-            if up.class == Base::Up {
-                out.pass(subject, measured);
-            } else if let Some(owner) = diagnosis.reported_by("AXES01") {
-                let why = format!(
-                    "the acceleration points {}: part of what {owner} reports of this sensor",
-                    words(&up)
-                );
-                out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-            } else {
-                let is_far = up.angle_rad.to_degrees() > limits.error_deg;
-                let severity = if is_far { Severity::Error } else { Severity::Warning };
-                let message = format!(
-                    "at rest and level the acceleration of `{}` should point up, and points {} ({:.0} deg from z of the base; {}){}",
-                    imu.stream.topic,
-                    words(&up),
-                    up.angle_rad.to_degrees(),
-                    imu.mounting(),
-                    diagnosis.words()
-                );
-                let help = diagnosis.help().unwrap_or_else(|| {
-                    "give the sensor's frame its rotation in TF or URDF; an accelerometer reads +9.81 on the axis that points up \
-                     (REP-145)"
-                        .to_owned()
-                });
-                let mut finding = Finding::new(severity, subject, message, imu.stream.place())
-                    .likely()
-                    .help(help);
-                if let Some(word) = diagnosis.word() {
-                    finding = finding.relation(word);
-                }
-                out.fail(measured.into_iter().fold(finding, Finding::measured));
+            match &sensor.base {
+                Ok(up) => judge_up(imu, subject, up, &sensor.diagnosis, limits, out),
+                Err((why, reason)) => out.not_evaluated(subject, *why, reason),
             }
         }
     }
+}
+
+fn judge_up(imu: &Imu, subject: String, up: &Up, diagnosis: &Diagnosis, limits: &Limits, out: &mut Judge) {
+    let degrees = up.angle_rad.to_degrees();
+    let measured = [
+        Measured::new("angle of the acceleration to z of the base", degrees, "deg")
+            .limit(limits.warning_deg)
+            .samples(up.rows),
+        Measured::new(if up.at_rest { "time at rest" } else { "time" }, up.seconds, "s"),
+    ];
+    if up.class == Base::Up {
+        return out.pass(subject, measured);
+    }
+    let seen = format!("the acceleration points {}", words(up));
+    if let Some(why) = diagnosis.reported_elsewhere("AXES01", &seen) {
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    let severity = if degrees > limits.error_deg {
+        Severity::Error
+    } else {
+        Severity::Warning
+    };
+    let message = format!(
+        "at rest and level the acceleration of `{}` should point up, and points {} ({degrees:.0} deg from z of the base; {}){}",
+        imu.stream.topic,
+        words(up),
+        imu.mounting(),
+        diagnosis.words()
+    );
+    let otherwise = "give the sensor's frame its rotation in TF or URDF; an accelerometer reads +9.81 on the axis that points \
+                     up (REP-145)";
+    let finding = Finding::new(severity, subject, message, imu.stream.place()).likely();
+    let finding = diagnosis.explain(finding, otherwise);
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
 }
 
 /// Where the acceleration points, in words.
@@ -119,7 +108,7 @@ fn words(up: &Up) -> &'static str {
 }
 
 /// Where the acceleration points, at rest or over a drive.
-pub(super) fn look(imu: &Imu, limits: &Limits) -> Result<Up, (NotEvaluated, String)> {
+pub(super) fn look(imu: &Imu, limits: &Limits) -> Look<Up> {
     let little = |reason: String| (NotEvaluated::TooLittleEvidence, reason);
     if imu.mount.is_none() {
         let reason = imu.mounting();

@@ -9,7 +9,7 @@ use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 
 use super::causes::{Diagnosis, World};
-use super::sensors::Sensors;
+use super::sensors::{Look, Sensors};
 
 /// AXES03.
 pub struct OrientationVsGravity;
@@ -44,11 +44,11 @@ impl Rule for OrientationVsGravity {
 
     fn judge(world: &crate::world::World, limits: &Limits, out: &mut Judge) {
         let (motion, sensors) = (Motion::of(world), Sensors::of(world));
-        for (_, imu, diagnosis) in sensors.each(&motion) {
+        for (imu, sensor) in sensors.each(&motion) {
             let subject = format!("orientation of {}", imu.stream.subject);
-            match look(imu, limits) {
-                Ok(above) => judge_above(imu, subject, &above, diagnosis, limits, out),
-                Err((why, reason)) => out.not_evaluated(subject, why, reason),
+            match &sensor.world {
+                Ok(above) => judge_above(imu, subject, above, &sensor.diagnosis, limits, out),
+                Err((why, reason)) => out.not_evaluated(subject, *why, reason),
             }
         }
     }
@@ -69,8 +69,8 @@ fn judge_above(imu: &Imu, subject: String, above: &Above, diagnosis: &Diagnosis,
     if above.class == World::Up {
         return out.pass(subject, measured);
     }
-    if let Some(owner) = diagnosis.reported_by("AXES03") {
-        let why = format!("the acceleration is {degrees:.0} deg from up: part of what {owner} reports of this sensor");
+    let seen = format!("the acceleration is {degrees:.0} deg from up");
+    if let Some(why) = diagnosis.reported_elsewhere("AXES03", &seen) {
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
     let (severity, what) = match above.class {
@@ -93,16 +93,12 @@ fn judge_above(imu: &Imu, subject: String, above: &Above, diagnosis: &Diagnosis,
         above.force.concentration,
         diagnosis.words()
     );
-    let help = diagnosis.help().unwrap_or_else(|| {
-        "align the orientation with gravity: level and at rest `R(q) * acceleration` is +9.81 along z (REP-145)"
-            .to_owned()
-    });
-    let mut finding = Finding::new(severity, subject, message, imu.stream.place())
-        .likely()
-        .help(help);
-    if let Some(word) = diagnosis.word() {
-        finding = finding.relation(word);
-    }
+    let otherwise =
+        "align the orientation with gravity: level and at rest `R(q) * acceleration` is +9.81 along z (REP-145)";
+    let finding = diagnosis.explain(
+        Finding::new(severity, subject, message, imu.stream.place()).likely(),
+        otherwise,
+    );
     out.fail(measured.into_iter().fold(finding, Finding::measured));
 }
 
@@ -113,7 +109,7 @@ fn declared(imu: &Imu) -> bool {
 }
 
 /// Where the acceleration points in the world.
-pub(super) fn look(imu: &Imu, limits: &Limits) -> Result<Above, (NotEvaluated, String)> {
+pub(super) fn look(imu: &Imu, limits: &Limits) -> Look<Above> {
     if let Some(why) = imu.no_orientation {
         return Err((NotEvaluated::NotApplicable, why.to_owned()));
     }

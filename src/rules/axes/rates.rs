@@ -5,7 +5,7 @@
 use nalgebra::Vector3;
 
 use crate::math::circular::wrapped;
-use crate::rules::motion::{Course, Imu};
+use crate::rules::motion::{Course, Imu, around};
 
 /// Half the time that a course is taken over, seconds.
 const HALF_S: f64 = 1.0;
@@ -156,9 +156,8 @@ impl Integrals {
         };
         let run = self.stretches.iter().find(covers)?;
         let at = |t_s: f64| {
-            let after = run.partition_point(|(t, _)| *t < t_s).max(1);
-            let ((t0, a), (t1, b)) = (run.get(after - 1)?, run.get(after)?);
-            Some(a + (b - a) * ((t_s - t0) / (t1 - t0)))
+            let ([(_, a), (_, b)], share) = around(run, t_s)?;
+            Some(a + (b - a) * share)
         };
         let mut sum = Vector3::zeros();
         for part in 0..PARTS {

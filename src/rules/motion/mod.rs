@@ -18,7 +18,7 @@ use crate::world::{BagEvidence, World};
 
 pub(crate) use imu::Imu;
 pub(crate) use stream::{Stream, Timed};
-pub(crate) use track::{Course, Track, span_rad};
+pub(crate) use track::{Course, Track, around, span_rad};
 
 /// The streams of motion of each recording of a world, in its order.
 pub(crate) struct Motion {

@@ -5,6 +5,7 @@
 use nalgebra::{Vector2, Vector3};
 
 use crate::math::circular::wrapped;
+use crate::math::geodesy::Geodetic;
 use crate::world::motion::{FixRow, PoseRow};
 
 use super::stream::{Stream, Timed};
@@ -15,9 +16,6 @@ const COURSE_OVER_S: f64 = 2.0;
 const COURSE_EVERY_S: f64 = 0.5;
 /// Longest step between two positions, seconds: receivers speak once a second.
 const MAX_STEP_S: f64 = 2.5;
-/// WGS 84: semi-major axis, metres, and first eccentricity squared (NIMA TR 8350.2).
-const A_M: f64 = 6_378_137.0;
-const E2: f64 = 6.694_379_990_141_316e-3;
 
 /// Positions over time, metres, in a frame with x and y in the horizontal plane as published.
 #[derive(Clone, Debug)]
@@ -123,22 +121,23 @@ pub(crate) fn span_rad(courses: &[Course]) -> f64 {
 
 /// East, north, up of a fix about another, metres. Good to a millimetre in a kilometre.
 fn local(origin: &FixRow, fix: &FixRow) -> Vector3<f64> {
-    let latitude = origin.latitude_deg.to_radians();
-    let w2 = 1.0 - E2 * latitude.sin().powi(2);
-    let (prime_vertical, meridian) = (A_M / w2.sqrt(), A_M * (1.0 - E2) / w2.powf(1.5));
     let [east, north] = [
         wrapped((fix.longitude_deg - origin.longitude_deg).to_radians()),
         (fix.latitude_deg - origin.latitude_deg).to_radians(),
     ];
-    let height = if origin.altitude_m.is_finite() {
-        origin.altitude_m
-    } else {
-        0.0
+    let place = Geodetic {
+        latitude_rad: origin.latitude_deg.to_radians(),
+        longitude_rad: origin.longitude_deg.to_radians(),
+        height_m: if origin.altitude_m.is_finite() {
+            origin.altitude_m
+        } else {
+            0.0
+        },
     };
     let up = fix.altitude_m - origin.altitude_m;
     Vector3::new(
-        east * (prime_vertical + height) * latitude.cos(),
-        north * (meridian + height),
+        east * (place.prime_vertical_radius_m() + place.height_m) * place.latitude_rad.cos(),
+        north * (place.meridian_radius_m() + place.height_m),
         if up.is_finite() { up } else { 0.0 },
     )
 }
@@ -162,11 +161,13 @@ fn runs(stretches: impl Iterator<Item = impl Iterator<Item = (f64, Vector3<f64>)
 
 /// The position at a time, between two that are known.
 fn at(stretch: &[(f64, Vector3<f64>)], t_s: f64) -> Option<Vector3<f64>> {
-    let after = stretch.partition_point(|(t, _)| *t < t_s);
-    let (t1, b) = stretch.get(after)?;
-    let (t0, a) = match after.checked_sub(1) {
-        Some(before) => stretch.get(before)?,
-        None => return (*t1 <= t_s).then_some(*b),
-    };
-    Some(a + (b - a) * ((t_s - t0) / (t1 - t0)))
+    let ([(_, a), (_, b)], share) = around(stretch, t_s)?;
+    Some(a + (b - a) * share)
+}
+
+/// The two values of a run, in the order of time, that a time lies between, and its share of the way from one to the other.
+pub(crate) fn around<V>(run: &[(f64, V)], t_s: f64) -> Option<([&(f64, V); 2], f64)> {
+    let after = run.partition_point(|(t, _)| *t < t_s).max(1);
+    let (a, b) = (run.get(after - 1)?, run.get(after)?);
+    (a.0 <= t_s).then(|| ([a, b], (t_s - a.0) / (b.0 - a.0)))
 }

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use crate::math::readings::Reading;
 use crate::math::turns::{Score, Turns};
 use crate::rules::axes::causes::{Diagnosis, Turn};
-use crate::rules::axes::sensors::Sensors;
+use crate::rules::axes::sensors::{Look, Sensors};
 use crate::rules::motion::{Imu, Motion};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
@@ -53,11 +53,11 @@ impl Rule for QuaternionConvention {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         let (motion, sensors) = (Motion::of(world), Sensors::of(world));
-        for (_, imu, diagnosis) in sensors.each(&motion) {
+        for (imu, sensor) in sensors.each(&motion) {
             let subject = format!("orientation of {} against its gyro", imu.stream.subject);
-            match look(imu, limits) {
-                Ok(turned) => judge_turned(imu, subject, &turned, diagnosis, limits, out),
-                Err((why, reason)) => out.not_evaluated(subject, why, reason),
+            match &sensor.turn {
+                Ok(turned) => judge_turned(imu, subject, turned, &sensor.diagnosis, limits, out),
+                Err((why, reason)) => out.not_evaluated(subject, *why, reason),
             }
         }
     }
@@ -76,8 +76,8 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
     if turned.class == Turn::Agree {
         return out.pass(subject, measured);
     }
-    if let Some(owner) = diagnosis.reported_by("QUAT01") {
-        let why = format!("the orientation does not follow the gyro: part of what {owner} reports of this sensor");
+    let seen = "the orientation does not follow the gyro";
+    if let Some(why) = diagnosis.reported_elsewhere("QUAT01", seen) {
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
     let what = match turned.class {
@@ -99,23 +99,19 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
         100.0 * turned.reordered.residual,
         diagnosis.words()
     );
-    let help = diagnosis.help().unwrap_or_else(|| match turned.class {
+    let otherwise = match turned.class {
         Turn::Partly => {
             "look at the order in which roll, pitch and yaw are put together: ROS is Rz(yaw) Ry(pitch) Rx(roll)"
-                .to_owned()
         }
-        Turn::Unrelated => "look for fields of another message, degrees for radians, or an Euler order".to_owned(),
-        _ => "compare the driver's axes of orientation and gyro: both are of the sensor's frame (REP-145)".to_owned(),
-    });
-    let mut finding = Finding::error(subject, message, imu.stream.place()).likely().help(help);
-    if let Some(word) = diagnosis.word() {
-        finding = finding.relation(word);
-    }
+        Turn::Unrelated => "look for fields of another message, degrees for radians, or an Euler order",
+        _ => "compare the driver's axes of orientation and gyro: both are of the sensor's frame (REP-145)",
+    };
+    let finding = diagnosis.explain(Finding::error(subject, message, imu.stream.place()).likely(), otherwise);
     out.fail(measured.into_iter().fold(finding, Finding::measured));
 }
 
 /// How the orientation turns against the gyro.
-pub(crate) fn look(imu: &Imu, limits: &Limits) -> Result<Turned, (NotEvaluated, String)> {
+pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
     if let Some(why) = imu.no_orientation {
         return Err((NotEvaluated::NotApplicable, why.to_owned()));
     }
