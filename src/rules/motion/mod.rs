@@ -1,9 +1,10 @@
 //! The motion of a recording on one clock: inertial sensors, satellite tracks, poses and velocities, aligned.
 //!
-//! Made once for all rules that judge motion. Numbers stay as published; what they mean is for the rules to find out. Must
-//! not judge.
+//! Made once for all rules that judge motion. Numbers are as published, or, where the configuration or a frame's name says
+//! that they are told in another convention, brought from there to that of ROS. Must not judge.
 
 mod clock;
+mod convention;
 mod imu;
 mod inertial;
 mod mount;
@@ -16,6 +17,7 @@ use crate::rules::names;
 use crate::world::motion::{FixRow, PoseRow, TwistRow};
 use crate::world::{BagEvidence, World};
 
+pub(crate) use convention::ToldIn;
 pub(crate) use imu::Imu;
 pub(crate) use stream::{Stream, Timed};
 pub(crate) use track::{Course, Track, around, span_rad};
@@ -59,12 +61,13 @@ impl BagMotion {
             let of = &topic.content.motion;
             motion.imus.extend(Imu::of(world, bag, topic));
             motion.fixes.extend(Stream::of_topic(bag, topic, of.fixes.as_ref()));
-            motion.poses.extend(Stream::of_topic(bag, topic, of.poses.as_ref()));
-            motion.twists.extend(Stream::of_topic(bag, topic, of.twists.as_ref()));
+            let poses = Stream::of_topic(bag, topic, of.poses.as_ref());
+            motion.poses.extend(poses.map(|poses| poses.in_ros(world)));
+            let twists = Stream::of_topic(bag, topic, of.twists.as_ref());
+            motion.twists.extend(twists.map(|twists| twists.in_ros(world)));
         }
-        motion
-            .poses
-            .extend(bag.tf.iter().filter_map(|edge| Stream::of_edge(bag, edge)));
+        let edges = bag.tf.iter().filter_map(|edge| Stream::of_edge(bag, edge));
+        motion.poses.extend(edges.map(|edge| edge.in_ros(world)));
         motion
     }
 
