@@ -3,9 +3,13 @@
 //! Owns their reading. Must not know rules or worlds. A table that does not read is a fault of ours: the tests hold
 //! every one, and without it a table is empty and answers nothing.
 
+mod named;
+
 use std::sync::OnceLock;
 
 use serde::Deserialize;
+
+pub use named::{InsDriver, Known, LidarImu, Offset, Simulator, ins_driver, lidar_imu, simulator};
 
 /// A day of the calendar, as seconds since 1970-01-01T00:00:00 UTC (leap seconds not counted: Unix time).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]

@@ -95,6 +95,14 @@ pub struct TopicEvidence {
 }
 
 impl TopicEvidence {
+    /// The lower-case words of everything that is named around it: topic, type, frames and writers.
+    pub fn words(&self) -> Vec<String> {
+        let names = [self.topic.as_str(), self.message_type.as_str()].into_iter();
+        let names = names.chain(self.header_frames.keys().map(FrameId::as_str));
+        let names = names.chain(self.writers.keys().map(String::as_str));
+        names.flat_map(|name| FrameId::new(name).tokens()).collect()
+    }
+
     /// Whether the recording holds messages of the topic that were not read.
     pub fn has_more(&self) -> bool {
         self.total.is_some_and(|total| total > self.count)

@@ -4,6 +4,7 @@
 //! point there. Owns the table; must not measure.
 
 use crate::rules::motion::ToldIn;
+use crate::tables::{InsDriver, Known};
 use crate::verdict::Finding;
 
 /// Where the acceleration at rest points in the base.
@@ -283,15 +284,18 @@ pub(crate) struct Diagnosis {
     pub(crate) owner: Option<&'static str>,
     /// What the sensor's numbers were told in.
     told_in: ToldIn,
+    /// The driver, where names tell it.
+    driver: Option<Known<InsDriver>>,
 }
 
 impl Diagnosis {
     /// Finds the faults that fit.
-    pub(crate) fn of(seen: Seen, told_in: &ToldIn) -> Self {
+    pub(crate) fn of(seen: Seen, told_in: &ToldIn, driver: Option<Known<InsDriver>>) -> Self {
         let told_in = told_in.clone();
         if HEALTHY.fits(seen) {
             return Self {
                 told_in,
+                driver,
                 ..Self::default()
             };
         }
@@ -306,7 +310,12 @@ impl Diagnosis {
         let owner = one
             .filter(shows)
             .or_else(|| ORDER.into_iter().find(shows).filter(|_| !causes.is_empty()));
-        Self { causes, owner, told_in }
+        Self {
+            causes,
+            owner,
+            told_in,
+            driver,
+        }
     }
 
     /// Why a rule does not report what it sees: another reports the fault that it is part of.
@@ -352,7 +361,18 @@ impl Diagnosis {
     /// What to do.
     fn help(&self) -> Option<String> {
         let helps: Vec<&str> = self.causes.iter().map(|cause| cause.help).collect();
-        (!helps.is_empty()).then(|| helps.join("; or: "))
+        let help = (!helps.is_empty()).then(|| helps.join("; or: "))?;
+        let is_of_driver = |cause: &&Cause| ["ned-frd", "ned-orientation", "compass-yaw"].contains(&cause.word);
+        let driver = self.driver.filter(|_| self.causes.iter().any(is_of_driver));
+        Some(driver.map_or_else(
+            || help.clone(),
+            |driver| {
+                format!(
+                    "{help}. {} measures in {}: {}",
+                    driver.name, driver.facts.native, driver.facts.setting
+                )
+            },
+        ))
     }
 }
 
@@ -374,7 +394,7 @@ mod tests {
     use super::*;
 
     fn words(seen: Seen) -> (Vec<&'static str>, Option<&'static str>) {
-        let diagnosis = Diagnosis::of(seen, &ToldIn::default());
+        let diagnosis = Diagnosis::of(seen, &ToldIn::default(), None);
         (
             diagnosis.causes.iter().map(|cause| cause.word).collect(),
             diagnosis.owner,

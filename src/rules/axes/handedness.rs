@@ -65,6 +65,18 @@ impl Votes {
         found
     }
 
+    /// Share of the windows that voted for what most of them say.
+    pub(super) fn agreement(&self) -> f64 {
+        let [turned, mirrored] = self.says;
+        turned.max(mirrored) as f64 / (turned + mirrored).max(1) as f64
+    }
+
+    /// Whether the odometry is mirrored, where enough windows agree.
+    pub(super) fn majority(&self, limits: &Limits) -> Option<bool> {
+        let [turned, mirrored] = self.says;
+        (turned + mirrored > 0 && 2.0 * self.agreement() - 1.0 >= limits.min_agreement).then_some(mirrored > turned)
+    }
+
     /// Whether the window spreads enough to tell; counts its vote.
     fn look(&mut self, window: &[Both], min_minor_m: f64, rms: &mut [Vec<f64>; 2], limits: &Limits) -> bool {
         let odometry: Vec<_> = window.iter().map(|both| both.odometry).collect();

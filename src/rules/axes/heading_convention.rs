@@ -4,6 +4,7 @@ use serde::Deserialize;
 
 use crate::rules::motion::{Imu, Motion, Track};
 use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::tables::Offset;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
@@ -41,6 +42,10 @@ impl Rule for HeadingConvention {
         for (imu, sensor) in sensors.each(&motion) {
             let subject = format!("yaw of {}", imu.stream.subject);
             match &sensor.heading {
+                Ok(_) if sensor.offset.is_some() => {
+                    let why = "its offset from the course is what SENSOR06 reports of its driver";
+                    out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                }
                 Ok(decided) => judge_decided(imu, &subject, decided, &sensor.diagnosis, limits, out),
                 Err((why, reason)) => out.not_evaluated(subject, *why, reason),
             }
@@ -93,6 +98,37 @@ impl Decided {
             Sense::Right => causes::Heading::Against,
         }
     }
+
+    /// Yaw minus course, radians; or why it says nothing of east.
+    pub(super) fn offset_rad(&self) -> Look<f64> {
+        if self.is_geodetic {
+            Ok(self.heading.offset_rad)
+        } else {
+            let why = format!("{} does not know where east is", self.track);
+            Err((NotEvaluated::MissingInput, why))
+        }
+    }
+
+    /// Yaw minus course, degrees, where it is steady, and too large for a mounting.
+    fn large_offset_deg(&self, limits: &Limits) -> Option<f64> {
+        let is_steady = self.heading.offset_resultant >= limits.min_resultant;
+        let offset = self.offset_rad().ok()?.to_degrees();
+        (is_steady && offset.abs() > limits.max_offset_deg).then_some(offset)
+    }
+
+    /// What the driver's profile says of a large offset.
+    pub(super) fn known_offset(&self, imu: &Imu, limits: &Limits) -> Option<&'static Offset> {
+        let offset = self
+            .large_offset_deg(limits)
+            .filter(|_| self.class() == causes::Heading::With)?;
+        let near = |known: &&Offset| apart_deg(offset, known.deg) <= limits.max_spread_deg;
+        imu.driver?.facts.offsets.iter().find(near)
+    }
+}
+
+/// Between two angles, degrees, 0 to 180.
+fn apart_deg(a: f64, b: f64) -> f64 {
+    ((a - b + 540.0).rem_euclid(360.0) - 180.0).abs()
 }
 
 /// How the yaw turns against the first track that tells. Satellites come first: odometry is often made of this very yaw.
@@ -167,16 +203,8 @@ fn clockwise(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagnosis,
 
 /// A zero that is far from east, where the track knows east.
 fn offset_finding(imu: &Imu, subject: &str, decided: &Decided, limits: &Limits) -> Option<Finding> {
-    let heading = &decided.heading;
-    let offset = heading.offset_rad.to_degrees();
-    let is_steady = heading.offset_resultant >= limits.min_resultant;
-    if !decided.is_geodetic || !is_steady || offset.abs() <= limits.max_offset_deg {
-        return None;
-    }
-    let near = |degrees: f64| {
-        let rest = (offset - degrees + 540.0).rem_euclid(360.0) - 180.0;
-        rest.abs() <= limits.max_spread_deg
-    };
+    let offset = decided.large_offset_deg(limits)?;
+    let near = |degrees: f64| apart_deg(offset, degrees) <= limits.max_spread_deg;
     let what = if near(90.0) {
         "as of a sensor turned to the left and not said"
     } else if near(-90.0) {

@@ -9,11 +9,12 @@ use crate::page::Front;
 use crate::rules::Rule;
 use crate::rules::motion::{BagMotion, Imu, Motion, Track};
 use crate::rules::quat::quaternion_convention::{self, QuaternionConvention};
+use crate::tables::Offset;
 use crate::verdict::NotEvaluated;
 use crate::world::World;
 
 use super::accel_vs_speed::{self, AccelVsSpeed, Pushed};
-use super::causes::{Diagnosis, Seen};
+use super::causes::{Base, Diagnosis, Seen};
 use super::gyro_vs_turn_sign::{self, GyroVsTurnSign};
 use super::heading_convention::{self, Decided, HeadingConvention};
 use super::imu_gravity_sign::{self, ImuGravitySign, Up};
@@ -32,6 +33,8 @@ pub(crate) struct Sensor {
     pub(super) push: Look<Pushed>,
     /// The fault that explains them.
     pub(crate) diagnosis: Diagnosis,
+    /// What the driver's profile says of the yaw's offset from the course, where that is large.
+    pub(crate) offset: Option<&'static Offset>,
 }
 
 /// Every inertial sensor, recording by recording, in the order of [`Motion`].
@@ -46,6 +49,11 @@ impl Sensors {
         world.derived(|_| Self {
             bags: motion.bags.iter().map(|bag| sensors(bag).unwrap_or_default()).collect(),
         })
+    }
+
+    /// The sensors of each recording, in the order of its motion's.
+    pub(crate) fn by_bag(&self) -> impl Iterator<Item = &Vec<Sensor>> {
+        self.bags.iter()
     }
 
     /// Every sensor of the motion with what is seen of it.
@@ -65,7 +73,7 @@ pub(super) fn needed(tracks: &[Track]) -> Look<()> {
 }
 
 /// The limits of another rule's page.
-fn limits<R: Rule>() -> Option<R::Limits> {
+pub(crate) fn limits_of<R: Rule>() -> Option<R::Limits> {
     Front::parse(R::PAGE).ok()?.limits().ok()
 }
 
@@ -74,9 +82,9 @@ fn sensors(bag: &BagMotion) -> Option<Vec<Sensor>> {
     if bag.imus.is_empty() {
         return None;
     }
-    let (base, world) = (limits::<ImuGravitySign>()?, limits::<OrientationVsGravity>()?);
-    let (turn, heading) = (limits::<QuaternionConvention>()?, limits::<HeadingConvention>()?);
-    let (sense, push) = (limits::<GyroVsTurnSign>()?, limits::<AccelVsSpeed>()?);
+    let (base, world) = (limits_of::<ImuGravitySign>()?, limits_of::<OrientationVsGravity>()?);
+    let (turn, heading) = (limits_of::<QuaternionConvention>()?, limits_of::<HeadingConvention>()?);
+    let (sense, push) = (limits_of::<GyroVsTurnSign>()?, limits_of::<AccelVsSpeed>()?);
     let tracks = bag.tracks();
     let look = |imu: &Imu| {
         let mut sensor = Sensor {
@@ -87,14 +95,35 @@ fn sensors(bag: &BagMotion) -> Option<Vec<Sensor>> {
             sense: gyro_vs_turn_sign::look(imu, &tracks, &sense),
             push: accel_vs_speed::look(imu, &tracks, &push),
             diagnosis: Diagnosis::default(),
+            offset: None,
         };
-        sensor.diagnosis = Diagnosis::of(sensor.seen(), &imu.stream.told_in);
+        let decided = sensor.heading.as_ref().ok();
+        sensor.offset = decided.and_then(|decided| decided.known_offset(imu, &heading));
+        sensor.diagnosis = Diagnosis::of(sensor.seen(), &imu.stream.told_in, imu.driver);
         sensor
     };
     Some(bag.imus.iter().map(look).collect())
 }
 
 impl Sensor {
+    /// Where its acceleration points in the base; `None` where that was not measured.
+    pub(crate) fn stands(&self) -> Option<Base> {
+        self.base.as_ref().ok().map(|up| up.class)
+    }
+
+    /// Angle between the acceleration and the world's up, by the orientation, radians; or why it was not measured.
+    pub(crate) fn up_rad(&self) -> Look<f64> {
+        self.world.as_ref().map(Above::off_up_rad).map_err(Clone::clone)
+    }
+
+    /// Yaw minus course, radians, where the track knows where east is; or why it was not measured.
+    pub(crate) fn offset_rad(&self) -> Look<f64> {
+        self.heading
+            .as_ref()
+            .map_err(Clone::clone)
+            .and_then(Decided::offset_rad)
+    }
+
     fn seen(&self) -> Seen {
         fn class<T, C>(look: &Look<T>, of: impl Fn(&T) -> C) -> Option<C> {
             look.as_ref().ok().map(of)

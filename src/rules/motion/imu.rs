@@ -3,6 +3,7 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::math::readings::Reading;
+use crate::tables::{self, InsDriver, Known};
 use crate::world::bag::TopicEvidence;
 use crate::world::motion::InertialRow;
 use crate::world::{BagEvidence, World};
@@ -22,6 +23,8 @@ pub(crate) struct Imu {
     pub(crate) no_orientation: Option<&'static str>,
     /// What its numbers measure.
     pub(crate) inertial: Inertial,
+    /// The driver that publishes it, by the names around it.
+    pub(crate) driver: Option<Known<InsDriver>>,
 }
 
 impl Imu {
@@ -35,6 +38,7 @@ impl Imu {
             mount,
             inertial: Inertial::of(&stream, no_orientation.is_none()),
             no_orientation,
+            driver: tables::ins_driver(&topic.words()),
             stream,
         })
     }

@@ -14,6 +14,7 @@ mod track;
 use std::sync::Arc;
 
 use crate::rules::names;
+use crate::tables::{self, Known, Simulator};
 use crate::world::motion::{FixRow, PoseRow, TwistRow};
 use crate::world::{BagEvidence, World};
 
@@ -38,6 +39,8 @@ pub(crate) struct BagMotion {
     pub(crate) poses: Vec<Stream<PoseRow>>,
     /// Velocities on topics of their own.
     pub(crate) twists: Vec<Stream<TwistRow>>,
+    /// The simulator that names in the recording tell.
+    pub(crate) simulator: Option<Known<Simulator>>,
 }
 
 impl Motion {
@@ -46,6 +49,15 @@ impl Motion {
         world.derived(|world| Self {
             bags: world.bags.iter().map(|bag| BagMotion::of(world, bag)).collect(),
         })
+    }
+
+    /// The simulator of the recording that a sensor is in.
+    pub(crate) fn simulator_of(&self, imu: &Imu) -> Option<Known<Simulator>> {
+        let bag = self
+            .bags
+            .iter()
+            .find(|bag| bag.imus.iter().any(|one| std::ptr::eq(one, imu)))?;
+        bag.simulator
     }
 }
 
@@ -56,6 +68,7 @@ impl BagMotion {
             fixes: Vec::new(),
             poses: Vec::new(),
             twists: Vec::new(),
+            simulator: bag.topics.values().find_map(|topic| tables::simulator(&topic.words())),
         };
         for topic in bag.topics.values() {
             let of = &topic.content.motion;
