@@ -2,12 +2,8 @@
 //!
 //! Must not judge.
 
-use nalgebra::{UnitQuaternion, Vector3};
-
 use crate::math::circular::{circular_mean, wrapped};
-use crate::math::readings::Reading;
-use crate::rules::motion::{Course, Stream, around, span_rad};
-use crate::world::motion::InertialRow;
+use crate::rules::motion::{Course, Yaws, span_rad};
 
 use super::heading_convention::Limits;
 
@@ -49,13 +45,7 @@ struct Pair {
 
 impl Heading {
     /// Holds the yaw of the base's x axis, by the orientation as published, against the courses.
-    pub(super) fn of(
-        imu: &Stream<InertialRow>,
-        base_from_imu: &UnitQuaternion<f64>,
-        courses: &[Vec<Course>],
-        limits: &Limits,
-    ) -> Self {
-        let yaws = Yaws::of(imu, base_from_imu);
+    pub(crate) fn of(yaws: &Yaws, courses: &[Vec<Course>], limits: &Limits) -> Self {
         let mut heading = Self::default();
         let mut voted: Vec<(Sense, Vec<Pair>)> = Vec::new();
         for run in courses {
@@ -157,43 +147,4 @@ fn way_m(courses: &[Course]) -> f64 {
         _ => 0.0,
     };
     courses.windows(2).map(step).sum()
-}
-
-/// Yaw of the base's x axis over time.
-struct Yaws {
-    stretches: Vec<Vec<(f64, f64)>>,
-}
-
-/// Longest step between two orientations that a yaw is interpolated over, seconds.
-const MAX_STEP_S: f64 = 2.5;
-/// The part of the x axis that must lie in the horizontal plane.
-const MIN_HORIZONTAL: f64 = 0.5;
-
-impl Yaws {
-    fn of(imu: &Stream<InertialRow>, base_from_imu: &UnitQuaternion<f64>) -> Self {
-        let yaw = |row: &InertialRow| {
-            let world_from_imu = Reading::Xyzw.world_from_body(row.orientation)?;
-            let forward = world_from_imu * (base_from_imu.inverse() * Vector3::x());
-            (forward.xy().norm() >= MIN_HORIZONTAL).then(|| forward.y.atan2(forward.x))
-        };
-        let stretches = imu.stretches.iter();
-        Self {
-            stretches: stretches
-                .map(|rows| {
-                    rows.iter()
-                        .filter_map(|timed| Some((timed.t_s, yaw(&timed.row)?)))
-                        .collect()
-                })
-                .collect(),
-        }
-    }
-
-    fn at(&self, t_s: f64) -> Option<f64> {
-        let covers = |yaws: &&Vec<(f64, f64)>| {
-            yaws.first().is_some_and(|first| first.0 <= t_s) && yaws.last().is_some_and(|last| last.0 >= t_s)
-        };
-        let yaws = self.stretches.iter().find(covers)?;
-        let ([(t0, a), (t1, b)], share) = around(yaws, t_s)?;
-        (t1 - t0 <= MAX_STEP_S).then(|| a + wrapped(b - a) * share)
-    }
 }

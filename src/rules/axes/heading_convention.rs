@@ -2,14 +2,15 @@
 
 use serde::Deserialize;
 
-use crate::rules::motion::{Imu, Motion, Track};
+use crate::rules::motion::{Imu, Motion, Track, Yaws};
 use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
 use super::causes::{self, Diagnosis};
 use super::heading::{Heading, Sense};
-use super::sensors::{Look, Sensors, needed};
+use super::sensors::{Look, Sensors, TRACK, needed};
 
 /// AXES04.
 pub struct HeadingConvention;
@@ -72,7 +73,10 @@ fn judge_decided(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagno
         return out.fail(clockwise(imu, subject, decided, diagnosis, measured));
     }
     match offset_finding(imu, subject, decided, limits) {
-        Some(finding) => out.fail(measured.into_iter().fold(finding, Finding::measured)),
+        Some(finding) => {
+            let finding = finding.related(decided.track_at.clone(), TRACK);
+            out.fail(measured.into_iter().fold(finding, Finding::measured));
+        }
         None => out.pass(subject, measured),
     }
 }
@@ -81,6 +85,7 @@ fn judge_decided(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagno
 pub(super) struct Decided {
     /// What reports call the track.
     track: String,
+    track_at: Place,
     /// Whether the track knows where east is.
     is_geodetic: bool,
     heading: Heading,
@@ -102,12 +107,13 @@ pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Look<Decided
     }
     needed(tracks)?;
     let mut undecided_by = Vec::new();
+    let yaws = Yaws::of(&imu.stream, &imu.base_from_imu());
     for track in tracks {
-        let courses = track.courses(limits.min_speed_m_s);
-        let heading = Heading::of(&imu.stream, &imu.base_from_imu(), &courses, limits);
+        let heading = Heading::of(&yaws, &track.courses(limits.min_speed_m_s), limits);
         if heading.agreement().is_some_and(|share| share >= limits.min_agreement) {
             return Ok(Decided {
                 track: track.subject.clone(),
+                track_at: track.place.clone(),
                 is_geodetic: track.is_geodetic,
                 heading,
             });
@@ -161,7 +167,9 @@ fn clockwise(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagnosis,
     let finding = Finding::error(subject, message, imu.stream.place())
         .likely()
         .relation("clockwise-yaw");
-    let finding = diagnosis.explain(finding, otherwise);
+    let finding = diagnosis
+        .explain(finding, otherwise)
+        .related(decided.track_at.clone(), TRACK);
     measured.into_iter().fold(finding, Finding::measured)
 }
 

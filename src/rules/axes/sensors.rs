@@ -22,6 +22,9 @@ use super::orientation_vs_gravity::{self, Above, OrientationVsGravity};
 /// What a rule sees, or why it sees nothing.
 pub(crate) type Look<T> = Result<T, (NotEvaluated, String)>;
 
+/// What the place of a track is in a finding.
+pub(crate) const TRACK: &str = "where it went";
+
 /// One inertial sensor.
 pub(crate) struct Sensor {
     pub(super) base: Look<Up>,
