@@ -183,6 +183,7 @@ pub static RULES: &[Entry] = &[
     entry::<time::tf_vs_sensor_time::TfVsSensorTime>(),
     entry::<time::leap_table_expiry::LeapTableExpiry>(),
     entry::<sensor::mavros_frames::MavrosFrames>(),
+    entry::<sensor::compass_in_quaternion::CompassInQuaternion>(),
     entry::<cov::cov_psd::CovPsd>(),
     entry::<cov::cov_unknown_marking::CovUnknownMarking>(),
     entry::<auth::multiple_authorities::MultipleAuthorities>(),

@@ -9,7 +9,7 @@ use super::heading_convention::Limits;
 
 /// Which way a yaw turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Sense {
+pub(crate) enum Sense {
     /// Counter-clockwise, seen from above: REP-103.
     Left,
     /// Clockwise: a compass, or z down.
@@ -18,23 +18,23 @@ pub(super) enum Sense {
 
 /// A yaw against a course.
 #[derive(Debug, Default)]
-pub(super) struct Heading {
+pub(crate) struct Heading {
     /// Windows with a turn that were judged.
-    pub(super) windows: usize,
+    pub(crate) windows: usize,
     /// Windows in which the yaw turns with the course, and against it.
-    pub(super) votes: [usize; 2],
+    pub(crate) votes: [usize; 2],
     /// Courses in the windows that voted.
-    pub(super) samples: usize,
+    pub(crate) samples: usize,
     /// Resultants of `course - yaw` and `course + yaw` over the windows that voted: the mean, weighted by samples.
-    pub(super) resultants: [f64; 2],
+    pub(crate) resultants: [f64; 2],
     /// `yaw - course`, or `yaw + course`, over the windows that voted for the winner, radians, with its resultant.
-    pub(super) offset_rad: f64,
+    pub(crate) offset_rad: f64,
     /// Resultant of that offset over all those windows: 1 where they agree.
-    pub(super) offset_resultant: f64,
+    pub(crate) offset_resultant: f64,
     /// Largest turn of the course within a window, radians.
-    pub(super) widest_rad: f64,
+    pub(crate) widest_rad: f64,
     /// Time of the first and last course that voted, seconds after the recording's start.
-    pub(super) span_s: Option<(f64, f64)>,
+    pub(crate) span_s: Option<(f64, f64)>,
 }
 
 /// A course with the yaw at that time.
@@ -103,13 +103,13 @@ impl Heading {
     }
 
     /// The sense that has more votes.
-    pub(super) fn winner(&self) -> Sense {
+    pub(crate) fn winner(&self) -> Sense {
         let [left, right] = self.votes;
         if right > left { Sense::Right } else { Sense::Left }
     }
 
     /// The share of the votes that the winner has; `None` without votes.
-    pub(super) fn agreement(&self) -> Option<f64> {
+    pub(crate) fn agreement(&self) -> Option<f64> {
         let [left, right] = self.votes;
         let all = left + right;
         (all > 0).then(|| left.max(right) as f64 / all as f64)

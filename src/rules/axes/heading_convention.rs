@@ -19,14 +19,14 @@ pub struct HeadingConvention;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
-    min_speed_m_s: f64,
+    pub(crate) min_speed_m_s: f64,
     pub(super) window_s: f64,
     pub(super) window_turn_deg: f64,
-    pub(super) min_turn_deg: f64,
+    pub(crate) min_turn_deg: f64,
     pub(super) min_way_m: f64,
-    pub(super) min_resultant: f64,
-    pub(super) variance_ratio: f64,
-    min_agreement: f64,
+    pub(crate) min_resultant: f64,
+    pub(crate) variance_ratio: f64,
+    pub(crate) min_agreement: f64,
     max_offset_deg: f64,
     max_spread_deg: f64,
 }

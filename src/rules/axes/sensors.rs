@@ -51,6 +51,11 @@ impl Sensors {
         })
     }
 
+    /// The sensors of one of the recordings.
+    pub(crate) fn of_bag(&self, index: usize) -> &[Sensor] {
+        self.bags.get(index).map_or(&[], Vec::as_slice)
+    }
+
     /// Every sensor of the motion with what is seen of it.
     pub(crate) fn each<'a>(&'a self, motion: &'a Motion) -> impl Iterator<Item = (&'a Imu, &'a Sensor)> {
         let bags = motion.bags.iter().zip(&self.bags);
@@ -68,7 +73,7 @@ pub(super) fn needed(tracks: &[Track]) -> Look<()> {
 }
 
 /// The limits of another rule's page.
-fn limits<R: Rule>() -> Option<R::Limits> {
+pub(crate) fn limits<R: Rule>() -> Option<R::Limits> {
     Front::parse(R::PAGE).ok()?.limits().ok()
 }
 

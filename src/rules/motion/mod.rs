@@ -25,7 +25,7 @@ pub(crate) use imu::Imu;
 pub(crate) use mount::mount;
 pub(crate) use stream::{Stream, Timed};
 pub(crate) use track::{Course, Track, around, span_rad};
-pub(crate) use yaw::{Oriented, Yaws};
+pub(crate) use yaw::Yaws;
 
 /// The streams of motion of each recording of a world, in its order.
 pub(crate) struct Motion {

@@ -1,3 +1,5 @@
 //! SENSOR: what drivers and autopilots fix by convention.
 
+pub mod compass_in_quaternion;
 pub mod mavros_frames;
+mod yaw_zero;
