@@ -7,6 +7,7 @@ mod support;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use frames_lint::world::FrameId;
 use frames_lint::world::content::{CovarianceEvidence, StepEvidence};
 use support::encode::{Body, Endian, Header, Transform};
 use support::raw::{Layout, RawChannel, in_memory};
@@ -245,7 +246,7 @@ fn what_stands_inside_messages_is_evidence_of_its_own() {
     assert_eq!(ins.members.keys().collect::<Vec<_>>(), ["imu"]);
     let member = &ins.members["imu"];
     // Its own header is empty: the message's counts.
-    let frames: Vec<&str> = member.header_frames.keys().map(|frame| frame.as_str()).collect();
+    let frames: Vec<&str> = member.header_frames.keys().map(FrameId::as_str).collect();
     assert_eq!((frames, member.guessed), (vec!["imu1_frame"], false));
     let first = member.first.as_ref().unwrap();
     assert_eq!((first.field.as_deref(), first.index), (Some("imu"), 0));
@@ -263,7 +264,10 @@ fn what_stands_inside_messages_is_evidence_of_its_own() {
     assert_eq!(member.content.motion.fixes.as_ref().unwrap().rows().count(), 50);
     // The topic itself, and the one member.
     let said: Vec<String> = bag.topics["/gps"].said().map(|said| said.subject()).collect();
-    assert_eq!(said, ["topic `/gps`", "topic `/gps` (field `latitude, longitude, altitude`)"]);
+    assert_eq!(
+        said,
+        ["topic `/gps`", "topic `/gps` (field `latitude, longitude, altitude`)"]
+    );
 }
 
 #[test]
@@ -283,7 +287,10 @@ fn receivers_say_velocities_headings_and_sentences() {
     let nmea = motion("/nmea").nmea.unwrap();
     let headings = motion("/heading").orientations.unwrap();
     // The three sentences of a tick are one row.
-    assert_eq!((nmea.count, nmea.rows().count(), headings.rows().count()), (150, 50, 50));
+    assert_eq!(
+        (nmea.count, nmea.rows().count(), headings.rows().count()),
+        (150, 50, 50)
+    );
     for (((nmea, fix), twist), heading) in nmea.rows().zip(fixes.rows()).zip(twists.rows()).zip(headings.rows()) {
         assert!((nmea.latitude_deg - fix.latitude_deg).abs() < 1e-6, "{nmea:?} {fix:?}");
         let height = nmea.altitude_m + nmea.geoid_separation_m;

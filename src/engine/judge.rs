@@ -59,8 +59,12 @@ fn doubt_guesses(world: &World, out: &mut Judge) {
             .places
             .iter()
             .filter_map(|label| world.guessed_fields(&label.place));
-        let Some((topic, fields)) = guessed.last() else { continue };
-        let doubt = format!("that the fields `{fields}` of `{topic}` are what their names say is a guess until the configuration confirms it");
+        let Some((topic, fields)) = guessed.last() else {
+            continue;
+        };
+        let doubt = format!(
+            "that the fields `{fields}` of `{topic}` are what their names say is a guess until the configuration confirms it"
+        );
         finding.help = if finding.help.is_empty() {
             doubt
         } else {

@@ -176,6 +176,7 @@ pub static RULES: &[Entry] = &[
     entry::<quat::quaternion_convention::QuaternionConvention>(),
     entry::<quat::quaternion_order_static::QuaternionOrderStatic>(),
     entry::<geo::navsatfix_sanity::NavsatfixSanity>(),
+    entry::<geo::altitude_datum::AltitudeDatum>(),
     entry::<time::epoch_offset::EpochOffset>(),
     entry::<time::stamp_vs_log::StampVsLog>(),
     entry::<time::stamp_monotonic::StampMonotonic>(),

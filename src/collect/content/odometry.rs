@@ -41,10 +41,7 @@ impl Odometries {
     }
 
     pub(super) fn finish(self, on: On<'_>) -> OdometryEvidence {
-        let at = |(point, pose): (Point, Pose)| PoseAt {
-            at: point.on(on),
-            pose,
-        };
+        let at = |(point, pose): (Point, Pose)| PoseAt { at: point.on(on), pose };
         OdometryEvidence {
             samples: self.samples.finish().into_iter().map(at).collect(),
             steps: self.steps.finish(on),

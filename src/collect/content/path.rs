@@ -74,7 +74,7 @@ impl Path {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::float_cmp)]
     use super::*;
 
     const S: i64 = 1_000_000_000;
@@ -98,9 +98,9 @@ mod tests {
     }
 
     /// Stamp, log time and x of each row, seconds and metres.
-    fn rows(path: Path) -> Vec<(i64, i64, i64)> {
+    fn rows(path: Path) -> Vec<(i64, i64, f64)> {
         let all = path.finish();
-        let row = |row: &PoseRow| (row.stamp_ns / S, row.log_ns / S, row.position[0].round() as i64);
+        let row = |row: &PoseRow| (row.stamp_ns / S, row.log_ns / S, row.position[0]);
         all.iter().flat_map(Series::rows).map(row).collect()
     }
 
@@ -109,7 +109,7 @@ mod tests {
         let mut path = Path::new(Room::of(0));
         sent(&mut path, 2, &[(1, 10.0), (2, 20.0)]);
         sent(&mut path, 3, &[(1, 11.0), (2, 21.0), (3, 31.0)]);
-        assert_eq!(rows(path), [(1, 101, 11), (2, 102, 21), (3, 103, 31)]);
+        assert_eq!(rows(path), [(1, 101, 11.0), (2, 102, 21.0), (3, 103, 31.0)]);
     }
 
     #[test]
@@ -117,7 +117,7 @@ mod tests {
         let mut path = Path::new(Room::of(0));
         sent(&mut path, 2, &[(1, 10.0), (2, 20.0)]);
         sent(&mut path, 3, &[(2, 21.0), (3, 31.0)]);
-        assert_eq!(rows(path), [(1, 101, 10), (2, 102, 20), (3, 103, 31)]);
+        assert_eq!(rows(path), [(1, 101, 10.0), (2, 102, 20.0), (3, 103, 31.0)]);
     }
 
     #[test]

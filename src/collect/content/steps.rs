@@ -213,10 +213,7 @@ fn is_undone(before: &Before, now: &Known) -> bool {
 
 impl Between {
     fn on(self, on: On<'_>) -> StepAt {
-        let at = |(point, pose): (Point, Pose)| PoseAt {
-            at: point.on(on),
-            pose,
-        };
+        let at = |(point, pose): (Point, Pose)| PoseAt { at: point.on(on), pose };
         StepAt {
             step: self.step,
             before: at(self.before),

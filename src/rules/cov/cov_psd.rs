@@ -31,7 +31,9 @@ impl Rule for CovPsd {
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             for said in bag.topics.values().flat_map(TopicEvidence::said) {
-                for (field, evidence) in &said.content.covariances {
+                // What is guessed from plain fields has the covariances alone that are among them.
+                let is_there = |evidence: &CovarianceEvidence| !said.guessed || evidence.all_zero < evidence.count;
+                for (field, evidence) in said.content.covariances.iter().filter(|(_, all)| is_there(all)) {
                     let subject = format!("`{field}` on {}", said.subject());
                     judge_field(bag, subject, evidence, limits, out);
                 }

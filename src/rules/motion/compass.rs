@@ -67,7 +67,11 @@ impl Compass {
             subject: format!("{word} on {}", stream.subject),
             place: stream.place(),
             kind,
-            angles: stream.rows().map(angle).filter(|(_, angle)| angle.is_finite()).collect(),
+            angles: stream
+                .rows()
+                .map(angle)
+                .filter(|(_, angle)| angle.is_finite())
+                .collect(),
         }
     }
 }

@@ -12,7 +12,7 @@ pub(super) fn positions(sentences: &Series<NmeaRow>) -> Series<FixRow> {
         let mut before_s = f64::NAN;
         let mut is_new = |row: &NmeaRow| {
             let known_s = std::mem::replace(&mut before_s, row.time_s);
-            row.time_s.is_nan() || row.time_s != known_s
+            row.time_s.is_nan() || row.time_s.to_bits() != known_s.to_bits()
         };
         let placed = rows.iter().filter(|row| row.latitude_deg.is_finite());
         let fixes: Vec<FixRow> = placed.filter(|row| is_new(row)).map(fix).collect();

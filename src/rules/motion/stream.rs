@@ -25,6 +25,8 @@ pub(crate) struct Stream<R> {
     pub(crate) source: SourceId,
     /// Topic of the messages.
     pub(crate) topic: String,
+    /// Type of the messages; empty where the stream is a member of them, or of TF.
+    pub(crate) message_type: String,
     /// What reports call the stream: `topic /imu`, `topic /imu (field imu)`, `TF odom -> base_link on /tf`.
     pub(crate) subject: String,
     /// Whether only the names of plain fields say what it is.
@@ -48,6 +50,9 @@ impl<R: Row> Stream<R> {
         Some(Self {
             source: bag.source,
             topic: said.topic.topic.clone(),
+            message_type: said
+                .field
+                .map_or_else(|| said.topic.message_type.clone(), |_| String::new()),
             subject: said.subject(),
             guessed: said.guessed,
             frame: only(said.header_frames),
@@ -105,6 +110,7 @@ impl Stream<PoseRow> {
         Some(Self {
             source: bag.source,
             topic: edge.topic.clone(),
+            message_type: String::new(),
             subject: format!("TF `{parent}` -> `{child}` on {}", edge.topic),
             guessed: false,
             frame: Some(parent),
