@@ -158,6 +158,7 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
             paths(check.paths, stdin)?
         },
         evidence: check.evidence,
+        config: check.config,
         select: check.select,
         ignore: check.ignore,
         xacro_args: check.reading.xacro_args,

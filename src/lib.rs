@@ -15,6 +15,7 @@
 
 pub mod cli;
 pub mod collect;
+pub mod config;
 pub mod engine;
 pub mod math;
 pub mod page;

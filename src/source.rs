@@ -47,6 +47,8 @@ pub enum SourceKind {
     Sqlite,
     /// A rosbag2 folder: `metadata.yaml` and the files that it names.
     Rosbag2,
+    /// The configuration of frames-lint itself.
+    Configuration,
     /// A file named by the user, or known by its name, that no reader handles.
     Unsupported,
 }
@@ -64,6 +66,7 @@ impl SourceKind {
             Self::Rosbag1 => "rosbag1",
             Self::Sqlite => "sqlite",
             Self::Rosbag2 => "rosbag2",
+            Self::Configuration => "configuration",
             Self::Unsupported => "unsupported",
         }
     }

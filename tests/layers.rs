@@ -21,10 +21,12 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
         ("run", &["source", "world", "verdict", "page"]),
         ("report", &["source", "world", "verdict", "page", "run"]),
         ("progress", &[]),
+        // A fault in the configuration has a place, and the reader of documents knows places.
+        ("config", &["source", "world", "read"]),
         (
             "engine",
             &[
-                "source", "world", "verdict", "page", "rules", "read", "collect", "run", "progress",
+                "source", "world", "verdict", "page", "rules", "read", "collect", "config", "run", "progress",
             ],
         ),
         ("cli", &["engine", "report", "run", "verdict", "page", "rules"]),

@@ -11,7 +11,7 @@ const EXIT_CODES: &str = "\
 Exit codes:
    0  clean: something was checked, and no finding counts
    1  a finding at or above --fail-on; hints never count
-   2  the call is wrong
+   2  the call or the configuration is wrong
    3  incomplete: an input could not be read in full, or nothing was checked at all
   70  a fault of frames-lint";
 
@@ -106,6 +106,9 @@ pub(super) struct Check {
     /// Evidence saved by `collect`, judged as the files were; may be repeated, and stand beside paths
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) evidence: Vec<PathBuf>,
+    /// Configuration with the conventions that the files follow; without it the frames-lint.yaml nearest above the inputs
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(super) config: Option<PathBuf>,
     #[command(flatten)]
     pub(super) reading: Reading,
     /// Rules to run: codes, names or families, with commas between; all without it

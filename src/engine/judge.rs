@@ -62,9 +62,7 @@ fn doubt_guesses(world: &World, out: &mut Judge) {
         let Some((topic, fields)) = guessed.last() else {
             continue;
         };
-        let doubt = format!(
-            "that the fields `{fields}` of `{topic}` are what their names say is a guess until the configuration confirms it"
-        );
+        let doubt = format!("that the fields `{fields}` of `{topic}` are what their names say is a guess");
         finding.help = if finding.help.is_empty() {
             doubt
         } else {

@@ -14,11 +14,12 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::collect::How;
+use crate::config::{self, Config, ConfigError};
 use crate::progress::Progress;
 use crate::read::discover::{Inputs, discover};
 use crate::read::messages::definition::Definitions;
 use crate::run::{RuleInfo, Run};
-use crate::source::Source;
+use crate::source::{Source, SourceId};
 use crate::verdict::Verdict;
 use crate::world::World;
 
@@ -40,6 +41,8 @@ pub struct Options {
     pub ignore: Vec<String>,
     /// Arguments handed to xacro (`name:=value`).
     pub xacro_args: Vec<String>,
+    /// The configuration that [`check`] uses; the nearest above the inputs where `None`.
+    pub config: Option<PathBuf>,
     /// How much of recordings is read.
     pub extent: Extent,
     /// Folders with definitions of messages, for recordings that carry none.
@@ -60,6 +63,12 @@ impl fmt::Display for UsageError {
 
 impl std::error::Error for UsageError {}
 
+impl From<ConfigError> for UsageError {
+    fn from(error: ConfigError) -> Self {
+        Self(error.0)
+    }
+}
+
 /// Every rule of the tool.
 pub fn rules() -> Result<Vec<RuleInfo>, UsageError> {
     Ok(plan::all()?.iter().map(|rule| RuleInfo::new(&rule.front)).collect())
@@ -69,19 +78,23 @@ pub fn rules() -> Result<Vec<RuleInfo>, UsageError> {
 pub fn check(options: &Options) -> Result<Run, UsageError> {
     let rules = plan::enabled(&options.select, &options.ignore)?;
     let inputs = inputs(options)?;
+    let config = configuration(options)?;
     let saved: Vec<Saved> = options.evidence.iter().map(|path| evidence::read(path)).collect();
     let others = saved.iter().map(|saved| saved.worlds.len()).sum();
-    let (mut worlds, verdicts) = settle(&inputs, options, &rules, others)?;
+    let (mut worlds, verdicts) = settle(&inputs, options, config.as_ref(), &rules, others)?;
     let mut verdict = merged(verdicts);
     let several = worlds.len() + others > 1;
     let mut sources = take_sources(&mut worlds);
     let mut skipped = inputs.skipped;
     for Saved {
-        worlds: known,
+        worlds: mut known,
         sources: read,
         skipped: met,
     } in saved
     {
+        if let Some(config) = &config {
+            declare(&mut known, config, None);
+        }
         let mut part = merged(judge_all(&known, &rules, several));
         drop(known);
         let mut read = Arc::unwrap_or_clone(read);
@@ -107,7 +120,7 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
 /// Reads the inputs as far as [`check`] with every rule would, and keeps no judgement.
 pub fn collect(options: &Options) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;
-    let (mut worlds, _) = settle(&inputs, options, &plan::all()?, 0)?;
+    let (mut worlds, _) = settle(&inputs, options, None, &plan::all()?, 0)?;
     Ok(Run {
         sources: take_sources(&mut worlds),
         verdict: Verdict::default(),
@@ -121,13 +134,14 @@ pub fn collect(options: &Options) -> Result<Run, UsageError> {
 fn settle(
     inputs: &Inputs,
     options: &Options,
+    config: Option<&Config>,
     rules: &[Enabled],
     others: usize,
 ) -> Result<(Vec<World>, Vec<Verdict>), UsageError> {
     let definitions = definitions(options)?;
     let mut plan = sampling::Plan::new(options.extent, rules);
     loop {
-        let worlds = worlds(inputs, options, &definitions, &plan);
+        let worlds = worlds(inputs, options, config, &definitions, &plan);
         let verdicts = judge_all(&worlds, rules, worlds.len() + others > 1);
         if !plan.widen(&worlds, &verdicts) {
             return Ok((worlds, verdicts));
@@ -158,6 +172,7 @@ pub fn read(options: &Options) -> Result<Run, UsageError> {
     let worlds = worlds(
         &inputs,
         options,
+        None,
         &definitions,
         &sampling::Plan::new(options.extent, &[]),
     );
@@ -187,7 +202,27 @@ fn definitions(options: &Options) -> Result<Arc<Definitions>, UsageError> {
     Ok(Arc::new(definitions))
 }
 
-fn worlds(inputs: &Inputs, options: &Options, definitions: &Arc<Definitions>, plan: &sampling::Plan) -> Vec<World> {
+/// The configuration that holds for the inputs, evidence among them.
+fn configuration(options: &Options) -> Result<Option<Config>, UsageError> {
+    let inputs: Vec<PathBuf> = options.paths.iter().chain(&options.evidence).cloned().collect();
+    Ok(config::find(options.config.as_deref(), &inputs)?)
+}
+
+/// Tells the worlds what the configuration declares.
+fn declare(worlds: &mut [World], config: &Config, id: Option<SourceId>) {
+    let conventions = Arc::new(config.conventions(id));
+    for world in worlds {
+        world.declare(Arc::clone(&conventions));
+    }
+}
+
+fn worlds(
+    inputs: &Inputs,
+    options: &Options,
+    config: Option<&Config>,
+    definitions: &Arc<Definitions>,
+    plan: &sampling::Plan,
+) -> Vec<World> {
     let progress = Progress::new(options.progress);
     let how = How {
         sampling: plan.sampling(),
@@ -195,7 +230,14 @@ fn worlds(inputs: &Inputs, options: &Options, definitions: &Arc<Definitions>, pl
         ..How::default()
     };
     let readings = gather::gather(inputs, &options.xacro_args, &how, &progress);
-    platform::platforms(readings, inputs)
+    // The configuration comes behind the inputs, so that their numbers do not depend on it.
+    let id = config.and_then(|_| u32::try_from(readings.len()).ok()).map(SourceId);
+    let own = config.zip(id).map(|(config, id)| config.source(id));
+    let mut worlds = platform::platforms(readings, own, inputs);
+    if let Some(config) = config {
+        declare(&mut worlds, config, id);
+    }
+    worlds
 }
 
 /// The sources of all worlds, moved out: texts are large, and a judged world is looked at no more.

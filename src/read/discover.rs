@@ -14,6 +14,9 @@ use crate::source::SourceKind;
 use super::bag::metadata;
 use super::recordings;
 
+/// The name of frames-lint's own configuration, which is no calibration file.
+pub const CONFIGURATION: &str = "frames-lint.yaml";
+
 /// One file of a run.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Input {
@@ -189,6 +192,9 @@ fn walk(root: &Path, group: usize, inputs: &mut Inputs) {
 }
 
 fn met_file(path: &Path, root: &Path, group: usize, inputs: &mut Inputs) {
+    if path.file_name().is_some_and(|name| name == CONFIGURATION) {
+        return;
+    }
     let mut input = Input {
         path: path.to_path_buf(),
         display: display(path),

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::source::{Confidence, Place, Span};
 
+use super::conventions::{Convention, QuaternionAlgebra, QuaternionOrder};
 use super::frame::FrameId;
 
 /// A rigid transform `target_from_source` in plain numbers: metres and a unit quaternion `[x, y, z, w]` (Hamilton).
@@ -185,6 +186,24 @@ impl Claim {
             Some((target, source)) => format!("`{target}` from `{source}`"),
             None => format!("`{}`", self.label),
         }
+    }
+
+    /// Reads a quaternion as it is declared to be written. An order that keys or the format fix stays.
+    pub(super) fn declare(&mut self, convention: Convention) {
+        let Spelling::Quaternion { xyz, xyzw, order_known } = &mut self.spelling else {
+            return;
+        };
+        if let (Some(order), false) = (convention.order, *order_known) {
+            if order == QuaternionOrder::Wxyz {
+                xyzw.rotate_left(1);
+            }
+            *order_known = true;
+        }
+        if convention.algebra == Some(QuaternionAlgebra::Jpl) {
+            let [x, y, z, _] = xyzw;
+            (*x, *y, *z) = (-*x, -*y, -*z);
+        }
+        self.pose = Pose::from_raw(*xyz, *xyzw);
     }
 
     /// The bottom row of a homogeneous matrix, if the claim was spelled as one.

@@ -7,6 +7,7 @@ pub mod bag;
 pub mod chain;
 pub mod claim;
 pub mod content;
+pub mod conventions;
 mod derived;
 pub mod frame;
 pub mod graph;
@@ -30,6 +31,7 @@ use derived::Derived;
 pub use bag::BagEvidence;
 pub use chain::DeclaredChain;
 pub use claim::{Claim, ClaimKind, Literal, Pose, Spelling};
+pub use conventions::Conventions;
 pub use frame::{FrameId, FrameRole, FrameUse};
 pub use graph::FrameGraph;
 pub use reference::{FileReference, ReferenceState};
@@ -57,6 +59,9 @@ pub struct World {
     pub chains: Vec<DeclaredChain>,
     /// Calibration files that other files name.
     pub references: Vec<FileReference>,
+    /// What the user declares of topics, frames and files.
+    #[serde(skip)]
+    pub conventions: Arc<Conventions>,
     #[serde(skip)]
     graph: OnceLock<FrameGraph>,
     #[serde(skip)]
@@ -108,6 +113,27 @@ impl World {
         self.bags.extend(facts.bags);
         self.chains.extend(facts.chains);
         self.references.extend(facts.references);
+        self.graph = OnceLock::new();
+        self.derived = Derived::default();
+    }
+
+    /// Takes in what the user declares: it speaks before names and guesses, and settles the order of bare quaternions.
+    pub fn declare(&mut self, conventions: Arc<Conventions>) {
+        let (claims, sources) = (&mut self.claims, &self.sources);
+        for claim in claims {
+            let path = sources.get(claim.place.source.0 as usize);
+            let frames: Vec<FrameId> = claim.frames.iter().flat_map(|(a, b)| [a.clone(), b.clone()]).collect();
+            let frames: Vec<&FrameId> = frames.iter().collect();
+            let subject = conventions::Subject {
+                file: path.map_or("", |source| source.path.as_str()),
+                topic: None,
+                frames: &frames,
+            };
+            if let Some(declared) = conventions.of(&subject) {
+                claim.declare(declared.convention);
+            }
+        }
+        self.conventions = conventions;
         self.graph = OnceLock::new();
         self.derived = Derived::default();
     }

@@ -6,20 +6,20 @@ use crate::source::Span;
 
 /// A value of a document and where it stands.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::read) struct Node {
+pub(crate) struct Node {
     /// From the first to the last byte of the value in the source's text.
-    pub(in crate::read) span: Span,
+    pub(crate) span: Span,
     /// What it is.
-    pub(in crate::read) kind: Kind,
+    pub(crate) kind: Kind,
     /// Its explicit tag without the namespace (`opencv-matrix`).
-    pub(in crate::read) tag: Option<Box<str>>,
+    pub(crate) tag: Option<Box<str>>,
     /// Whether a fault cut it off: what it holds is true, but not all of it.
-    pub(in crate::read) cut: bool,
+    pub(crate) cut: bool,
 }
 
 /// What a node is.
 #[derive(Clone, Debug, PartialEq)]
-pub(in crate::read) enum Kind {
+pub(crate) enum Kind {
     /// A scalar; its type is not decided here.
     Scalar {
         /// The text after escapes.
@@ -35,7 +35,7 @@ pub(in crate::read) enum Kind {
 
 impl Node {
     /// A whole, untagged value.
-    pub(in crate::read) fn new(span: Span, kind: Kind) -> Self {
+    pub(crate) fn new(span: Span, kind: Kind) -> Self {
         Self {
             span,
             kind,
@@ -45,7 +45,7 @@ impl Node {
     }
 
     /// The text of a scalar.
-    pub(in crate::read) fn text(&self) -> Option<&str> {
+    pub(crate) fn text(&self) -> Option<&str> {
         match &self.kind {
             Kind::Scalar { text, .. } => Some(text),
             _ => None,
@@ -53,7 +53,7 @@ impl Node {
     }
 
     /// The items of a list.
-    pub(in crate::read) fn items(&self) -> Option<&[Node]> {
+    pub(crate) fn items(&self) -> Option<&[Node]> {
         match &self.kind {
             Kind::Sequence(items) => Some(items),
             _ => None,
@@ -61,7 +61,7 @@ impl Node {
     }
 
     /// The pairs of a mapping, none for anything else.
-    pub(in crate::read) fn pairs(&self) -> &[(Node, Node)] {
+    pub(crate) fn pairs(&self) -> &[(Node, Node)] {
         match &self.kind {
             Kind::Mapping(pairs) => pairs,
             _ => &[],
@@ -69,40 +69,40 @@ impl Node {
     }
 
     /// Whether it is a mapping.
-    pub(in crate::read) fn is_mapping(&self) -> bool {
+    pub(crate) fn is_mapping(&self) -> bool {
         matches!(self.kind, Kind::Mapping(_))
     }
 
     /// The pair with this key; of repeated keys the last, as most readers take it.
-    pub(in crate::read) fn pair(&self, key: &str) -> Option<(&Node, &Node)> {
+    pub(crate) fn pair(&self, key: &str) -> Option<(&Node, &Node)> {
         let mut pairs = self.pairs().iter().rev();
         pairs.find(|(k, _)| k.text() == Some(key)).map(|(k, v)| (k, v))
     }
 
     /// The value under a key.
-    pub(in crate::read) fn get(&self, key: &str) -> Option<&Node> {
+    pub(crate) fn get(&self, key: &str) -> Option<&Node> {
         self.pair(key).map(|(_, value)| value)
     }
 }
 
 /// Where reading stopped, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub(in crate::read) struct Fault {
+pub(crate) struct Fault {
     /// The place, in the source's text.
-    pub(in crate::read) at: usize,
+    pub(crate) at: usize,
     /// What is wrong, in plain words.
-    pub(in crate::read) message: String,
+    pub(crate) message: String,
 }
 
 /// All documents of a text.
 #[derive(Clone, Debug, Default)]
-pub(in crate::read) struct Documents {
+pub(crate) struct Documents {
     /// The root of each document.
-    pub(in crate::read) roots: Vec<Node>,
+    pub(crate) roots: Vec<Node>,
     /// Keys that stand twice in one mapping, with the place of the later one.
-    pub(in crate::read) repeated: Vec<(String, Span)>,
+    pub(crate) repeated: Vec<(String, Span)>,
     /// Braces of a template engine (`{{ name }}`).
-    pub(in crate::read) templates: Vec<Span>,
+    pub(crate) templates: Vec<Span>,
     /// Why reading stopped early.
-    pub(in crate::read) fault: Option<Fault>,
+    pub(crate) fault: Option<Fault>,
 }

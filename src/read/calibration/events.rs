@@ -24,7 +24,7 @@ const MAX_DEPTH: usize = 200;
 const LOOKAHEADS: [usize; 2] = [1024, 64];
 
 /// Reads all documents of `text`; spans are taken back to the source's text by `map`.
-pub(in crate::read) fn build(text: &str, map: &OffsetMap) -> Documents {
+pub(crate) fn build(text: &str, map: &OffsetMap) -> Documents {
     let [long, short] = LOOKAHEADS;
     let documents = build_with(text, map, long);
     if documents.fault.is_none() || !documents.roots.is_empty() {

@@ -4,13 +4,13 @@
 //! `names` and `numbers` recognise, `shapes` spells, `walk` and `generic` make claims, `dialect` knows formats.
 
 mod dialect;
-pub(super) mod document;
-pub(super) mod events;
+pub(crate) mod document;
+pub(crate) mod events;
 mod generic;
 mod names;
 mod numbers;
 mod references;
-pub(super) mod repair;
+pub(crate) mod repair;
 mod shapes;
 mod walk;
 

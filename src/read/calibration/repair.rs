@@ -6,21 +6,21 @@
 
 /// Takes offsets of a repaired text back to the source's text.
 #[derive(Clone, Debug, Default)]
-pub(in crate::read) struct OffsetMap {
+pub(crate) struct OffsetMap {
     /// `(offset in the repaired text, offset in the source)` from which on both run together, sorted.
     anchors: Vec<(usize, usize)>,
 }
 
 impl OffsetMap {
     /// A map for a text that is the source from this byte on.
-    pub(in crate::read) fn starting_at(offset: usize) -> Self {
+    pub(crate) fn starting_at(offset: usize) -> Self {
         Self {
             anchors: vec![(0, offset)],
         }
     }
 
     /// The source's offset of an offset of the repaired text.
-    pub(in crate::read) fn back(&self, offset: usize) -> usize {
+    pub(crate) fn back(&self, offset: usize) -> usize {
         let index = self.anchors.partition_point(|(repaired, _)| *repaired <= offset);
         let anchor = index.checked_sub(1).and_then(|index| self.anchors.get(index));
         let Some((repaired, source)) = anchor else {

@@ -3,6 +3,7 @@
 //! One wrong setting shows in several of them. Where they fit a fault that is known, one rule reports it, and the others
 //! point there. Owns the table; must not measure.
 
+use crate::rules::motion::ToldIn;
 use crate::verdict::Finding;
 
 /// Where the acceleration at rest points in the base.
@@ -126,20 +127,23 @@ const HEALTHY: Cause = Cause {
     push: &[Push::Forward],
 };
 
+/// All of a sensor in the other convention.
+const NED: Cause = Cause {
+    word: "ned-frd",
+    text: "all of it is told in NED/FRD axes (x forward, y right, z down, in a world of north, east, down)",
+    help: "switch the driver to ENU, or convert: `R_enu_flu = P * R_ned_frd * F`, and negate y and z of gyro and accelerometer",
+    owner: "AXES03",
+    base: &[Base::Down],
+    world: &[World::Down],
+    turn: &[Turn::Agree],
+    heading: &[Heading::Against],
+    sense: &[Sense::Against],
+    push: HEALTHY.push,
+};
+
 /// The faults that are known, each alone.
 const CAUSES: &[Cause] = &[
-    Cause {
-        word: "ned-frd",
-        text: "all of it is told in NED/FRD axes (x forward, y right, z down, in a world of north, east, down)",
-        help: "switch the driver to ENU, or convert: `R_enu_flu = P * R_ned_frd * F`, and negate y and z of gyro and accelerometer",
-        owner: "AXES03",
-        base: &[Base::Down],
-        world: &[World::Down],
-        turn: &[Turn::Agree],
-        heading: &[Heading::Against],
-        sense: &[Sense::Against],
-        push: HEALTHY.push,
-    },
+    NED,
     Cause {
         word: "ned-orientation",
         text: "the orientation alone is told in NED/FRD axes",
@@ -239,7 +243,24 @@ const CAUSES: &[Cause] = &[
     },
 ];
 
+/// What the first of the faults is of a sensor that is said to be told in NED.
+const NOT_NED: Cause = Cause {
+    word: "enu-flu",
+    text: "all of it is told in ENU and FLU axes (x forward, y left, z up, in a world of east, north, up)",
+    help: "correct the declaration or the frame's name; or switch the driver to NED",
+    ..NED
+};
+
 impl Cause {
+    /// What the fault is of a sensor whose numbers were brought from what they are said to be told in.
+    fn seen_from(&'static self, told_in: &ToldIn) -> &'static Self {
+        if *self == NED && told_in.is_ned() {
+            &NOT_NED
+        } else {
+            self
+        }
+    }
+
     fn fits(&self, seen: Seen) -> bool {
         fn any<T: PartialEq>(seen: Option<T>, told: &[T]) -> bool {
             seen.is_none_or(|seen| told.contains(&seen))
@@ -260,15 +281,22 @@ pub(crate) struct Diagnosis {
     pub(crate) causes: Vec<&'static Cause>,
     /// The rule that reports them.
     pub(crate) owner: Option<&'static str>,
+    /// What the sensor's numbers were told in.
+    told_in: ToldIn,
 }
 
 impl Diagnosis {
     /// Finds the faults that fit.
-    pub(crate) fn of(seen: Seen) -> Self {
+    pub(crate) fn of(seen: Seen, told_in: &ToldIn) -> Self {
+        let told_in = told_in.clone();
         if HEALTHY.fits(seen) {
-            return Self::default();
+            return Self {
+                told_in,
+                ..Self::default()
+            };
         }
-        let causes: Vec<&'static Cause> = CAUSES.iter().filter(|cause| cause.fits(seen)).collect();
+        let fitting = CAUSES.iter().filter(|cause| cause.fits(seen));
+        let causes: Vec<&'static Cause> = fitting.map(|cause| cause.seen_from(&told_in)).collect();
         let shows = |code: &&str| shows(seen, code);
         let owners = causes.iter().map(|cause| cause.owner);
         let one = owners
@@ -278,7 +306,7 @@ impl Diagnosis {
         let owner = one
             .filter(shows)
             .or_else(|| ORDER.into_iter().find(shows).filter(|_| !causes.is_empty()));
-        Self { causes, owner }
+        Self { causes, owner, told_in }
     }
 
     /// Why a rule does not report what it sees: another reports the fault that it is part of.
@@ -287,8 +315,10 @@ impl Diagnosis {
         Some(format!("{seen}: part of what {owner} reports of this sensor"))
     }
 
-    /// A finding with the fault's name and help; `otherwise` is the help where no fault that is known fits.
+    /// A finding with the fault's name and help, and how the numbers were read; `otherwise` is the help where no fault that
+    /// is known fits.
     pub(crate) fn explain(&self, finding: Finding, otherwise: &str) -> Finding {
+        let finding = self.told_in.tell(finding);
         let finding = finding.help(self.help().unwrap_or_else(|| otherwise.to_owned()));
         match self.word() {
             Some(word) => finding.relation(word),
@@ -344,7 +374,7 @@ mod tests {
     use super::*;
 
     fn words(seen: Seen) -> (Vec<&'static str>, Option<&'static str>) {
-        let diagnosis = Diagnosis::of(seen);
+        let diagnosis = Diagnosis::of(seen, &ToldIn::default());
         (
             diagnosis.causes.iter().map(|cause| cause.word).collect(),
             diagnosis.owner,

@@ -118,5 +118,9 @@ fn judge_votes<R, S>(
             "one of the two has x and y changed (north and east taken for x and y), or one of them negated: NED positions \
              become ENU as (y, x, -z); latitude comes before longitude",
         );
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(
+        measured
+            .into_iter()
+            .fold(poses.told_in.tell(finding), Finding::measured),
+    );
 }

@@ -200,9 +200,14 @@ fn offset_finding(imu: &Imu, subject: &str, decided: &Decided, limits: &Limits) 
         decided.track,
         imu.mounting()
     );
+    let finding = Finding::warning(subject, message, imu.stream.place());
+    // Where yaw is zero is a guess, unless the user says it.
+    let finding = if imu.stream.told_in.declares_world() {
+        finding.likely()
+    } else {
+        finding.hint()
+    };
     Some(
-        Finding::warning(subject, message, imu.stream.place())
-            .hint()
-            .help("compare with the mounting, and with `yaw_offset` and `magnetic_declination_radians` of the filter that uses it"),
+        imu.stream.told_in.tell(finding).help("compare with the mounting, and with `yaw_offset` and `magnetic_declination_radians` of the filter that uses it"),
     )
 }

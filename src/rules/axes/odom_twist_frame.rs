@@ -107,7 +107,9 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
         100.0 * as_defined
     );
     out.fail(
-        Finding::error(&subject, message, stream.place())
+        stream
+            .told_in
+            .tell(Finding::error(&subject, message, stream.place()))
             .likely()
             .relation(best.0.word())
             .help(best.0.help())
@@ -158,7 +160,9 @@ fn judge_turning(stream: &Stream<PoseRow>, turning: &Turning, limits: &Limits, o
             stream.topic, turning.slope
         );
         out.fail(
-            Finding::error(&subject, message, stream.place())
+            stream
+                .told_in
+                .tell(Finding::error(&subject, message, stream.place()))
                 .likely()
                 .help(help)
                 .measured(measured.limit(limits.turn_agrees))

@@ -80,10 +80,6 @@ fn judge_above(imu: &Imu, subject: String, above: &Above, diagnosis: &Diagnosis,
             format!("points {degrees:.0} deg away from up, steadily"),
         ),
     };
-    let declared = declared(imu);
-    if above.class == World::Down && declared {
-        return out.pass(subject, measured);
-    }
     let message = format!(
         "turned into the world by its own orientation, the acceleration of `{}` {what} ({:+.2} m/s2 along z over {:.0} s, \
          concentration {:.3}){}",
@@ -100,12 +96,6 @@ fn judge_above(imu: &Imu, subject: String, above: &Above, diagnosis: &Diagnosis,
         otherwise,
     );
     out.fail(measured.into_iter().fold(finding, Finding::measured));
-}
-
-/// Whether the frame's name says that it is told in axes whose z points down.
-fn declared(imu: &Imu) -> bool {
-    let says = |word: &str| imu.stream.frame.as_ref().is_some_and(|frame| frame.has_token(word));
-    says("ned") || says("frd")
 }
 
 /// Where the acceleration points in the world.

@@ -96,7 +96,7 @@ fn sensors(bag: &BagMotion) -> Option<Vec<Sensor>> {
             push: accel_vs_speed::look(imu, &tracks, &push),
             diagnosis: Diagnosis::default(),
         };
-        sensor.diagnosis = Diagnosis::of(sensor.seen());
+        sensor.diagnosis = Diagnosis::of(sensor.seen(), &imu.stream.told_in);
         sensor
     };
     Some(bag.imus.iter().map(look).collect())

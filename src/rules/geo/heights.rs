@@ -144,7 +144,8 @@ impl Heights {
     /// Poses of the platform in a frame that hangs rigidly in `earth`.
     fn of_poses(world: &World, stream: &Stream<PoseRow>) -> Option<Self> {
         let frame = stream.frame.as_ref()?;
-        if stream.child.as_ref().is_some_and(|child| !names::is_base(child)) {
+        // TF ties the frame itself to `earth`; rows that were brought to ENU are no longer told in it.
+        if stream.told_in.converts() || stream.child.as_ref().is_some_and(|child| !names::is_base(child)) {
             return None;
         }
         let graph = world.graph();

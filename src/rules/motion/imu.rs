@@ -1,7 +1,8 @@
 //! An inertial sensor: its rows, where it is mounted, and whether it gives an orientation at all.
 
-use nalgebra::UnitQuaternion;
+use nalgebra::{UnitQuaternion, Vector3};
 
+use crate::math::readings::Reading;
 use crate::world::bag::Said;
 use crate::world::content::ContentEvidence;
 use crate::world::motion::InertialRow;
@@ -29,8 +30,10 @@ impl Imu {
     pub(super) fn of(world: &World, bag: &BagEvidence, said: &Said<'_>) -> Option<Self> {
         let stream = Stream::of(bag, said, said.content.motion.inertial.as_ref())?;
         let no_orientation = no_orientation(said.content);
+        let mount = stream.frame.as_ref().and_then(|frame| mount(world, frame));
+        let stream = in_ros(world, stream, mount.as_ref());
         Some(Self {
-            mount: stream.frame.as_ref().and_then(|frame| mount(world, frame)),
+            mount,
             inertial: Inertial::of(&stream, no_orientation.is_none()),
             no_orientation,
             stream,
@@ -55,6 +58,31 @@ impl Imu {
             (_, Some(frame)) => format!("`{frame}` is not tied to a base; it is taken to be mounted straight"),
             _ => "it names no frame; it is taken to be mounted straight".to_owned(),
         }
+    }
+}
+
+/// The stream in the convention of ROS.
+fn in_ros(world: &World, stream: Stream<InertialRow>, mount: Option<&Mount>) -> Stream<InertialRow> {
+    let told_in = stream.said(world);
+    // Where TF itself turns the frame, the numbers are told in it as it is.
+    let turns = |mount: &Mount| (mount.base_from_sensor.rotation * Vector3::z()).z < 0.0;
+    let told_in = if mount.is_some_and(turns) {
+        told_in.without_body()
+    } else {
+        told_in
+    };
+    if !told_in.is_of_body_alone() {
+        return stream.converted(told_in);
+    }
+    // Which world goes with a body in FRD is not said: gravity tells it.
+    let enu = stream.clone().converted(told_in.clone());
+    let is_down = Inertial::of(&enu, true)
+        .gravity
+        .and_then(|gravity| Some(gravity.mean(Reading::Xyzw)?.mean_m_s2.z < 0.0));
+    if is_down == Some(true) {
+        stream.converted(told_in.with_ned())
+    } else {
+        enu
     }
 }
 

@@ -1,10 +1,11 @@
 //! The motion of a recording on one clock: inertial sensors, satellite tracks, poses and velocities, aligned.
 //!
-//! Made once for all rules that judge motion. Numbers stay as published; what they mean is for the rules to find out. Must
-//! not judge.
+//! Made once for all rules that judge motion. Numbers are as published, or, where the configuration or a frame's name says
+//! that they are told in another convention, brought from there to that of ROS. Must not judge.
 
 mod clock;
 mod compass;
+mod convention;
 mod imu;
 mod inertial;
 mod mount;
@@ -21,6 +22,7 @@ use crate::world::motion::{FixRow, NmeaRow, OrientationRow, PoseRow, TwistRow};
 use crate::world::{BagEvidence, World};
 
 pub(crate) use compass::Compass;
+pub(crate) use convention::ToldIn;
 pub(crate) use imu::Imu;
 pub(crate) use mount::mount;
 pub(crate) use stream::{Stream, Timed};
@@ -75,24 +77,25 @@ impl BagMotion {
             let of = &said.content.motion;
             motion.imus.extend(Imu::of(world, bag, &said));
             motion.fixes.extend(Stream::of(bag, &said, of.fixes.as_ref()));
-            motion.poses.extend(Stream::of(bag, &said, of.poses.as_ref()));
-            // Beside fixes they are the receiver's.
-            let velocities = if of.fixes.is_some() {
-                &mut motion.velocities
+            let poses = Stream::of(bag, &said, of.poses.as_ref());
+            motion.poses.extend(poses.map(|poses| poses.in_ros(world)));
+            let twists = Stream::of(bag, &said, of.twists.as_ref());
+            // Beside fixes they are the receiver's: east, north, up whatever the frame.
+            if of.fixes.is_some() {
+                motion.velocities.extend(twists);
             } else {
-                &mut motion.twists
-            };
-            velocities.extend(Stream::of(bag, &said, of.twists.as_ref()));
+                motion.twists.extend(twists.map(|twists| twists.in_ros(world)));
+            }
+            let orientations = Stream::of(bag, &said, of.orientations.as_ref());
             motion
                 .orientations
-                .extend(Stream::of(bag, &said, of.orientations.as_ref()));
+                .extend(orientations.map(|orientations| orientations.in_ros(world)));
             let positions = of.nmea.as_ref().map(nmea::positions);
             motion.fixes.extend(Stream::of(bag, &said, positions.as_ref()));
             motion.nmea.extend(Stream::of(bag, &said, of.nmea.as_ref()));
         }
-        motion
-            .poses
-            .extend(bag.tf.iter().filter_map(|edge| Stream::of_edge(bag, edge)));
+        let edges = bag.tf.iter().filter_map(|edge| Stream::of_edge(bag, edge));
+        motion.poses.extend(edges.map(|edge| edge.in_ros(world)));
         motion
     }
 

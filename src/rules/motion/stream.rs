@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use crate::source::{MessageRef, Place, SourceId};
 use crate::world::bag::{HeaderFrame, Said, TfEdge};
 use crate::world::motion::{PoseRow, Row, Series};
-use crate::world::{BagEvidence, FrameId};
+use crate::world::{BagEvidence, FrameId, World};
 
 use super::clock::Clock;
+use super::convention::{Convert, Moving, ToldIn};
 
 /// A row with its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -38,6 +39,8 @@ pub(crate) struct Stream<R> {
     pub(crate) child: Option<FrameId>,
     /// First message.
     first: Option<MessageRef>,
+    /// What the rows were told in; they stand here in the convention of ROS.
+    pub(crate) told_in: ToldIn,
     /// Runs of rows without a hole, times growing inside each.
     pub(crate) stretches: Vec<Vec<Timed<R>>>,
 }
@@ -58,6 +61,7 @@ impl<R: Row> Stream<R> {
             frame: only(said.header_frames),
             child: only(said.child_frames),
             first: said.first.cloned(),
+            told_in: ToldIn::default(),
             stretches,
         })
     }
@@ -101,6 +105,36 @@ impl<R: Row> Stream<R> {
     }
 }
 
+impl<R: Row + Convert> Stream<R> {
+    /// The stream in the convention of ROS, by what the configuration or names say of it.
+    pub(super) fn in_ros(self, world: &World) -> Self {
+        let told_in = self.said(world);
+        self.converted(told_in)
+    }
+
+    /// What the configuration or names say that the stream is told in.
+    pub(super) fn said(&self, world: &World) -> ToldIn {
+        let moving = if R::IS_SENSOR {
+            Moving::Frame
+        } else {
+            Moving::Child(self.child.as_ref())
+        };
+        ToldIn::of(world, self.source, &self.topic, self.frame.as_ref(), moving)
+    }
+
+    /// The stream in the convention of ROS.
+    pub(super) fn converted(mut self, told_in: ToldIn) -> Self {
+        if told_in.converts() {
+            let frame = self.frame.clone();
+            for timed in self.stretches.iter_mut().flatten() {
+                timed.row.convert(&told_in, frame.as_ref());
+            }
+        }
+        self.told_in = told_in;
+        self
+    }
+}
+
 impl Stream<PoseRow> {
     /// The stream of a moving transform.
     pub(super) fn of_edge(bag: &BagEvidence, edge: &TfEdge) -> Option<Self> {
@@ -116,6 +150,7 @@ impl Stream<PoseRow> {
             frame: Some(parent),
             child: Some(child),
             first: Some(edge.first_at.clone()),
+            told_in: ToldIn::default(),
             stretches,
         })
     }

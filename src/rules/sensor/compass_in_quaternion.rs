@@ -7,8 +7,8 @@ use crate::rules::axes::sensors::{self, Sensor, Sensors};
 use crate::rules::motion::{Compass, Imu, Motion, Stream, Track, Yaws, mount};
 use crate::rules::{Evidence, Judge, Need, Rule, names};
 use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
 use crate::world::motion::{OrientationRow, PoseRow};
-use crate::world::{FrameId, World};
 
 use super::yaw_zero::{Found, by_compass, by_track};
 
@@ -71,13 +71,6 @@ fn is_way(stream: &Stream<PoseRow>) -> bool {
     stream.child.is_none() && !has_twist && stream.frame.as_ref().is_none_or(names::is_world)
 }
 
-/// Whether the frame's name says that yaw is counted clockwise.
-fn is_declared(frame: Option<&FrameId>) -> bool {
-    frame.is_some_and(|frame| frame.has_token("ned") || frame.has_token("frd"))
-}
-
-const DECLARED: &str = "its frame says that it is told in NED/FRD axes, in which yaw is counted clockwise from north";
-
 impl Against<'_> {
     fn by_compasses(&self, yaws: &Yaws, needs_turn: bool) -> Option<Found> {
         let mut all = self.compasses.iter();
@@ -86,9 +79,6 @@ impl Against<'_> {
 
     fn judge_orientation(&self, world: &World, stream: &Stream<OrientationRow>, out: &mut Judge) {
         let subject = format!("yaw of {}", stream.subject);
-        if is_declared(stream.frame.as_ref()) {
-            return out.not_evaluated(subject, NotEvaluated::NotApplicable, DECLARED);
-        }
         let mounted = stream.frame.as_ref().and_then(|frame| mount(world, frame));
         let base_from_sensor = mounted.map(|mount| mount.base_from_sensor.rotation);
         let yaws = Yaws::of(stream, &base_from_sensor.unwrap_or_default());
@@ -108,9 +98,6 @@ impl Against<'_> {
         let subject = format!("yaw of {}", imu.stream.subject);
         if let Some(why) = imu.no_orientation {
             return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-        }
-        if is_declared(imu.stream.frame.as_ref()) {
-            return out.not_evaluated(subject, NotEvaluated::NotApplicable, DECLARED);
         }
         if self.compasses.is_empty() {
             let why = "no other device states a heading; AXES04 holds it against the course";
@@ -134,9 +121,6 @@ impl Against<'_> {
     /// Poses tell their own way: yaw and position stand in one frame, wherever its zero is.
     fn judge_pose(&self, stream: &Stream<PoseRow>, out: &mut Judge) {
         let subject = format!("yaw of {}", stream.subject);
-        if is_declared(stream.frame.as_ref()) {
-            return out.not_evaluated(subject, NotEvaluated::NotApplicable, DECLARED);
-        }
         let yaws = Yaws::of(stream, &nalgebra::UnitQuaternion::identity());
         match by_track(&yaws, &Track::of_poses(stream), true, self.turns) {
             Some(found) if found.is_clockwise => out.fail(self.finding(stream, &subject, &found)),
@@ -199,6 +183,7 @@ impl Against<'_> {
                 "REP-103 counts yaw counter-clockwise from east: publish `yaw_ros = pi/2 - heading` (the topic `heading` of \
                  nmea_navsat_driver holds the compass heading itself)",
             );
+        let finding = stream.told_in.tell(finding);
         self.measured(found).into_iter().fold(finding, Finding::measured)
     }
 }

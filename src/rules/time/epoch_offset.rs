@@ -10,7 +10,7 @@ use crate::world::{BagEvidence, World};
 
 use super::known_offsets::{Explanation, Named, Specific};
 use super::naming::Naming;
-use super::streams::{Stream, streams};
+use super::streams::{Stream, declared_streams};
 use super::together::tell_once;
 use super::units::unit_error;
 
@@ -37,13 +37,13 @@ impl Rule for EpochOffset {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
-            judge_bag(bag, limits, out);
+            judge_bag(world, bag, limits, out);
         }
     }
 }
 
-fn judge_bag(bag: &BagEvidence, limits: &Limits, out: &mut Judge) {
-    let streams = streams(bag);
+fn judge_bag(world: &World, bag: &BagEvidence, limits: &Limits, out: &mut Judge) {
+    let streams = declared_streams(world, bag);
     let naming = Naming::new(bag, &streams, limits);
     // One wrong clock stamps many streams: by the name of its offset.
     let mut by_name: BTreeMap<String, Vec<Finding>> = BTreeMap::new();
@@ -97,7 +97,7 @@ fn judge_stream(
     match naming.explain(stream) {
         (Explanation::One(named), reference) => {
             let name = format!("{} {reference}", named.what);
-            Some((name, finding(stream, &named, reference, measured)))
+            Some((name, stream.tell(finding(stream, &named, reference, measured))))
         }
         (Explanation::Several(names), reference) => {
             let names: Vec<&str> = names.iter().map(|named| named.what.as_str()).collect();

@@ -11,7 +11,7 @@ use super::epoch_offset::EpochOffset;
 use super::lateness::{Fault, faults};
 use super::naming::{Naming, limits_of};
 use super::simulated::Time;
-use super::streams::{Clock, Of, Stream, log_clock, streams};
+use super::streams::{Clock, Of, Stream, declared_streams, log_clock};
 use super::tf_vs_sensor_time::{self, TfVsSensorTime};
 use super::together::tell_once;
 
@@ -50,7 +50,7 @@ impl Rule for StampVsLog {
             return;
         };
         for bag in &world.bags {
-            let streams = streams(bag);
+            let streams = declared_streams(world, bag);
             let naming = Naming::new(bag, &streams, &names);
             let judged: Vec<&Stream<'_>> = streams
                 .iter()

@@ -5,8 +5,11 @@
 use crate::math::stats::{mad, median};
 use crate::rules::tf::{HeaderUse, header_use};
 use crate::source::{Place, SourceId};
-use crate::world::BagEvidence;
+use crate::tables::leap_seconds;
+use crate::verdict::Finding;
 use crate::world::bag::{StampEvidence, TfEdge, TopicEvidence};
+use crate::world::conventions::{Subject, TimeScale};
+use crate::world::{BagEvidence, FrameId, World};
 
 use super::tf_vs_sensor_time;
 
@@ -23,8 +26,19 @@ pub(super) struct Stream<'w> {
     pub(super) stamps: &'w StampEvidence,
     /// Whether the stream comes from one publisher as far as can be seen: one frame id, one writer.
     pub(super) single_frame: bool,
+    /// The scale that the user declares its stamps in.
+    declared: Option<Scale>,
     /// What it is a stream of.
     pub(super) of: Of<'w>,
+}
+
+/// A time scale that the configuration declares.
+struct Scale {
+    /// How far it is ahead of UTC then, seconds.
+    ahead_s: f64,
+    /// Which, and where it says so.
+    words: String,
+    place: Option<Place>,
 }
 
 /// What a stream is a stream of.
@@ -64,14 +78,29 @@ impl Stream<'_> {
         }
     }
 
-    /// `stamp - log`, seconds, of every sampled stamp that is not zero.
+    /// `stamp - log`, seconds, of every sampled stamp that is not zero; of stamps in a declared scale as they would be in UTC.
     pub(super) fn offsets_s(&self) -> Vec<f64> {
+        let ahead_s = self.declared.as_ref().map_or(0.0, |scale| scale.ahead_s);
         self.stamps
             .samples
             .iter()
             .filter(|(stamp, _)| *stamp != 0)
-            .map(|(stamp, log)| (*stamp as f64 - *log as f64) / 1e9)
+            .map(|(stamp, log)| (*stamp as f64 - *log as f64) / 1e9 - ahead_s)
             .collect()
+    }
+
+    /// A finding that says in which scale the stamps were read, where the user declares one.
+    pub(super) fn tell(&self, mut finding: Finding) -> Finding {
+        let Some(scale) = &self.declared else { return finding };
+        finding.message = format!(
+            "{}. The stamps were read as {}",
+            finding.message.trim_end_matches('.'),
+            scale.words
+        );
+        match &scale.place {
+            Some(place) => finding.related(place.clone(), "declared here"),
+            None => finding,
+        }
     }
 
     /// The clock that its stamps show; `None` without stamps.
@@ -215,6 +244,7 @@ pub(super) fn streams(bag: &BagEvidence) -> Vec<Stream<'_>> {
             subject: format!("topic `{}`", topic.topic),
             stamps: &topic.stamps,
             single_frame: topic.header_frames.len() <= 1 && topic.writers.len() <= 1,
+            declared: None,
             of: Of::Topic(topic),
         })
         .collect();
@@ -223,9 +253,44 @@ pub(super) fn streams(bag: &BagEvidence) -> Vec<Stream<'_>> {
         subject: format!("TF `{}` from `{}` on `{}`", edge.parent, edge.child, edge.topic),
         stamps: &edge.stamps,
         single_frame: true,
+        declared: None,
         of: Of::Edge(edge),
     }));
     streams
+}
+
+/// All streams of one recording, with their stamps in the scale that the user declares: for rules that hold them against
+/// UTC. What looks transforms up takes stamps as they are.
+pub(super) fn declared_streams<'w>(world: &World, bag: &'w BagEvidence) -> Vec<Stream<'w>> {
+    let mut streams = streams(bag);
+    for stream in &mut streams {
+        stream.declared = declared(world, bag, stream);
+    }
+    streams
+}
+
+fn declared(world: &World, bag: &BagEvidence, stream: &Stream<'_>) -> Option<Scale> {
+    let frames: Vec<&FrameId> = match stream.of {
+        Of::Topic(topic) => topic.header_frames.keys().collect(),
+        Of::Edge(edge) => vec![&edge.parent, &edge.child],
+    };
+    let declared = world.conventions.of(&Subject {
+        file: world.path(bag.source),
+        topic: Some(stream.topic()),
+        frames: &frames,
+    })?;
+    let (at_s, table) = (log_start_s(bag), leap_seconds());
+    let scale = declared.convention.time?;
+    let ahead_s = match scale {
+        TimeScale::Utc => 0.0,
+        TimeScale::Gps => table.gps_minus_utc_s(at_s),
+        TimeScale::Tai => table.tai_minus_utc_s(at_s),
+    };
+    Some(Scale {
+        ahead_s,
+        words: format!("{}, as `{}` declares", scale.word().to_uppercase(), declared.origin),
+        place: declared.place,
+    })
 }
 
 fn is_tf(topic: &str, message_type: &str) -> bool {

@@ -1,0 +1,295 @@
+//! Conventions that the user declares for topics, frames and files: what the numbers there are told in.
+//!
+//! Owns the words and which declaration holds for what. Must not know how a configuration is written, nor convert
+//! anything.
+
+use globset::GlobMatcher;
+
+use crate::source::Place;
+
+use super::frame::FrameId;
+
+/// Axes of a world frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WorldAxes {
+    /// x east, y north, z up: the convention of ROS (REP-103).
+    Enu,
+    /// x north, y east, z down.
+    Ned,
+    /// x north, y west, z up.
+    Nwu,
+}
+
+/// Axes of a body.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum BodyAxes {
+    /// x forward, y left, z up: the convention of ROS (REP-103).
+    Flu,
+    /// x forward, y right, z down.
+    Frd,
+}
+
+/// The order of the four numbers of a quaternion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum QuaternionOrder {
+    /// As ROS messages name them.
+    Xyzw,
+    /// Scalar first.
+    Wxyz,
+}
+
+/// The algebra that a quaternion is of.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum QuaternionAlgebra {
+    /// `ij = k`, as ROS, Eigen and nearly all software.
+    Hamilton,
+    /// `ji = k`: the same rotation has the conjugate numbers.
+    Jpl,
+}
+
+/// The scale that stamps count in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TimeScale {
+    /// As the clocks of computers (POSIX).
+    Utc,
+    /// Of the satellites: ahead of UTC by the leap seconds since 1980.
+    Gps,
+    /// Atomic time, as PTP has it: ahead of GPS by 19 s.
+    Tai,
+}
+
+macro_rules! words {
+    ($type:ty { $($word:literal => $value:ident),* }) => {
+        impl $type {
+            /// Every value with its word.
+            pub const WORDS: &'static [(&'static str, Self)] = &[$(($word, Self::$value)),*];
+
+            /// The word of this value.
+            pub fn word(self) -> &'static str {
+                match self {
+                    $(Self::$value => $word,)*
+                }
+            }
+        }
+    };
+}
+
+words!(WorldAxes { "ENU" => Enu, "NED" => Ned, "NWU" => Nwu });
+words!(BodyAxes { "FLU" => Flu, "FRD" => Frd });
+words!(QuaternionOrder { "xyzw" => Xyzw, "wxyz" => Wxyz });
+words!(QuaternionAlgebra { "hamilton" => Hamilton, "jpl" => Jpl });
+words!(TimeScale { "utc" => Utc, "gps" => Gps, "tai" => Tai });
+
+/// What numbers are told in; `None` where nothing is said.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Convention {
+    /// The world frame's axes.
+    pub world: Option<WorldAxes>,
+    /// The body's axes.
+    pub body: Option<BodyAxes>,
+    /// The order of quaternions.
+    pub order: Option<QuaternionOrder>,
+    /// The algebra of quaternions.
+    pub algebra: Option<QuaternionAlgebra>,
+    /// The scale of stamps.
+    pub time: Option<TimeScale>,
+}
+
+impl Convention {
+    /// Takes over what another one says.
+    fn overlay(&mut self, other: Self) {
+        self.world = other.world.or(self.world);
+        self.body = other.body.or(self.body);
+        self.order = other.order.or(self.order);
+        self.algebra = other.algebra.or(self.algebra);
+        self.time = other.time.or(self.time);
+    }
+
+    /// Whether it says nothing.
+    pub fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The words of what it says, with commas: `world NED, body FRD`.
+    pub fn words(&self) -> String {
+        let parts = [
+            self.world.map(|axes| format!("world {}", axes.word())),
+            self.body.map(|axes| format!("body {}", axes.word())),
+            self.order
+                .map(|order| format!("quaternions in the order {}", order.word())),
+            self.algebra.map(|algebra| format!("quaternions of {}", algebra.word())),
+            self.time
+                .map(|scale| format!("stamps in {}", scale.word().to_uppercase())),
+        ];
+        parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
+    }
+}
+
+/// What a declaration is for. What is `None` leaves it open.
+#[derive(Clone, Debug, Default)]
+pub struct Scope {
+    /// Topics.
+    pub topic: Option<GlobMatcher>,
+    /// Frames: the header's, or the child's.
+    pub frame: Option<GlobMatcher>,
+    /// Files, by the end of their path.
+    pub file: Option<GlobMatcher>,
+}
+
+/// One declaration.
+#[derive(Clone, Debug)]
+pub struct Declaration {
+    /// What it is for.
+    pub scope: Scope,
+    /// What it says.
+    pub convention: Convention,
+    /// Where it stands, in words: `frames-lint.yaml:4`.
+    pub origin: String,
+    /// Where it stands; `None` where the configuration is no source of the run.
+    pub place: Option<Place>,
+}
+
+/// What holds for one thing, and the last declaration that says so.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Declared {
+    /// What was declared.
+    pub convention: Convention,
+    /// Where, in words.
+    pub origin: String,
+    /// Where.
+    pub place: Option<Place>,
+}
+
+/// All declarations, in the order of the configuration: what stands later overrides what stands before.
+#[derive(Clone, Debug, Default)]
+pub struct Conventions {
+    /// The declarations.
+    pub declarations: Vec<Declaration>,
+}
+
+/// What a declaration may be for: a stream of a recording, or a statement in a file.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Subject<'a> {
+    /// Path of the file.
+    pub file: &'a str,
+    /// Topic, in a recording.
+    pub topic: Option<&'a str>,
+    /// Frames that it names.
+    pub frames: &'a [&'a FrameId],
+}
+
+impl Conventions {
+    /// What is declared for a subject; `None` where nothing is.
+    pub fn of(&self, subject: &Subject<'_>) -> Option<Declared> {
+        let mut known: Option<Declared> = None;
+        for declaration in self.declarations.iter().filter(|one| one.scope.holds(subject)) {
+            let known = known.get_or_insert_with(|| Declared {
+                convention: Convention::default(),
+                origin: String::new(),
+                place: None,
+            });
+            known.convention.overlay(declaration.convention);
+            known.origin.clone_from(&declaration.origin);
+            known.place.clone_from(&declaration.place);
+        }
+        known.filter(|known| !known.convention.is_empty())
+    }
+}
+
+impl Scope {
+    fn holds(&self, subject: &Subject<'_>) -> bool {
+        let topic = |glob: &GlobMatcher| subject.topic.is_some_and(|topic| glob.is_match(topic));
+        let frame = |glob: &GlobMatcher| {
+            subject
+                .frames
+                .iter()
+                .any(|frame| glob.is_match(frame.canonical().as_str()))
+        };
+        self.topic.as_ref().is_none_or(topic)
+            && self.frame.as_ref().is_none_or(frame)
+            && self.file.as_ref().is_none_or(|glob| ends_with(glob, subject.file))
+    }
+}
+
+/// Whether the whole path, or what stands behind one of its slashes, is meant.
+fn ends_with(glob: &GlobMatcher, path: &str) -> bool {
+    let behind = path.match_indices('/').filter_map(|(at, _)| path.get(at + 1..));
+    glob.is_match(path) || behind.into_iter().any(|end| glob.is_match(end))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use globset::Glob;
+
+    use super::*;
+
+    fn glob(text: &str) -> GlobMatcher {
+        Glob::new(text).unwrap().compile_matcher()
+    }
+
+    fn declaration(scope: Scope, convention: Convention, line: u32) -> Declaration {
+        Declaration {
+            scope,
+            convention,
+            origin: format!("frames-lint.yaml:{line}"),
+            place: None,
+        }
+    }
+
+    #[test]
+    fn the_later_declaration_overrides_the_earlier_one_and_adds_to_it() {
+        let all = Scope {
+            topic: Some(glob("/ins/*")),
+            ..Scope::default()
+        };
+        let one = Scope {
+            topic: Some(glob("/ins/imu")),
+            ..Scope::default()
+        };
+        let ned = Convention {
+            world: Some(WorldAxes::Ned),
+            body: Some(BodyAxes::Frd),
+            ..Convention::default()
+        };
+        let flu = Convention {
+            body: Some(BodyAxes::Flu),
+            ..Convention::default()
+        };
+        let conventions = Conventions {
+            declarations: vec![declaration(all, ned, 2), declaration(one, flu, 5)],
+        };
+        let of = |topic| {
+            conventions.of(&Subject {
+                topic: Some(topic),
+                ..Subject::default()
+            })
+        };
+        let imu = of("/ins/imu").unwrap();
+        assert_eq!(imu.convention.words(), "world NED, body FLU");
+        assert_eq!(imu.origin, "frames-lint.yaml:5");
+        assert_eq!(of("/ins/odom").unwrap().convention, ned);
+        assert_eq!(of("/imu"), None);
+    }
+
+    #[test]
+    fn a_file_is_meant_by_the_end_of_its_path_and_a_frame_without_its_slash() {
+        let scope = Scope {
+            frame: Some(glob("*_ned")),
+            file: Some(glob("run_*.mcap")),
+            ..Scope::default()
+        };
+        let (ned, enu) = (FrameId::new("/odom_ned"), FrameId::new("odom"));
+        let holds = |file, frame| {
+            scope.holds(&Subject {
+                file,
+                frames: &[frame],
+                ..Subject::default()
+            })
+        };
+        assert!(holds("data/run_1.mcap", &ned));
+        assert!(holds("run_1.mcap", &ned));
+        assert!(!holds("data/rerun_1.mcap", &ned));
+        assert!(!holds("data/run_1.mcap", &enu));
+    }
+}
