@@ -24,7 +24,7 @@ use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
 
-use crate::source::{Source, SourceId};
+use crate::source::{At, Place, Source, SourceId};
 
 use derived::Derived;
 
@@ -94,6 +94,15 @@ impl World {
     /// The path of a source, for messages.
     pub fn path(&self, id: SourceId) -> &str {
         self.source(id).map_or("?", |source| source.path.as_str())
+    }
+
+    /// The topic and the fields of it that a place points at, where only their names say what they are.
+    pub fn guessed_fields<'p>(&self, place: &'p Place) -> Option<(&'p str, &'p str)> {
+        let At::Message(message) = &place.at else { return None };
+        let fields = message.field.as_deref()?;
+        let bag = self.bags.iter().find(|bag| bag.source == place.source)?;
+        let member = bag.topics.get(&message.topic)?.members.get(fields)?;
+        member.guessed.then_some((message.topic.as_str(), fields))
     }
 
     /// Adds what a reader found.

@@ -4,12 +4,13 @@ use serde::Deserialize;
 
 use crate::rules::motion::{Imu, Motion, Track};
 use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
 use super::causes::{Diagnosis, Push};
 use super::rates::{Rates, Slope};
-use super::sensors::{Look, Sensors, needed};
+use super::sensors::{Look, Sensors, TRACK, needed};
 
 /// AXES06.
 pub struct AccelVsSpeed;
@@ -33,6 +34,7 @@ pub(super) struct Pushed {
     forward: Slope,
     sideways: Slope,
     track: String,
+    track_at: Place,
 }
 
 impl Rule for AccelVsSpeed {
@@ -96,6 +98,7 @@ fn judge_pushed(imu: &Imu, subject: String, pushed: &Pushed, diagnosis: &Diagnos
         Finding::warning(subject, message, imu.stream.place()).likely(),
         otherwise,
     );
+    let finding = finding.related(pushed.track_at.clone(), TRACK);
     out.fail(measured.into_iter().fold(finding, Finding::measured));
 }
 
@@ -131,6 +134,7 @@ pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Look<Pushed>
                 forward,
                 sideways,
                 track: track.subject.clone(),
+                track_at: track.place.clone(),
             });
         }
         if best.is_none_or(|best| forward.t().abs() > best.forward.t().abs()) {

@@ -4,13 +4,14 @@ use serde::Deserialize;
 
 use crate::rules::motion::{Imu, Motion, Track};
 use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::source::Place;
 use crate::tables::{Known, Simulator};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
 use super::causes::{Base, Diagnosis, Sense};
 use super::rates::{Rates, Slope};
-use super::sensors::{Look, Sensor, Sensors, needed};
+use super::sensors::{Look, Sensor, Sensors, TRACK, needed};
 
 /// AXES05.
 pub struct GyroVsTurnSign;
@@ -31,6 +32,7 @@ pub(super) struct Turned {
     pub(super) class: Sense,
     slope: Slope,
     track: String,
+    track_at: Place,
     is_geodetic: bool,
 }
 
@@ -109,6 +111,7 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
     let otherwise = "counter-clockwise turns are positive about z up (REP-103): negate y and z of a gyro in FRD axes, or tell TF how the \
          sensor is mounted";
     let finding = diagnosis.explain(Finding::error(subject, message, imu.stream.place()).likely(), otherwise);
+    let finding = finding.related(turned.track_at.clone(), TRACK);
     out.fail(measured.into_iter().fold(finding, Finding::measured));
 }
 
@@ -125,6 +128,7 @@ pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Look<Turned>
                 slope,
                 track: track.subject.clone(),
                 is_geodetic: track.is_geodetic,
+                track_at: track.place.clone(),
             });
         }
         if best.is_none_or(|best| slope.t().abs() > best.t().abs()) {

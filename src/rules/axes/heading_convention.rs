@@ -2,15 +2,16 @@
 
 use serde::Deserialize;
 
-use crate::rules::motion::{Imu, Motion, Track};
+use crate::rules::motion::{Imu, Motion, Track, Yaws};
 use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::source::Place;
 use crate::tables::Offset;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
 use super::causes::{self, Diagnosis};
 use super::heading::{Heading, Sense};
-use super::sensors::{Look, Sensors, needed};
+use super::sensors::{Look, Sensors, TRACK, needed};
 
 /// AXES04.
 pub struct HeadingConvention;
@@ -19,14 +20,14 @@ pub struct HeadingConvention;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
-    min_speed_m_s: f64,
+    pub(crate) min_speed_m_s: f64,
     pub(super) window_s: f64,
     pub(super) window_turn_deg: f64,
-    pub(super) min_turn_deg: f64,
+    pub(crate) min_turn_deg: f64,
     pub(super) min_way_m: f64,
-    pub(super) min_resultant: f64,
-    pub(super) variance_ratio: f64,
-    min_agreement: f64,
+    pub(crate) min_resultant: f64,
+    pub(crate) variance_ratio: f64,
+    pub(crate) min_agreement: f64,
     max_offset_deg: f64,
     max_spread_deg: f64,
 }
@@ -77,7 +78,10 @@ fn judge_decided(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagno
         return out.fail(clockwise(imu, subject, decided, diagnosis, measured));
     }
     match offset_finding(imu, subject, decided, limits) {
-        Some(finding) => out.fail(measured.into_iter().fold(finding, Finding::measured)),
+        Some(finding) => {
+            let finding = finding.related(decided.track_at.clone(), TRACK);
+            out.fail(measured.into_iter().fold(finding, Finding::measured));
+        }
         None => out.pass(subject, measured),
     }
 }
@@ -86,6 +90,7 @@ fn judge_decided(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagno
 pub(super) struct Decided {
     /// What reports call the track.
     track: String,
+    track_at: Place,
     /// Whether the track knows where east is.
     is_geodetic: bool,
     heading: Heading,
@@ -138,12 +143,13 @@ pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Look<Decided
     }
     needed(tracks)?;
     let mut undecided_by = Vec::new();
+    let yaws = Yaws::of(&imu.stream, &imu.base_from_imu());
     for track in tracks {
-        let courses = track.courses(limits.min_speed_m_s);
-        let heading = Heading::of(&imu.stream, &imu.base_from_imu(), &courses, limits);
+        let heading = Heading::of(&yaws, &track.courses(limits.min_speed_m_s), limits);
         if heading.agreement().is_some_and(|share| share >= limits.min_agreement) {
             return Ok(Decided {
                 track: track.subject.clone(),
+                track_at: track.place.clone(),
                 is_geodetic: track.is_geodetic,
                 heading,
             });
@@ -197,7 +203,9 @@ fn clockwise(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagnosis,
     let finding = Finding::error(subject, message, imu.stream.place())
         .likely()
         .relation("clockwise-yaw");
-    let finding = diagnosis.explain(finding, otherwise);
+    let finding = diagnosis
+        .explain(finding, otherwise)
+        .related(decided.track_at.clone(), TRACK);
     measured.into_iter().fold(finding, Finding::measured)
 }
 

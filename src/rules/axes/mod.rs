@@ -5,7 +5,7 @@ pub(crate) mod causes;
 pub mod gnss_vs_odom_handedness;
 pub mod gyro_vs_turn_sign;
 mod handedness;
-mod heading;
+pub(crate) mod heading;
 pub mod heading_convention;
 pub mod imu_gravity_sign;
 pub mod imu_units;

@@ -23,6 +23,9 @@ use super::orientation_vs_gravity::{self, Above, OrientationVsGravity};
 /// What a rule sees, or why it sees nothing.
 pub(crate) type Look<T> = Result<T, (NotEvaluated, String)>;
 
+/// What the place of a track is in a finding.
+pub(crate) const TRACK: &str = "where it went";
+
 /// One inertial sensor.
 pub(crate) struct Sensor {
     pub(super) base: Look<Up>,
@@ -51,9 +54,9 @@ impl Sensors {
         })
     }
 
-    /// The sensors of each recording, in the order of its motion's.
-    pub(crate) fn by_bag(&self) -> impl Iterator<Item = &Vec<Sensor>> {
-        self.bags.iter()
+    /// The sensors of one of the recordings.
+    pub(crate) fn of_bag(&self, index: usize) -> &[Sensor] {
+        self.bags.get(index).map_or(&[], Vec::as_slice)
     }
 
     /// Every sensor of the motion with what is seen of it.

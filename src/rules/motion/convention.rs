@@ -15,7 +15,7 @@ use crate::verdict::Finding;
 use crate::world::conventions::{
     BodyAxes, Convention, Declared, QuaternionAlgebra, QuaternionOrder, Subject, WorldAxes,
 };
-use crate::world::motion::{InertialRow, PoseRow, Twist, TwistRow};
+use crate::world::motion::{InertialRow, OrientationRow, PoseRow, Twist, TwistRow};
 use crate::world::{FrameId, World};
 
 /// What moves.
@@ -217,6 +217,14 @@ impl Convert for InertialRow {
         self.orientation = told_in.orientation(self.orientation);
         self.angular_velocity = told_in.in_body(self.angular_velocity);
         self.linear_acceleration = told_in.in_body(self.linear_acceleration);
+    }
+}
+
+impl Convert for OrientationRow {
+    const IS_SENSOR: bool = true;
+
+    fn convert(&mut self, told_in: &ToldIn, _: Option<&FrameId>) {
+        self.orientation = told_in.orientation(self.orientation);
     }
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::source::{MessageRef, Place, SourceId};
-use crate::world::bag::{HeaderFrame, TfEdge, TopicEvidence};
+use crate::world::bag::{HeaderFrame, Said, TfEdge};
 use crate::world::motion::{PoseRow, Row, Series};
 use crate::world::{BagEvidence, FrameId, World};
 
@@ -26,8 +26,12 @@ pub(crate) struct Stream<R> {
     pub(crate) source: SourceId,
     /// Topic of the messages.
     pub(crate) topic: String,
-    /// What reports call the stream: `topic /imu`, `TF odom -> base_link on /tf`.
+    /// Type of the messages; empty where the stream is a member of them, or of TF.
+    pub(crate) message_type: String,
+    /// What reports call the stream: `topic /imu`, `topic /imu (field imu)`, `TF odom -> base_link on /tf`.
     pub(crate) subject: String,
+    /// Whether only the names of plain fields say what it is.
+    pub(crate) guessed: bool,
     /// The frame that the numbers are told in (header frame, or parent), canonical; `None` where the headers name none or
     /// several.
     pub(crate) frame: Option<FrameId>,
@@ -42,17 +46,21 @@ pub(crate) struct Stream<R> {
 }
 
 impl<R: Row> Stream<R> {
-    /// The stream of a topic; `None` where it has no rows.
-    pub(super) fn of_topic(bag: &BagEvidence, topic: &TopicEvidence, series: Option<&Series<R>>) -> Option<Self> {
+    /// The stream of a topic, or of a member of its messages; `None` where it has no rows.
+    pub(super) fn of(bag: &BagEvidence, said: &Said<'_>, series: Option<&Series<R>>) -> Option<Self> {
         let series = series?;
         let stretches = on_clock(bag, series)?;
         Some(Self {
             source: bag.source,
-            topic: topic.topic.clone(),
-            subject: format!("topic `{}`", topic.topic),
-            frame: only(&topic.header_frames),
-            child: only(&topic.child_frames),
-            first: topic.stamps.first.clone(),
+            topic: said.topic.topic.clone(),
+            message_type: said
+                .field
+                .map_or_else(|| said.topic.message_type.clone(), |_| String::new()),
+            subject: said.subject(),
+            guessed: said.guessed,
+            frame: only(said.header_frames),
+            child: only(said.child_frames),
+            first: said.first.cloned(),
             told_in: ToldIn::default(),
             stretches,
         })
@@ -136,7 +144,9 @@ impl Stream<PoseRow> {
         Some(Self {
             source: bag.source,
             topic: edge.topic.clone(),
+            message_type: String::new(),
             subject: format!("TF `{parent}` -> `{child}` on {}", edge.topic),
+            guessed: false,
             frame: Some(parent),
             child: Some(child),
             first: Some(edge.first_at.clone()),

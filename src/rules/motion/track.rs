@@ -6,6 +6,7 @@ use nalgebra::{Vector2, Vector3};
 
 use crate::math::circular::wrapped;
 use crate::math::geodesy::Geodetic;
+use crate::source::Place;
 use crate::world::motion::{FixRow, PoseRow};
 
 use super::stream::{Stream, Timed};
@@ -22,6 +23,8 @@ const MAX_STEP_S: f64 = 2.5;
 pub(crate) struct Track {
     /// What reports call it.
     pub(crate) subject: String,
+    /// Where it begins.
+    pub(crate) place: Place,
     /// Whether it is of satellite fixes: x east, y north, z up.
     pub(crate) is_geodetic: bool,
     /// Runs of positions without a hole.
@@ -49,6 +52,7 @@ impl Track {
         };
         Self {
             subject: stream.subject.clone(),
+            place: stream.place(),
             is_geodetic: true,
             stretches: runs(stream.stretches.iter().map(|rows| rows.iter().filter_map(place))),
         }
@@ -65,6 +69,7 @@ impl Track {
         };
         Self {
             subject: stream.subject.clone(),
+            place: stream.place(),
             is_geodetic: false,
             stretches: runs(stream.stretches.iter().map(|rows| rows.iter().filter_map(place))),
         }

@@ -39,13 +39,13 @@ impl Rule for LeftHandedSimulator {
             return;
         };
         let (motion, sensors) = (Motion::of(world), Sensors::of(world));
-        for (bag, known) in motion.bags.iter().zip(sensors.by_bag()) {
+        for (index, bag) in motion.bags.iter().enumerate() {
             let Some(simulator) = bag.simulator else { continue };
             // A gyro that hangs upside down tells nothing of the track's hand.
             let upright = bag
                 .imus
                 .iter()
-                .zip(known)
+                .zip(sensors.of_bag(index))
                 .filter(|(_, sensor)| sensor.stands() == Some(Base::Up));
             let imus: Vec<&Imu> = upright.map(|(imu, _)| imu).collect();
             let is_way = |poses: &&Stream<PoseRow>| poses.frame.as_ref().is_none_or(names::is_world);
