@@ -1,4 +1,12 @@
 //! GEO: positions on the earth.
 
+mod columns;
+pub mod coordinate_kind;
+mod earth;
+pub mod ecef_enu_rotation;
 mod fixes;
+mod grid;
+pub mod grid_convergence_scale;
+mod kinds;
 pub mod navsatfix_sanity;
+mod overlay;
