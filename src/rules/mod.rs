@@ -179,6 +179,8 @@ pub static RULES: &[Entry] = &[
     entry::<geo::ecef_enu_rotation::EcefEnuRotation>(),
     entry::<geo::coordinate_kind::CoordinateKind>(),
     entry::<geo::grid_convergence_scale::GridConvergenceScale>(),
+    entry::<geo::tangent_plane_range::TangentPlaneRange>(),
+    entry::<geo::origin_consistency::OriginConsistency>(),
     entry::<time::epoch_offset::EpochOffset>(),
     entry::<time::stamp_vs_log::StampVsLog>(),
     entry::<time::stamp_monotonic::StampMonotonic>(),

@@ -6,7 +6,7 @@ use crate::rules::motion::{Motion, Stream};
 use crate::rules::{Evidence, Judge, Need, Rule, names};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::motion::{FixRow, PoseRow};
-use crate::world::{FrameId, World};
+use crate::world::{EarthOrigin, FrameId, World};
 
 use super::grid::{Grid, Laid};
 use super::overlay::Overlay;
@@ -16,6 +16,9 @@ pub struct GridConvergenceScale;
 
 /// Words of frames that say that they are a grid.
 const GRIDS: &[&str] = &["utm", "mgrs", "grid"];
+
+/// Projections of Autoware's `map_projector_info` that are this grid.
+const PROJECTIONS: &[&str] = &["MGRS", "LocalCartesianUTM", "UTM"];
 
 /// Limits of GEO04.
 #[derive(Debug, Deserialize)]
@@ -97,7 +100,13 @@ fn judge_pair(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>, li
         );
         return out.not_evaluated(subject, too_little, why);
     }
-    if is_meant(poses.frame.as_ref(), grid, limits) {
+    let is_said = |origin: &EarthOrigin| {
+        origin
+            .projection
+            .as_deref()
+            .is_some_and(|name| PROJECTIONS.contains(&name))
+    };
+    if is_meant(poses.frame.as_ref(), grid, limits) || world.origins.iter().any(is_said) {
         return out.pass(subject, measured);
     }
     let finding = finding(&subject, &overlay, poses, fixes, &laid, grid);

@@ -5,6 +5,7 @@
 use nalgebra::{Quaternion, UnitQuaternion, Vector2, Vector3};
 
 use crate::math::geodesy::Geodetic;
+use crate::math::similarity2::fit_similarities;
 use crate::rules::motion::{Stream, Track};
 use crate::world::World;
 use crate::world::motion::{FixRow, PoseRow};
@@ -20,11 +21,15 @@ pub(super) struct Both {
     pub(super) fix: Geodetic,
     /// The same in the tangent plane of the first fix, metres.
     pub(super) enu_m: Vector3<f64>,
+    /// The altitude over that of the first fix, metres; `None` where the receiver gives none.
+    pub(super) climb_m: Option<f64>,
 }
 
 /// All moments of a stream of poses and a receiver.
 #[derive(Clone, Debug)]
 pub(super) struct Overlay {
+    /// The first fix: where the tangent plane of `enu_m` touches.
+    pub(super) first: Geodetic,
     /// The moments, in the order of the fixes.
     pub(super) both: Vec<Both>,
 }
@@ -42,10 +47,11 @@ impl Overlay {
                 place_m: track.at(t_s)?,
                 fix,
                 enu_m: origin.enu_of(&fix),
+                climb_m: row.altitude_m.is_finite().then_some(fix.height_m - origin.height_m),
             })
         };
         let both: Vec<Both> = fixes.rows().filter_map(|timed| beside(timed.t_s, &timed.row)).collect();
-        (both.len() > 1).then_some(Self { both })
+        (both.len() > 1).then_some(Self { first: origin, both })
     }
 
     /// East and north of the fixes, and x and y of the poses, metres.
@@ -62,6 +68,13 @@ impl Overlay {
             most - least
         };
         side(|p| p.x).max(side(|p| p.y))
+    }
+
+    /// Where the origin of the poses' frame lies, at the height of the first fix, by the turn that fits best.
+    pub(super) fn origin(&self) -> Option<Geodetic> {
+        let (enu, xy) = self.planes();
+        let fit = fit_similarities(&xy, &enu)?.proper;
+        self.first.at_enu(&fit.translation_m.push(0.0))
     }
 
     /// First and last moment, seconds after the recording's start.
