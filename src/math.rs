@@ -6,6 +6,7 @@
 pub mod axis_maps;
 pub mod circular;
 pub mod constants;
+pub mod earth_turns;
 pub mod effective;
 pub mod geodesy;
 pub mod geoid;
@@ -25,6 +26,8 @@ pub mod utm;
 mod tests_constants;
 #[cfg(test)]
 mod tests_drive;
+#[cfg(test)]
+mod tests_earth_turns;
 #[cfg(test)]
 mod tests_geodesy;
 #[cfg(test)]

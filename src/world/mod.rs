@@ -13,6 +13,7 @@ pub mod frame;
 pub mod graph;
 pub mod motion;
 pub mod number;
+pub mod origin;
 pub mod qos;
 pub mod reference;
 pub mod robot;
@@ -34,6 +35,7 @@ pub use claim::{Claim, ClaimKind, Literal, Pose, Spelling};
 pub use conventions::Conventions;
 pub use frame::{FrameId, FrameRole, FrameUse};
 pub use graph::FrameGraph;
+pub use origin::EarthOrigin;
 pub use reference::{FileReference, ReferenceState};
 pub use robot::Robot;
 
@@ -62,6 +64,9 @@ pub struct World {
     /// What the user declares of topics, frames and files.
     #[serde(skip)]
     pub conventions: Arc<Conventions>,
+    /// Where files say that the origin of a local frame lies on the Earth.
+    #[serde(default)]
+    pub origins: Vec<EarthOrigin>,
     #[serde(skip)]
     graph: OnceLock<FrameGraph>,
     #[serde(skip)]
@@ -83,6 +88,8 @@ pub struct Facts {
     pub chains: Vec<DeclaredChain>,
     /// Calibration files that other files name.
     pub references: Vec<FileReference>,
+    /// Where a file says that the origin of a local frame lies on the Earth.
+    pub origins: Vec<EarthOrigin>,
 }
 
 impl World {
@@ -113,6 +120,7 @@ impl World {
         self.bags.extend(facts.bags);
         self.chains.extend(facts.chains);
         self.references.extend(facts.references);
+        self.origins.extend(facts.origins);
         self.graph = OnceLock::new();
         self.derived = Derived::default();
     }

@@ -74,6 +74,8 @@ pub enum Error {
     Utm,
     /// Positions in the Earth's frame.
     Ecef,
+    /// The altitude over that of the origin as z: the Earth taken for flat in height alone.
+    AltitudeAsZ,
 
     // Twists.
     /// Linear velocity in the axes of the world.
