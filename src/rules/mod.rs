@@ -180,6 +180,7 @@ pub static RULES: &[Entry] = &[
     entry::<time::stamp_vs_log::StampVsLog>(),
     entry::<time::stamp_monotonic::StampMonotonic>(),
     entry::<time::clock_domain::ClockDomain>(),
+    entry::<time::sensor_time_offset::SensorTimeOffset>(),
     entry::<time::tf_vs_sensor_time::TfVsSensorTime>(),
     entry::<time::leap_table_expiry::LeapTableExpiry>(),
     entry::<sensor::mavros_frames::MavrosFrames>(),

@@ -17,7 +17,7 @@ use crate::world::motion::{FixRow, PoseRow, TwistRow};
 use crate::world::{BagEvidence, World};
 
 pub(crate) use imu::Imu;
-pub(crate) use stream::{Stream, Timed};
+pub(crate) use stream::{Stream, Timed, edge_subject};
 pub(crate) use track::{Course, Track, around, span_rad};
 
 /// The streams of motion of each recording of a world, in its order.

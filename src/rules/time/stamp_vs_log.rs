@@ -22,7 +22,7 @@ pub struct StampVsLog;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
-    min_messages: u64,
+    pub(super) min_messages: u64,
     pub(super) late_s: f64,
     pub(super) gnss_late_s: f64,
     pub(super) ahead_s: f64,
@@ -74,7 +74,7 @@ fn is_judged(
     (limits, reused): (&Limits, &tf_vs_sensor_time::Limits),
     out: &mut Judge,
 ) -> bool {
-    let n = stream.stamps.count - stream.stamps.zero;
+    let n = stream.stamps.count.saturating_sub(stream.stamps.zero);
     let (why, reason) = if n < limits.min_messages {
         let why = format!("{n} stamps that are not zero, {} are needed", limits.min_messages);
         (NotEvaluated::TooLittleEvidence, why)

@@ -86,7 +86,7 @@ fn judge_bag(streams: &[Stream<'_>], naming: &Naming<'_>, limits: &Limits, out: 
 
 /// Constant transforms are good at any time, and few messages say nothing.
 fn has_enough(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) -> bool {
-    let n = stream.stamps.count - stream.stamps.zero;
+    let n = stream.stamps.count.saturating_sub(stream.stamps.zero);
     let (why, reason) = if n < limits.min_messages {
         let why = format!("{n} stamps that are not zero, {} are needed", limits.min_messages);
         (NotEvaluated::TooLittleEvidence, why)
