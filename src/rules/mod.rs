@@ -173,6 +173,7 @@ pub static RULES: &[Entry] = &[
     entry::<axes::accel_vs_speed::AccelVsSpeed>(),
     entry::<axes::gnss_vs_odom_handedness::GnssVsOdomHandedness>(),
     entry::<axes::odom_twist_frame::OdomTwistFrame>(),
+    entry::<axes::base_frame_flu::BaseFrameFlu>(),
     entry::<quat::quaternion_convention::QuaternionConvention>(),
     entry::<quat::quaternion_order_static::QuaternionOrderStatic>(),
     entry::<geo::navsatfix_sanity::NavsatfixSanity>(),

@@ -1,6 +1,8 @@
 //! AXES: axes and conventions, measured from motion.
 
 pub mod accel_vs_speed;
+pub mod base_frame_flu;
+mod bases;
 pub(crate) mod causes;
 pub mod gnss_vs_odom_handedness;
 pub mod gyro_vs_turn_sign;

@@ -13,6 +13,7 @@ use crate::verdict::NotEvaluated;
 use crate::world::World;
 
 use super::accel_vs_speed::{self, AccelVsSpeed, Pushed};
+use super::bases::{self, Base, Bases};
 use super::causes::{Diagnosis, Seen};
 use super::gyro_vs_turn_sign::{self, GyroVsTurnSign};
 use super::heading_convention::{self, Decided, HeadingConvention};
@@ -42,9 +43,14 @@ pub(crate) struct Sensors {
 impl Sensors {
     /// The sensors of a world; looked at once.
     pub(crate) fn of(world: &World) -> Arc<Self> {
-        let motion = Motion::of(world);
+        let (motion, bases) = (Motion::of(world), Bases::of(world));
         world.derived(|_| Self {
-            bags: motion.bags.iter().map(|bag| sensors(bag).unwrap_or_default()).collect(),
+            bags: motion
+                .bags
+                .iter()
+                .zip(&bases.bags)
+                .map(|(bag, bases)| sensors(bag, bases).unwrap_or_default())
+                .collect(),
         })
     }
 
@@ -70,7 +76,7 @@ fn limits<R: Rule>() -> Option<R::Limits> {
 }
 
 /// The sensors of a recording; `None` where a page's limits do not load, which the engine reports.
-fn sensors(bag: &BagMotion) -> Option<Vec<Sensor>> {
+fn sensors(bag: &BagMotion, bases: &[Base]) -> Option<Vec<Sensor>> {
     if bag.imus.is_empty() {
         return None;
     }
@@ -88,7 +94,14 @@ fn sensors(bag: &BagMotion) -> Option<Vec<Sensor>> {
             push: accel_vs_speed::look(imu, &tracks, &push),
             diagnosis: Diagnosis::default(),
         };
+        let mount = imu.mount.as_ref().map(|mount| &mount.base);
+        let is_on_turned = bases
+            .iter()
+            .any(|base| Some(&base.frame) == mount && base.seen.as_ref().is_ok_and(bases::Seen::is_turned));
         sensor.diagnosis = Diagnosis::of(sensor.seen());
+        if is_on_turned {
+            sensor.diagnosis.leave_mounting_to("AXES13");
+        }
         sensor
     };
     Some(bag.imus.iter().map(look).collect())
