@@ -174,6 +174,7 @@ pub static RULES: &[Entry] = &[
     entry::<axes::gnss_vs_odom_handedness::GnssVsOdomHandedness>(),
     entry::<axes::odom_twist_frame::OdomTwistFrame>(),
     entry::<axes::base_frame_flu::BaseFrameFlu>(),
+    entry::<axes::map_z_up::MapZUp>(),
     entry::<quat::quaternion_convention::QuaternionConvention>(),
     entry::<quat::quaternion_order_static::QuaternionOrderStatic>(),
     entry::<geo::navsatfix_sanity::NavsatfixSanity>(),

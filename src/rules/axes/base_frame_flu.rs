@@ -72,6 +72,13 @@ fn judge_seen(base: &Base, subject: String, seen: &Seen, limits: &Limits, out: &
         );
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
+    if up.index != 2 {
+        let why = format!(
+            "{} points along z of the frame that the pose is told in: that frame is not level",
+            up.word()
+        );
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
     match seen.forward {
         Some(forward) if forward.index == 0 && !forward.is_negative => out.pass(subject, measured),
         Some(forward) if forward.index == 0 => {

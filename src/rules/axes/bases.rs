@@ -82,8 +82,11 @@ impl Seen {
 
     /// Whether its z points down: against z of the world, unless gravity says that it is the world that is upside down.
     pub(super) fn is_upside_down(&self) -> bool {
-        let by_pose = self.up.is_some_and(|up| up.index != 2 || up.is_negative);
-        by_pose && self.gravity.as_ref().is_none_or(|(axis, _)| Some(*axis) == self.up)
+        // Without gravity another axis than -z may as well be the world's: a camera's map, or one of the Earth's axes.
+        self.up.is_some_and(|up| match &self.gravity {
+            Some((axis, _)) => *axis == up && (up.index != 2 || up.is_negative),
+            None => up.index == 2 && up.is_negative,
+        })
     }
 
     /// Whether another axis than x points forward.

@@ -10,7 +10,7 @@ use crate::rules::Rule;
 use crate::rules::motion::{BagMotion, Imu, Motion, Track};
 use crate::rules::quat::quaternion_convention::{self, QuaternionConvention};
 use crate::verdict::NotEvaluated;
-use crate::world::World;
+use crate::world::{FrameId, World};
 
 use super::accel_vs_speed::{self, AccelVsSpeed, Pushed};
 use super::bases::{self, Base, Bases};
@@ -19,6 +19,7 @@ use super::gyro_vs_turn_sign::{self, GyroVsTurnSign};
 use super::heading_convention::{self, Decided, HeadingConvention};
 use super::imu_gravity_sign::{self, ImuGravitySign, Up};
 use super::orientation_vs_gravity::{self, Above, OrientationVsGravity};
+use super::worlds::Worlds;
 
 /// What a rule sees, or why it sees nothing.
 pub(crate) type Look<T> = Result<T, (NotEvaluated, String)>;
@@ -43,13 +44,16 @@ pub(crate) struct Sensors {
 impl Sensors {
     /// The sensors of a world; looked at once.
     pub(crate) fn of(world: &World) -> Arc<Self> {
-        let (motion, bases) = (Motion::of(world), Bases::of(world));
+        let (motion, bases, worlds) = (Motion::of(world), Bases::of(world), Worlds::of(world));
         world.derived(|_| Self {
             bags: motion
                 .bags
                 .iter()
                 .zip(&bases.bags)
-                .map(|(bag, bases)| sensors(bag, bases).unwrap_or_default())
+                .enumerate()
+                .map(|(index, (bag, bases))| {
+                    sensors(bag, bases, |frame| worlds.is_down(index, frame)).unwrap_or_default()
+                })
                 .collect(),
         })
     }
@@ -76,14 +80,15 @@ fn limits<R: Rule>() -> Option<R::Limits> {
 }
 
 /// The sensors of a recording; `None` where a page's limits do not load, which the engine reports.
-fn sensors(bag: &BagMotion, bases: &[Base]) -> Option<Vec<Sensor>> {
+fn sensors(bag: &BagMotion, bases: &[Base], is_down: impl Fn(Option<&FrameId>) -> bool) -> Option<Vec<Sensor>> {
     if bag.imus.is_empty() {
         return None;
     }
     let (base, world) = (limits::<ImuGravitySign>()?, limits::<OrientationVsGravity>()?);
     let (turn, heading) = (limits::<QuaternionConvention>()?, limits::<HeadingConvention>()?);
     let (sense, push) = (limits::<GyroVsTurnSign>()?, limits::<AccelVsSpeed>()?);
-    let tracks = bag.tracks();
+    // In a frame whose z points down, tracks turn the other way.
+    let tracks = bag.tracks(is_down);
     let look = |imu: &Imu| {
         let mut sensor = Sensor {
             base: imu_gravity_sign::look(imu, &base),

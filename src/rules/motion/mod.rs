@@ -9,16 +9,18 @@ mod inertial;
 mod mount;
 mod stream;
 mod track;
+mod turned;
 
 use std::sync::Arc;
 
 use crate::rules::names;
 use crate::world::motion::{FixRow, PoseRow, TwistRow};
-use crate::world::{BagEvidence, World};
+use crate::world::{BagEvidence, FrameId, World};
 
 pub(crate) use imu::Imu;
 pub(crate) use stream::{Stream, Timed, edge_subject};
 pub(crate) use track::{Course, Track, around, span_rad};
+pub(crate) use turned::Turned;
 
 /// The streams of motion of each recording of a world, in its order.
 pub(crate) struct Motion {
@@ -68,11 +70,13 @@ impl BagMotion {
         motion
     }
 
-    /// Where the platform went: by satellite receivers first, then by odometry and poses.
-    pub(crate) fn tracks(&self) -> Vec<Track> {
+    /// Where the platform went: by satellite receivers first, then by odometry and poses, in frames that are not left out.
+    pub(crate) fn tracks(&self, is_left_out: impl Fn(Option<&FrameId>) -> bool) -> Vec<Track> {
         let fixes = self.fixes.iter().map(Track::of_fixes);
         // Joints move, too, and say nothing of the platform's way.
-        let is_way = |poses: &&Stream<PoseRow>| poses.frame.as_ref().is_none_or(names::is_world);
+        let is_way = |poses: &&Stream<PoseRow>| {
+            poses.frame.as_ref().is_none_or(names::is_world) && !is_left_out(poses.frame.as_ref())
+        };
         fixes
             .chain(self.poses.iter().filter(is_way).map(Track::of_poses))
             .collect()
