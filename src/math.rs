@@ -25,7 +25,7 @@ pub mod utm;
 #[cfg(test)]
 mod tests_constants;
 #[cfg(test)]
-mod tests_drive;
+pub(crate) mod tests_drive;
 #[cfg(test)]
 mod tests_earth_turns;
 #[cfg(test)]

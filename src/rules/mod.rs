@@ -53,6 +53,11 @@ pub trait Rule {
     fn judge(world: &World, limits: &Self::Limits, out: &mut Judge);
 }
 
+/// The limits of another rule, as its page has them.
+pub(crate) fn limits_of<R: Rule>() -> Option<R::Limits> {
+    Front::parse_limits(R::PAGE).ok()?.limits().ok()
+}
+
 /// How a recording is sampled for a rule, before anything is known of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evidence {
@@ -173,6 +178,8 @@ pub static RULES: &[Entry] = &[
     entry::<axes::accel_vs_speed::AccelVsSpeed>(),
     entry::<axes::gnss_vs_odom_handedness::GnssVsOdomHandedness>(),
     entry::<axes::odom_twist_frame::OdomTwistFrame>(),
+    entry::<axes::base_frame_flu::BaseFrameFlu>(),
+    entry::<axes::map_z_up::MapZUp>(),
     entry::<quat::quaternion_convention::QuaternionConvention>(),
     entry::<quat::quaternion_order_static::QuaternionOrderStatic>(),
     entry::<geo::navsatfix_sanity::NavsatfixSanity>(),
@@ -186,6 +193,7 @@ pub static RULES: &[Entry] = &[
     entry::<time::stamp_vs_log::StampVsLog>(),
     entry::<time::stamp_monotonic::StampMonotonic>(),
     entry::<time::clock_domain::ClockDomain>(),
+    entry::<time::sensor_time_offset::SensorTimeOffset>(),
     entry::<time::tf_vs_sensor_time::TfVsSensorTime>(),
     entry::<time::leap_table_expiry::LeapTableExpiry>(),
     entry::<sensor::imu_shares_lidar_frame::ImuSharesLidarFrame>(),

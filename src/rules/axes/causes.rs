@@ -318,6 +318,20 @@ impl Diagnosis {
         }
     }
 
+    /// Leaves to another rule what looks like a wrong mounting: where the base itself is turned, its sensors look so.
+    pub(crate) fn leave_mounting_to(&mut self, owner: &'static str) {
+        const MOUNTINGS: [&str; 5] = [
+            "upside-down",
+            "on-its-side",
+            "turned-mount",
+            "gravity-sign",
+            "sensor-frd",
+        ];
+        if self.causes.iter().any(|cause| MOUNTINGS.contains(&cause.word)) {
+            self.owner = Some(owner);
+        }
+    }
+
     /// Why a rule does not report what it sees: another reports the fault that it is part of.
     pub(crate) fn reported_elsewhere(&self, code: &str, seen: &str) -> Option<String> {
         let owner = self.owner.filter(|owner| *owner != code)?;

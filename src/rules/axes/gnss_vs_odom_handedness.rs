@@ -10,6 +10,7 @@ use crate::world::World;
 use crate::world::motion::FixRow;
 
 use super::handedness::Votes;
+use super::worlds::Worlds;
 
 /// AXES07.
 pub struct GnssVsOdomHandedness;
@@ -36,15 +37,20 @@ impl Rule for GnssVsOdomHandedness {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        for bag in &Motion::of(world).bags {
+        let worlds = Worlds::of(world);
+        for (index, bag) in Motion::of(world).bags.iter().enumerate() {
             for fixes in &bag.fixes {
                 let satellites = Track::of_fixes(fixes);
                 for poses in &bag.poses {
                     let subject = format!("{} against {}", poses.subject, fixes.subject);
                     let minor_m = min_minor_m(fixes, limits);
                     let votes = Votes::of(&satellites, &Track::of_poses(poses), minor_m, limits);
-                    if bag.simulator.is_some() && votes.majority(limits) == Some(true) {
+                    let is_mirrored = votes.majority(limits) == Some(true);
+                    if is_mirrored && bag.simulator.is_some() {
                         let why = "it is mirrored, and the poses are a simulator's: SENSOR09 reports it";
+                        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                    } else if is_mirrored && worlds.is_down(index, poses.frame.as_ref()) {
+                        let why = "mirrored: part of what AXES14 reports of the frame, whose z points down";
                         out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
                     } else {
                         judge_votes(&subject, poses, fixes, &votes, minor_m, limits, out);

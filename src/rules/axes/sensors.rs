@@ -5,20 +5,21 @@
 
 use std::sync::Arc;
 
-use crate::page::Front;
-use crate::rules::Rule;
+use crate::rules::limits_of;
 use crate::rules::motion::{BagMotion, Imu, Motion, Track};
 use crate::rules::quat::quaternion_convention::{self, QuaternionConvention};
 use crate::tables::Offset;
 use crate::verdict::NotEvaluated;
-use crate::world::World;
+use crate::world::{FrameId, World};
 
 use super::accel_vs_speed::{self, AccelVsSpeed, Pushed};
-use super::causes::{Base, Diagnosis, Seen};
+use super::bases::{self, Base, Bases};
+use super::causes::{self, Diagnosis, Seen};
 use super::gyro_vs_turn_sign::{self, GyroVsTurnSign};
 use super::heading_convention::{self, Decided, HeadingConvention};
 use super::imu_gravity_sign::{self, ImuGravitySign, Up};
 use super::orientation_vs_gravity::{self, Above, OrientationVsGravity};
+use super::worlds::Worlds;
 
 /// What a rule sees, or why it sees nothing.
 pub(crate) type Look<T> = Result<T, (NotEvaluated, String)>;
@@ -48,9 +49,17 @@ pub(crate) struct Sensors {
 impl Sensors {
     /// The sensors of a world; looked at once.
     pub(crate) fn of(world: &World) -> Arc<Self> {
-        let motion = Motion::of(world);
+        let (motion, bases, worlds) = (Motion::of(world), Bases::of(world), Worlds::of(world));
         world.derived(|_| Self {
-            bags: motion.bags.iter().map(|bag| sensors(bag).unwrap_or_default()).collect(),
+            bags: motion
+                .bags
+                .iter()
+                .zip(&bases.bags)
+                .enumerate()
+                .map(|(index, (bag, bases))| {
+                    sensors(bag, bases, |frame| worlds.is_down(index, frame)).unwrap_or_default()
+                })
+                .collect(),
         })
     }
 
@@ -75,20 +84,16 @@ pub(super) fn needed(tracks: &[Track]) -> Look<()> {
     Ok(())
 }
 
-/// The limits of another rule's page.
-pub(crate) fn limits_of<R: Rule>() -> Option<R::Limits> {
-    Front::parse(R::PAGE).ok()?.limits().ok()
-}
-
 /// The sensors of a recording; `None` where a page's limits do not load, which the engine reports.
-fn sensors(bag: &BagMotion) -> Option<Vec<Sensor>> {
+fn sensors(bag: &BagMotion, bases: &[Base], is_down: impl Fn(Option<&FrameId>) -> bool) -> Option<Vec<Sensor>> {
     if bag.imus.is_empty() {
         return None;
     }
     let (base, world) = (limits_of::<ImuGravitySign>()?, limits_of::<OrientationVsGravity>()?);
     let (turn, heading) = (limits_of::<QuaternionConvention>()?, limits_of::<HeadingConvention>()?);
     let (sense, push) = (limits_of::<GyroVsTurnSign>()?, limits_of::<AccelVsSpeed>()?);
-    let tracks = bag.tracks();
+    // In a frame whose z points down, tracks turn the other way.
+    let tracks = bag.tracks(is_down);
     let look = |imu: &Imu| {
         let mut sensor = Sensor {
             base: imu_gravity_sign::look(imu, &base),
@@ -102,7 +107,14 @@ fn sensors(bag: &BagMotion) -> Option<Vec<Sensor>> {
         };
         let decided = sensor.heading.as_ref().ok();
         sensor.offset = decided.and_then(|decided| decided.known_offset(imu, &heading));
+        let mount = imu.mount.as_ref().map(|mount| &mount.base);
+        let is_on_turned = bases
+            .iter()
+            .any(|base| Some(&base.frame) == mount && base.seen.as_ref().is_ok_and(bases::Seen::is_turned));
         sensor.diagnosis = Diagnosis::of(sensor.seen(), &imu.stream.told_in, imu.driver);
+        if is_on_turned {
+            sensor.diagnosis.leave_mounting_to("AXES13");
+        }
         sensor
     };
     Some(bag.imus.iter().map(look).collect())
@@ -110,7 +122,7 @@ fn sensors(bag: &BagMotion) -> Option<Vec<Sensor>> {
 
 impl Sensor {
     /// Where its acceleration points in the base; `None` where that was not measured.
-    pub(crate) fn stands(&self) -> Option<Base> {
+    pub(crate) fn stands(&self) -> Option<causes::Base> {
         self.base.as_ref().ok().map(|up| up.class)
     }
 

@@ -12,6 +12,7 @@ mod mount;
 mod nmea;
 mod stream;
 mod track;
+mod turned;
 mod yaw;
 
 use std::sync::Arc;
@@ -20,14 +21,15 @@ use crate::rules::names;
 use crate::tables::{self, Known, Simulator};
 use crate::world::bag::TopicEvidence;
 use crate::world::motion::{FixRow, NmeaRow, OrientationRow, PoseRow, TwistRow};
-use crate::world::{BagEvidence, World};
+use crate::world::{BagEvidence, FrameId, World};
 
 pub(crate) use compass::Compass;
 pub(crate) use convention::ToldIn;
 pub(crate) use imu::Imu;
 pub(crate) use mount::mount;
-pub(crate) use stream::{Stream, Timed};
+pub(crate) use stream::{Stream, Timed, edge_subject};
 pub(crate) use track::{Course, Track, around, span_rad};
+pub(crate) use turned::Turned;
 pub(crate) use yaw::Yaws;
 
 /// The streams of motion of each recording of a world, in its order.
@@ -112,13 +114,16 @@ impl BagMotion {
         motion
     }
 
-    /// Where the platform went: by satellite receivers first, those last that are guessed, then by odometry and poses.
-    pub(crate) fn tracks(&self) -> Vec<Track> {
+    /// Where the platform went: by satellite receivers first, those last that are guessed, then by odometry and poses, in
+    /// frames that are not left out.
+    pub(crate) fn tracks(&self, is_left_out: impl Fn(Option<&FrameId>) -> bool) -> Vec<Track> {
         let mut fixes: Vec<&Stream<FixRow>> = self.fixes.iter().collect();
         fixes.sort_by_key(|fixes| fixes.guessed);
         let fixes = fixes.into_iter().map(Track::of_fixes);
         // Joints move, too, and say nothing of the platform's way.
-        let is_way = |poses: &&Stream<PoseRow>| poses.frame.as_ref().is_none_or(names::is_world);
+        let is_way = |poses: &&Stream<PoseRow>| {
+            poses.frame.as_ref().is_none_or(names::is_world) && !is_left_out(poses.frame.as_ref())
+        };
         fixes
             .chain(self.poses.iter().filter(is_way).map(Track::of_poses))
             .collect()

@@ -37,6 +37,8 @@ pub(crate) struct Stream<R> {
     pub(crate) frame: Option<FrameId>,
     /// The frame that moves, canonical, where the stream says it.
     pub(crate) child: Option<FrameId>,
+    /// Median of stamp minus log time, seconds, which was taken off the times; `None` where they are log times.
+    pub(crate) stamp_offset_s: Option<f64>,
     /// First message.
     first: Option<MessageRef>,
     /// What the rows were told in; they stand here in the convention of ROS.
@@ -49,7 +51,7 @@ impl<R: Row> Stream<R> {
     /// The stream of a topic, or of a member of its messages; `None` where it has no rows.
     pub(super) fn of(bag: &BagEvidence, said: &Said<'_>, series: Option<&Series<R>>) -> Option<Self> {
         let series = series?;
-        let stretches = on_clock(bag, series)?;
+        let (stretches, stamp_offset_s) = on_clock(bag, series)?;
         Some(Self {
             source: bag.source,
             topic: said.topic.topic.clone(),
@@ -60,6 +62,7 @@ impl<R: Row> Stream<R> {
             guessed: said.guessed,
             frame: only(said.header_frames),
             child: only(said.child_frames),
+            stamp_offset_s,
             first: said.first.cloned(),
             told_in: ToldIn::default(),
             stretches,
@@ -139,16 +142,17 @@ impl Stream<PoseRow> {
     /// The stream of a moving transform.
     pub(super) fn of_edge(bag: &BagEvidence, edge: &TfEdge) -> Option<Self> {
         let series = edge.motion.as_ref()?;
-        let stretches = on_clock(bag, series)?;
+        let (stretches, stamp_offset_s) = on_clock(bag, series)?;
         let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
         Some(Self {
             source: bag.source,
             topic: edge.topic.clone(),
             message_type: String::new(),
-            subject: format!("TF `{parent}` -> `{child}` on {}", edge.topic),
+            subject: edge_subject(edge),
             guessed: false,
             frame: Some(parent),
             child: Some(child),
+            stamp_offset_s,
             first: Some(edge.first_at.clone()),
             told_in: ToldIn::default(),
             stretches,
@@ -156,9 +160,15 @@ impl Stream<PoseRow> {
     }
 }
 
+/// What reports call the stream of a moving transform.
+pub(crate) fn edge_subject(edge: &TfEdge) -> String {
+    let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
+    format!("TF `{parent}` -> `{child}` on {}", edge.topic)
+}
+
 type Stretches<R> = Vec<Vec<Timed<R>>>;
 
-fn on_clock<R: Row>(bag: &BagEvidence, series: &Series<R>) -> Option<Stretches<R>> {
+fn on_clock<R: Row>(bag: &BagEvidence, series: &Series<R>) -> Option<(Stretches<R>, Option<f64>)> {
     let start_ns = bag.start_ns?;
     let clock = Clock::of(series);
     let mut stretches: Stretches<R> = Vec::new();
@@ -174,7 +184,7 @@ fn on_clock<R: Row>(bag: &BagEvidence, series: &Series<R>) -> Option<Stretches<R
         stretches.push(kept);
     }
     stretches.retain(|stretch| !stretch.is_empty());
-    (!stretches.is_empty()).then_some(stretches)
+    (!stretches.is_empty()).then_some((stretches, clock.stamp_offset_s()))
 }
 
 /// The one frame that is named, canonical; the empty name is none.

@@ -3,7 +3,8 @@
 use serde::Deserialize;
 
 use crate::rules::axes::heading_convention::{self, HeadingConvention};
-use crate::rules::axes::sensors::{self, Sensor, Sensors};
+use crate::rules::axes::sensors::{Sensor, Sensors};
+use crate::rules::axes::worlds::Worlds;
 use crate::rules::motion::{Compass, Imu, Motion, Stream, Track, Yaws, mount};
 use crate::rules::{Evidence, Judge, Need, Rule, names};
 use crate::verdict::{Finding, Measured, NotEvaluated};
@@ -40,12 +41,13 @@ impl Rule for CompassInQuaternion {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        let Some(turns) = sensors::limits_of::<HeadingConvention>() else {
+        let Some(turns) = crate::rules::limits_of::<HeadingConvention>() else {
             return;
         };
-        let (motion, sensors) = (Motion::of(world), Sensors::of(world));
+        let (motion, sensors, worlds) = (Motion::of(world), Sensors::of(world), Worlds::of(world));
         for (index, bag) in motion.bags.iter().enumerate() {
-            let (compasses, tracks) = (bag.compasses(), bag.tracks());
+            let tracks = bag.tracks(|frame| worlds.is_down(index, frame));
+            let compasses = bag.compasses();
             let against = Against {
                 compasses: &compasses,
                 tracks: &tracks,

@@ -78,7 +78,11 @@ impl Case<'_> {
 
     /// Look-ups from the first to the last that succeeded.
     fn answered(&self) -> u64 {
-        self.asked.count - self.asked.leading.count - self.asked.trailing.count
+        let asked = &self.asked;
+        asked
+            .count
+            .saturating_sub(asked.leading.count)
+            .saturating_sub(asked.trailing.count)
     }
 
     /// How long look-ups may fail at the end: a slow edge cannot cover the last part of its own period.
