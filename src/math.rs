@@ -7,6 +7,7 @@ pub mod axis_maps;
 pub mod circular;
 pub mod constants;
 pub mod effective;
+pub mod euler;
 pub mod geodesy;
 pub mod geoid;
 pub mod gravity;

@@ -175,6 +175,7 @@ pub static RULES: &[Entry] = &[
     entry::<axes::odom_twist_frame::OdomTwistFrame>(),
     entry::<quat::quaternion_convention::QuaternionConvention>(),
     entry::<quat::quaternion_order_static::QuaternionOrderStatic>(),
+    entry::<quat::euler_sequence::EulerSequence>(),
     entry::<geo::navsatfix_sanity::NavsatfixSanity>(),
     entry::<time::epoch_offset::EpochOffset>(),
     entry::<time::stamp_vs_log::StampVsLog>(),

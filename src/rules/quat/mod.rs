@@ -1,6 +1,7 @@
-//! QUAT: the order and the algebra of quaternions.
+//! QUAT: the order and the algebra of quaternions, and the angles that they are made of.
 
+mod by_gyro;
+pub mod euler_sequence;
 mod listed;
-
 pub mod quaternion_convention;
 pub mod quaternion_order_static;
