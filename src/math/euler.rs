@@ -82,7 +82,7 @@ impl Order {
     }
 
     /// The numbers that make a rotation; the one about the middle axis lies within a quarter turn. `None` for sequences
-    /// of two axes. Where the middle one is a quarter turn, the sum of the others alone is right.
+    /// of two axes. Where the middle one is a quarter turn, the last one is 0.
     pub fn numbers_of(self, rotation: &UnitQuaternion<f64>) -> Option<[f64; 3]> {
         let [a, b, c] = self.axes.map(usize::from);
         if a == c {
@@ -92,11 +92,18 @@ impl Order {
         let entry = |row: usize, column: usize| matrix.matrix().get((row, column)).copied().unwrap_or(f64::NAN);
         // 1 where the axes stand in the order x, y, z, x, ...
         let sign = if (b + 3 - a) % 3 == 1 { 1.0 } else { -1.0 };
-        let angles = [
-            (-sign * entry(b, c)).atan2(entry(c, c)),
-            (sign * entry(a, c)).clamp(-1.0, 1.0).asin(),
-            (-sign * entry(a, b)).atan2(entry(a, a)),
-        ];
+        let cosine = entry(a, a).hypot(entry(a, b));
+        let middle = (sign * entry(a, c)).atan2(cosine);
+        // Below this the entries that hold the other two are rounding noise, as in `to_rpy`.
+        let angles = if cosine < 1e-9 {
+            [(sign * entry(c, b)).atan2(entry(b, b)), middle, 0.0]
+        } else {
+            [
+                (-sign * entry(b, c)).atan2(entry(c, c)),
+                middle,
+                (-sign * entry(a, b)).atan2(entry(a, a)),
+            ]
+        };
         let mut numbers = [0.0; 3];
         for (number, angle) in self.numbers.iter().zip(angles) {
             if let Some(slot) = numbers.get_mut(usize::from(*number)) {
