@@ -12,6 +12,7 @@ pub mod geodesy;
 pub mod geoid;
 pub mod gravity;
 pub mod lag;
+pub mod level;
 pub mod readings;
 pub mod regress;
 pub mod relation;

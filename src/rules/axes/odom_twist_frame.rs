@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use crate::rules::motion::{Motion, Stream};
+use crate::rules::quat::level_order::is_reordered;
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
@@ -37,6 +38,12 @@ impl Rule for OdomTwistFrame {
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         for bag in &Motion::of(world).bags {
             for stream in bag.poses.iter().filter(|stream| has_twist(stream)) {
+                if is_reordered(stream) {
+                    let subject = format!("velocity of {}", stream.subject);
+                    let why = "the orientation stands in the order w x y z, which QUAT02 reports";
+                    out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                    continue;
+                }
                 let twists = Twists::of(stream, limits);
                 judge_linear(stream, &twists, limits, out);
                 judge_turning(stream, &twists.turning, limits, out);

@@ -2,6 +2,7 @@
 
 mod by_gyro;
 pub mod euler_sequence;
+pub(crate) mod level_order;
 mod listed;
 pub mod quaternion_convention;
 pub mod quaternion_order_static;
