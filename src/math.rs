@@ -13,6 +13,7 @@ pub mod geoid;
 pub mod gravity;
 pub mod lag;
 pub mod level;
+pub mod noise;
 pub mod readings;
 pub mod regress;
 pub mod relation;

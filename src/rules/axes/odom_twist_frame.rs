@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use crate::page::Front;
 use crate::rules::motion::{Motion, Stream};
 use crate::rules::quat::level_order::is_reordered;
 use crate::rules::{Evidence, Judge, Need, Rule};
@@ -50,6 +51,19 @@ impl Rule for OdomTwistFrame {
             }
         }
     }
+}
+
+/// Whether the velocity is told in the header's frame, by the limits of this rule's page.
+pub(crate) fn is_in_world(stream: &Stream<PoseRow>) -> bool {
+    let limits = Front::parse(OdomTwistFrame::PAGE)
+        .ok()
+        .and_then(|page| page.limits().ok());
+    limits.is_some_and(|limits: Limits| {
+        let twists = Twists::of(stream, &limits);
+        let best = twists.residuals.first();
+        twists.distance_m >= limits.min_distance_m
+            && best.is_some_and(|best| best.0 == Reading::World && best.1 <= limits.max_residual)
+    })
 }
 
 fn has_twist(stream: &Stream<PoseRow>) -> bool {
