@@ -48,6 +48,8 @@ pub(crate) enum Turn {
     Reordered,
     /// About one axis only.
     Partly,
+    /// As its integral once the angles behind it are put together in the order of ROS.
+    Ordered,
     /// It does not.
     Unrelated,
 }
@@ -290,7 +292,17 @@ pub(crate) struct Diagnosis {
 
 impl Diagnosis {
     /// Finds the faults that fit.
-    pub(crate) fn of(seen: Seen, told_in: &ToldIn, driver: Option<Known<InsDriver>>) -> Self {
+    pub(crate) fn of(mut seen: Seen, told_in: &ToldIn, driver: Option<Known<InsDriver>>) -> Self {
+        if seen.turn == Some(Turn::Ordered) {
+            // QUAT03 reports the order by itself. Wrong roll and pitch tilt the world; whatever else is seen has a cause of
+            // its own.
+            let tilted = seen.world == Some(World::Elsewhere);
+            seen.turn = Some(Turn::Agree);
+            seen.world = seen.world.filter(|_| !tilted);
+            let rest = Self::of(seen, told_in, driver);
+            let owner = rest.owner.or(tilted.then_some("QUAT03"));
+            return Self { owner, ..rest };
+        }
         let told_in = told_in.clone();
         if HEALTHY.fits(seen) {
             return Self {
@@ -395,7 +407,9 @@ fn shows(seen: Seen, code: &str) -> bool {
     match code {
         "AXES01" => seen.base.is_some_and(|base| base != Base::Up),
         "AXES03" => seen.world.is_some_and(|world| world != World::Up),
-        "QUAT01" => seen.turn.is_some_and(|turn| turn != Turn::Agree),
+        "QUAT01" => seen
+            .turn
+            .is_some_and(|turn| !matches!(turn, Turn::Agree | Turn::Ordered)),
         "AXES04" => seen.heading == Some(Heading::Against),
         "AXES05" => seen.sense == Some(Sense::Against),
         "AXES06" => seen.push.is_some_and(|push| push != Push::Forward),
@@ -456,6 +470,23 @@ mod tests {
             ..Seen::default()
         };
         assert_eq!(words(seen), (vec![], None));
+    }
+
+    #[test]
+    fn the_order_of_angles_is_a_fault_beside_the_others() {
+        let seen = Seen {
+            turn: Some(Turn::Ordered),
+            world: Some(World::Elsewhere),
+            ..Seen::default()
+        };
+        assert_eq!(words(seen), (vec![], Some("QUAT03")));
+        let in_ned = Seen {
+            world: Some(World::Down),
+            base: Some(Base::Down),
+            heading: Some(Heading::Against),
+            ..seen
+        };
+        assert_eq!(words(in_ned), (vec!["ned-frd"], Some("AXES03")));
     }
 
     #[test]

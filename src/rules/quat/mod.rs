@@ -1,6 +1,8 @@
-//! QUAT: the order and the algebra of quaternions.
+//! QUAT: the order and the algebra of quaternions, and the angles that they are made of.
 
+mod by_gyro;
+pub mod euler_sequence;
+pub(crate) mod level_order;
 mod listed;
-
 pub mod quaternion_convention;
 pub mod quaternion_order_static;

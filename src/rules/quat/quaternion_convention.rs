@@ -12,6 +12,8 @@ use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
+use super::by_gyro::{Margins, Ordered, ordered};
+
 /// QUAT01.
 pub struct QuaternionConvention;
 
@@ -43,6 +45,22 @@ pub(crate) struct Turned {
     rotation_deg: f64,
     /// The axis about which it does not follow, of those that turn.
     axis: Option<usize>,
+    /// The order of angles behind it, where the gyro shows another than that of ROS.
+    pub(super) ordered: Option<Ordered>,
+    /// How many axes turn fast enough to speak.
+    speaking: usize,
+}
+
+impl Turned {
+    /// Whether another order of angles would have shown: it turns about several axes.
+    pub(super) fn shows_order(&self) -> bool {
+        self.speaking > 1
+    }
+
+    /// Of orientation and gyro about each axis.
+    pub(super) fn correlations(&self) -> [Option<f64>; 3] {
+        self.as_published.axis_correlation
+    }
 }
 
 impl Rule for QuaternionConvention {
@@ -75,6 +93,10 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
     ];
     if turned.class == Turn::Agree {
         return out.pass(subject, measured);
+    }
+    if turned.class == Turn::Ordered {
+        let why = "it does once its angles are put together in another order, which QUAT03 names";
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
     let seen = "the orientation does not follow the gyro";
     if let Some(why) = diagnosis.reported_elsewhere("QUAT01", seen) {
@@ -148,10 +170,28 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
             ));
         }
     }
-    let axis = wrong_axis(turns, &as_published, limits);
+    let axis = wrong_axis(turns, &as_published, limits).filter(|_| turns.step_s <= limits.axis_step_s);
+    let speaks = |rms: &&f64| rms.to_degrees() >= limits.axis_deg_s;
+    let speaking = turns.axis_rms_rad_s.iter().filter(speaks).count();
+    let own = as_published.residual;
+    // The search is dear, and its answer is sure: asked where anything speaks for it, at any rate.
+    let is_odd = own > limits.unrelated || wrong_axis(turns, &as_published, limits).is_some();
+    let margins = Margins {
+        agrees: limits.agrees,
+        ratio: limits.ratio,
+        noise: limits.noise,
+    };
+    let simpler = inverse.residual.min(reordered.residual) < limits.agrees;
+    let order = if is_odd && !simpler {
+        ordered(imu, own, &margins)
+    } else {
+        None
+    };
     let found = |class: Turn| {
         Ok(Turned {
             class,
+            ordered: order.clone(),
+            speaking,
             as_published,
             inverse,
             reordered,
@@ -160,7 +200,15 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
             axis,
         })
     };
-    let own = as_published.residual;
+    let best_map = maps(&as_published)
+        .into_iter()
+        .map(|way| way.1)
+        .fold(f64::INFINITY, f64::min);
+    // A turned or negated gyro is the simpler fault.
+    let beats_maps = |order: &Ordered| best_map >= limits.ratio * order.residual.max(limits.noise);
+    if order.as_ref().is_some_and(beats_maps) {
+        return found(Turn::Ordered);
+    }
     if own < limits.agrees && inverse.residual > limits.opposes {
         return found(if axis.is_some() { Turn::Partly } else { Turn::Agree });
     }
@@ -213,9 +261,6 @@ fn maps(as_published: &Score) -> Vec<(Turn, f64)> {
 
 /// An axis about which the orientation does not follow, though the gyro turns about it and another axis fits.
 fn wrong_axis(turns: &Turns, score: &Score, limits: &Limits) -> Option<usize> {
-    if turns.step_s > limits.axis_step_s {
-        return None;
-    }
     let correlation = score.axis_correlation;
     let fits = correlation.iter().flatten().any(|value| *value > limits.axis_right);
     let axes = correlation.iter().zip(turns.axis_rms_rad_s).enumerate();

@@ -91,6 +91,9 @@ pub enum Error {
     /// GNSS velocity in the body's axes.
     TwistInBody,
 
+    /// The twist's covariance in the axes of the world.
+    TwistCovarianceInWorld,
+
     // Fixes.
     /// Latitude and longitude swapped.
     Swapped,
