@@ -7,7 +7,7 @@ use crate::rules::axes::sensors::{Sensor, Sensors};
 use crate::rules::axes::worlds::Worlds;
 use crate::rules::motion::{Compass, Imu, Motion, Stream, Track, Yaws, mount};
 use crate::rules::{Evidence, Judge, Need, Rule, names};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::NotEvaluated;
 use crate::world::World;
 use crate::world::motion::{OrientationRow, PoseRow};
 
@@ -23,7 +23,7 @@ pub struct Limits {
     pub(super) min_samples: usize,
     pub(super) same_deg: f64,
     pub(super) apart_deg: f64,
-    max_offset_deg: f64,
+    pub(super) max_offset_deg: f64,
 }
 
 /// What a yaw can be held against, and the limits.
@@ -89,8 +89,8 @@ impl Against<'_> {
             tracks.find_map(|track| by_track(&yaws, track, track.is_geodetic, self.turns))
         };
         match self.by_compasses(&yaws, false).or_else(by_tracks) {
-            Some(found) if found.is_clockwise => out.fail(self.finding(stream, &subject, &found)),
-            Some(found) => out.pass(subject, self.measured(&found)),
+            Some(found) if found.is_clockwise => out.fail(found.finding(stream, &subject, self.turns, self.limits)),
+            Some(found) => out.pass(subject, found.measured(self.turns)),
             None => self.undecided(subject, out),
         }
     }
@@ -111,12 +111,12 @@ impl Against<'_> {
             return self.undecided(subject, out);
         };
         if !found.is_clockwise {
-            return out.pass(subject, self.measured(&found));
+            return out.pass(subject, found.measured(self.turns));
         }
         let seen = format!("the yaw grows with the {}", found.other);
         match sensor.diagnosis.reported_elsewhere("SENSOR08", &seen) {
             Some(why) => out.not_evaluated(subject, NotEvaluated::NotApplicable, why),
-            None => out.fail(self.finding(&imu.stream, &subject, &found)),
+            None => out.fail(found.finding(&imu.stream, &subject, self.turns, self.limits)),
         }
     }
 
@@ -125,8 +125,8 @@ impl Against<'_> {
         let subject = format!("yaw of {}", stream.subject);
         let yaws = Yaws::of(stream, &nalgebra::UnitQuaternion::identity());
         match by_track(&yaws, &Track::of_poses(stream), true, self.turns) {
-            Some(found) if found.is_clockwise => out.fail(self.finding(stream, &subject, &found)),
-            Some(found) => out.pass(subject, self.measured(&found)),
+            Some(found) if found.is_clockwise => out.fail(found.finding(stream, &subject, self.turns, self.limits)),
+            Some(found) => out.pass(subject, found.measured(self.turns)),
             None => self.undecided(subject, out),
         }
     }
@@ -137,55 +137,5 @@ impl Against<'_> {
             self.turns.min_turn_deg
         );
         out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
-    }
-
-    fn measured(&self, found: &Found) -> Vec<Measured> {
-        let samples = found.samples as u64;
-        let [best, other] = found.resultants;
-        let mut measured = vec![
-            Measured::new("resultant of the better sense", best, "1")
-                .limit(self.turns.min_resultant)
-                .samples(samples),
-            Measured::new("resultant of the other sense", other, "1").samples(samples),
-        ];
-        let zero = found.zero_rad.map(f64::to_degrees);
-        let what = if found.is_clockwise {
-            "yaw minus compass heading"
-        } else {
-            "yaw minus pi/2 - heading"
-        };
-        measured.extend(zero.map(|zero| Measured::new(what, zero, "deg").samples(samples)));
-        measured
-    }
-
-    fn finding<R: crate::world::motion::Row>(&self, stream: &Stream<R>, subject: &str, found: &Found) -> Finding {
-        let zero = found.zero_rad.map(f64::to_degrees);
-        let (relation, what) = match zero {
-            Some(zero) if zero.abs() <= self.limits.max_offset_deg => (
-                "compass-yaw",
-                format!("it is a compass heading, clockwise from north, off by {zero:.1} deg"),
-            ),
-            Some(zero) if (zero + 90.0).abs() <= self.limits.max_offset_deg => (
-                "clockwise-yaw",
-                "it counts from east as REP-103 does, but clockwise: the quaternion is the inverse one, or its yaw is negated"
-                    .to_owned(),
-            ),
-            Some(zero) => ("clockwise-yaw", format!("its zero is {zero:.0} deg from north")),
-            None => ("clockwise-yaw", "where its zero is cannot be told from that".to_owned()),
-        };
-        let message = format!(
-            "the yaw of `{}` grows clockwise with {}: {what} ({} samples)",
-            stream.topic, found.other, found.samples
-        );
-        let finding = Finding::error(subject, message, stream.place())
-            .likely()
-            .relation(relation)
-            .related(found.other_at.clone(), "what it was held against")
-            .help(
-                "REP-103 counts yaw counter-clockwise from east: publish `yaw_ros = pi/2 - heading` (the topic `heading` of \
-                 nmea_navsat_driver holds the compass heading itself)",
-            );
-        let finding = stream.told_in.tell(finding);
-        self.measured(found).into_iter().fold(finding, Finding::measured)
     }
 }

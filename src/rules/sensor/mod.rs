@@ -1,5 +1,6 @@
 //! SENSOR: what drivers, devices, simulators and autopilots fix by convention.
 
+mod clockwise;
 pub mod compass_in_quaternion;
 pub mod imu_shares_lidar_frame;
 pub mod ins_profile;
