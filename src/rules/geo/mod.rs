@@ -1,5 +1,6 @@
 //! GEO: positions on the earth.
 
+mod apart;
 mod columns;
 pub mod coordinate_kind;
 mod earth;
@@ -8,7 +9,9 @@ mod fixes;
 mod grid;
 pub mod grid_convergence_scale;
 mod heights;
+mod kind_findings;
 mod kinds;
+mod level;
 pub mod navsatfix_sanity;
 pub mod origin_consistency;
 mod origins;
