@@ -4,13 +4,13 @@ use serde::Deserialize;
 
 use crate::rules::motion::Motion;
 use crate::rules::names::{self, Standard};
-use crate::rules::{Evidence, Need};
-use crate::rules::{Judge, Rule};
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{FrameId, World};
 
 use super::columns::{Column, columns};
-use super::kinds::{Kind, single_precision_step_m};
+use super::kind_findings::{angle, earth_centred, grid, mixed};
+use super::kinds::Kind;
 
 /// GEO03.
 pub struct CoordinateKind;
@@ -103,87 +103,4 @@ fn size(column: &Column, limits: &Limits) -> Measured {
     )
     .limit(limits.local_m)
     .samples(column.count as u64)
-}
-
-/// `x, y, z`, with the digits that matter.
-fn told(column: &Column) -> String {
-    let (p, digits) = (column.middle, if column.kind.is_angle() { 5 } else { 1 });
-    format!("({:.digits$}, {:.digits$}, {:.digits$})", p.x, p.y, p.z)
-}
-
-fn confirmed(column: &Column) -> &'static str {
-    if column.is_confirmed {
-        ", as the fixes beside it say"
-    } else {
-        ", by their size"
-    }
-}
-
-fn angle(frame: &FrameId, column: &Column) -> Finding {
-    let message = format!(
-        "positions in `{frame}` on {}, {} in the middle, are {}{}: a position is in metres",
-        column.subject,
-        told(column),
-        column.kind.words(),
-        confirmed(column)
-    );
-    Finding::error("", message, column.place.clone()).likely().relation("degrees").help(
-        "make metres of them, in a tangent plane or on a grid, before they become a pose; degrees belong into a NavSatFix or a GeoPoint",
-    )
-}
-
-fn mixed(frame: &FrameId, column: &Column, local: &Column) -> Finding {
-    let message = format!(
-        "two kinds of coordinates in `{frame}`: on {} positions are {}{} {}, on {} {} {}",
-        column.subject,
-        column.kind.words(),
-        confirmed(column),
-        told(column),
-        local.subject,
-        local.kind.words(),
-        told(local)
-    );
-    let distance_km = (column.middle - local.middle).norm() / 1e3;
-    Finding::error("", message, column.place.clone())
-        .likely()
-        .relation("mixed-coordinates")
-        .related(local.place.clone(), local.kind.words())
-        .help(format!(
-            "whoever takes both puts them {distance_km:.0} km apart: give the first a frame of its own (`utm`, `earth`) and state where \
-             `{frame}` lies in it"
-        ))
-}
-
-fn earth_centred(frame: &FrameId, column: &Column) -> Finding {
-    let message = format!(
-        "positions in `{frame}` on {}, {} in the middle, are {}{}",
-        column.subject,
-        told(column),
-        column.kind.words(),
-        confirmed(column)
-    );
-    Finding::error("", message, column.place.clone()).likely().relation("ecef").help(format!(
-        "z does not point up there, and plans in x and y are of no use: name the frame `earth`, and publish `earth` -> `{frame}` with a \
-         local `{frame}`"
-    ))
-}
-
-fn grid(frame: &FrameId, column: &Column) -> Finding {
-    let step_m = single_precision_step_m(column.middle.amax());
-    let message = format!(
-        "positions in `{frame}` on {}, {} in the middle, are {}{}: numbers in single precision step by {step_m} m there",
-        column.subject,
-        told(column),
-        column.kind.words(),
-        confirmed(column)
-    );
-    let finding = Finding::note("", message, column.place.clone()).relation("utm").help(format!(
-        "it is allowed; clouds, meshes and viewers hold single precision, though: take an origin nearby off in `{frame}`, or call the \
-         frame `utm` and publish `utm` -> `{frame}`"
-    ));
-    if column.is_confirmed {
-        finding.likely()
-    } else {
-        finding.hint()
-    }
 }

@@ -1,17 +1,14 @@
 //! GEO02: the rotation between the Earth's frame and a local one.
 
-use nalgebra::{Isometry3, Rotation3};
 use serde::Deserialize;
 
-use crate::math::constants::ned_enu;
-use crate::math::earth_turns::{EarthTurn, beside, shown};
-use crate::math::geodesy::Geodetic;
+use crate::math::earth_turns::{EarthTurn, shown};
 use crate::rules::{Judge, Need, Rule};
-use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
 
 use super::earth::OnEarth;
+use super::level::{Seen, expected, see};
 
 /// GEO02.
 pub struct EcefEnuRotation;
@@ -20,11 +17,11 @@ pub struct EcefEnuRotation;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
-    warning_deg: f64,
+    pub(super) warning_deg: f64,
     error_deg: f64,
     relation_deg: f64,
-    max_height_m: f64,
-    pole_m: f64,
+    pub(super) max_height_m: f64,
+    pub(super) pole_m: f64,
 }
 
 impl Rule for EcefEnuRotation {
@@ -37,17 +34,6 @@ impl Rule for EcefEnuRotation {
             judge_one(&stated, limits, out);
         }
     }
-}
-
-/// A pose that can be judged.
-struct Seen<'s> {
-    place: &'s Place,
-    origin: Geodetic,
-    /// `earth_from_local` with the axes east, north, up: those of a frame that says north, east, down are changed.
-    rotation: Rotation3<f64>,
-    tilt_deg: f64,
-    yaw_deg: f64,
-    is_inverse: bool,
 }
 
 fn judge_one(stated: &OnEarth, limits: &Limits, out: &mut Judge) {
@@ -91,32 +77,6 @@ fn judge_one(stated: &OnEarth, limits: &Limits, out: &mut Judge) {
             .into_iter()
             .fold(wrong(stated, &worst, limits), Finding::measured),
     );
-}
-
-/// The pose of a local frame, where its origin lies on the Earth.
-fn see<'s>(stated: &OnEarth, place: &'s Place, pose: &Isometry3<f64>, limits: &Limits) -> Option<Seen<'s>> {
-    let of = |pose: &Isometry3<f64>, is_inverse| {
-        let origin = Geodetic::from_ecef(&pose.translation.vector)?;
-        let mut rotation = pose.rotation.to_rotation_matrix();
-        if stated.local.has_token("ned") {
-            rotation *= ned_enu();
-        }
-        let seen = beside(&origin, &rotation);
-        (origin.height_m.abs() <= limits.max_height_m).then(|| Seen {
-            place,
-            origin,
-            rotation,
-            tilt_deg: seen.tilt_rad.to_degrees(),
-            yaw_deg: seen.yaw_rad.to_degrees(),
-            is_inverse,
-        })
-    };
-    // Seen from a place on the Earth its centre lies straight down: the inverse of a right transform has its origin at
-    // the south pole, to 21 km.
-    let t = pose.translation.vector;
-    let at_pole = t.z < 0.0 && t.x.hypot(t.y) <= limits.pole_m;
-    let inverse = of(&pose.inverse(), true).filter(|seen| at_pole && seen.tilt_deg <= limits.warning_deg);
-    inverse.or_else(|| of(pose, false))
 }
 
 fn wrong(stated: &OnEarth, seen: &Seen<'_>, limits: &Limits) -> Finding {
@@ -178,11 +138,4 @@ fn wrong(stated: &OnEarth, seen: &Seen<'_>, limits: &Limits) -> Finding {
         finding = finding.relation(word);
     }
     finding.confidence(stated.reading)
-}
-
-/// The right `earth_from_local`, `[x, y, z, w]`.
-fn expected(origin: &Geodetic, is_ned: bool) -> [f64; 4] {
-    let enu = origin.enu_from_ecef().inverse();
-    let rotation = if is_ned { enu * ned_enu() } else { enu };
-    nalgebra::UnitQuaternion::from_rotation_matrix(&rotation).coords.into()
 }

@@ -9,7 +9,7 @@ use crate::world::motion::{FixRow, PoseRow};
 use crate::world::{EarthOrigin, FrameId, World};
 
 use super::grid::{Grid, Laid};
-use super::overlay::Overlay;
+use super::overlay::{Overlay, is_way};
 
 /// GEO04.
 pub struct GridConvergenceScale;
@@ -32,6 +32,8 @@ pub struct Limits {
     min_points: usize,
     blocks: usize,
     on_grid_m: f64,
+    follow_scale: f64,
+    follow_share: f64,
 }
 
 impl Rule for GridConvergenceScale {
@@ -43,8 +45,7 @@ impl Rule for GridConvergenceScale {
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         for bag in &Motion::of(world).bags {
             for fixes in &bag.fixes {
-                let of_world = |poses: &&Stream<PoseRow>| poses.frame.as_ref().is_some_and(names::is_world);
-                for poses in bag.poses.iter().filter(of_world) {
+                for poses in bag.poses.iter().filter(|poses| is_way(poses)) {
                     judge_pair(world, poses, fixes, limits, out);
                 }
             }
@@ -64,6 +65,10 @@ fn judge_pair(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>, li
             "{points} fixes over {extent_m:.0} m lie beside poses; {} over {:.0} m are needed to tell a grid's turn and scale",
             limits.min_points, limits.min_extent_m
         );
+        return out.not_evaluated(subject, too_little, why);
+    }
+    if overlay.fit(limits.follow_scale, limits.follow_share).is_none() {
+        let why = "the poses do not follow the fixes: no turn takes one way to the other";
         return out.not_evaluated(subject, too_little, why);
     }
     let Some(laid) = Laid::of(&overlay, limits.blocks) else {

@@ -100,3 +100,52 @@ fn angle(middle: &Vector3<f64>, fix: &Geodetic, limits: &Limits) -> Option<Kind>
 pub(super) fn single_precision_step_m(size_m: f64) -> f64 {
     2f64.powf(size_m.abs().max(1.0).log2().floor() - 23.0)
 }
+
+#[cfg(test)]
+#[allow(clippy::unwrap_used)]
+mod tests {
+    use super::*;
+    use crate::page::Front;
+    use crate::rules::Rule;
+    use crate::rules::geo::coordinate_kind::CoordinateKind;
+
+    fn of(x: f64, y: f64, z: f64, fix: Option<(f64, f64)>) -> (Kind, bool) {
+        let limits = Front::parse(CoordinateKind::PAGE).unwrap().limits().unwrap();
+        let fix = fix.map(|(latitude, longitude)| Geodetic::from_degrees(latitude, longitude, 500.0).unwrap());
+        kind(&Vector3::new(x, y, z), fix.as_ref(), &limits)
+    }
+
+    #[test]
+    fn sizes_tell_kinds_apart_without_fixes() {
+        assert_eq!(of(-120.0, 900.0, 3.0, None), (Kind::Local, false));
+        // Autoware's sample map lies here, in a square of the military grid.
+        assert_eq!(of(89_571.0, 42_301.0, 40.0, None), (Kind::Local, false));
+        assert_eq!(
+            of(4_197_489.0, 815_909.0, 4_717_247.0, None),
+            (Kind::EarthCentred, false)
+        );
+        // In the north of Scotland a northing is as long as the Earth's radius.
+        assert_eq!(of(500_000.0, 6_350_000.0, 100.0, None), (Kind::Utm, false));
+        assert_eq!(of(3e5, -3e5, 0.0, None), (Kind::Far, false));
+        assert_eq!(of(f64::INFINITY, 0.0, 0.0, None), (Kind::Far, false));
+    }
+
+    #[test]
+    fn fixes_confirm_kinds() {
+        assert_eq!(of(48.0, 11.0, 0.0, Some((48.0, 11.0))), (Kind::LatitudeFirst, true));
+        assert_eq!(of(11.0, 48.0, 0.0, Some((48.0, 11.0))), (Kind::LongitudeFirst, true));
+        assert_eq!(of(48.1, 11.0, 0.0, Some((48.0, 11.0))), (Kind::Local, false));
+        assert_eq!(of(0.0, 0.01, 0.0, Some((0.0, 0.01))), (Kind::Local, false));
+        // On the middle meridian of zone 32 the easting is 500 km, and 0 N has the northing 0.
+        assert_eq!(of(500_100.0, 80.0, 0.0, Some((0.0, 9.0))), (Kind::Utm, true));
+        assert_eq!(of(500_100.0, 80.0, 0.0, None).0, Kind::Far);
+    }
+
+    #[test]
+    fn single_precision_steps_double_with_every_power_of_two() {
+        // 24 bits of mantissa: 1 m steps from 2^23 m on.
+        for (size, step) in [(8_388_608.0, 1.0), (8_388_607.0, 0.5), (1.0, 2f64.powi(-23))] {
+            assert!((single_precision_step_m(size) - step).abs() < 1e-12, "{size}");
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! GEO: positions on the earth.
 
 pub mod altitude_datum;
+mod apart;
 mod columns;
 pub mod coordinate_kind;
 mod curvature;
@@ -10,7 +11,9 @@ mod fixes;
 mod grid;
 pub mod grid_convergence_scale;
 mod heights;
+mod kind_findings;
 mod kinds;
+mod level;
 pub mod navsatfix_sanity;
 pub mod origin_consistency;
 mod origins;

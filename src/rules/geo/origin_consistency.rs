@@ -4,11 +4,12 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 
 use crate::math::geoid::undulation_m;
-use crate::rules::Need;
-use crate::rules::{Evidence, Judge, Rule};
+use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::source::Confidence;
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
 
+use super::apart::{between, direction, told};
 use super::origins::{By, Origin, origins};
 
 /// GEO07.
@@ -83,22 +84,6 @@ fn nearest_of_alternatives<'o>(reference: &Origin, others: &'o [Origin]) -> Vec<
     kept
 }
 
-/// East, north and up from one to the other, metres; without up where one of them says no height.
-fn between(from: &Origin, to: &Origin) -> Vector3<f64> {
-    let (mut from_at, mut to_at) = (from.at, to.at);
-    if from.has_height && to.has_height {
-        return from_at.enu_of(&to_at);
-    }
-    (from_at.height_m, to_at.height_m) = (0.0, 0.0);
-    let enu = from_at.enu_of(&to_at);
-    // Of places around the Earth the plane hides how far away they are.
-    if enu.xy().norm() > 1e5 {
-        to_at.to_ecef() - from_at.to_ecef()
-    } else {
-        Vector3::new(enu.x, enu.y, 0.0)
-    }
-}
-
 fn judge_pair(world: &World, reference: &Origin, other: &Origin, limits: &Limits, out: &mut Judge) {
     let named = |origin: &Origin| format!("{} in {}", origin.who, world.path(origin.place.source));
     let subject = format!("origin: {} and {}", named(reference), named(other));
@@ -143,9 +128,15 @@ fn judge_pair(world: &World, reference: &Origin, other: &Origin, limits: &Limits
     } else {
         "keep the origin in one file, and let everything read it from there; of two, keep the one that the map was made about"
     };
+    // Files of one folder may be for two sites, and nothing here says which of them is used.
+    let files_alone = matches!((&reference.by, &other.by), (By::File(_), By::File(_)));
+    let ceiling = if files_alone && distance_m > limits.site_m {
+        Confidence::Hint
+    } else {
+        Confidence::Likely
+    };
     let mut finding = Finding::new(severity, subject, message, other.place.clone())
-        .likely()
-        .confidence(other.reading.min(reference.reading))
+        .confidence(other.reading.min(reference.reading).min(ceiling))
         .related(reference.place.clone(), "the other origin")
         .help(help);
     if geoid_m.is_some() {
@@ -162,25 +153,4 @@ fn geoid(a: &Origin, b: &Origin, apart: &Vector3<f64>, limits: &Limits) -> Optio
     let undulation = undulation_m(&a.at).filter(|_| level)?;
     let explains = (apart.z.abs() - undulation.abs()).abs() <= limits.geoid_m && undulation.abs() >= limits.min_geoid_m;
     explains.then_some(undulation)
-}
-
-fn told(origin: &Origin) -> String {
-    let (latitude, longitude) = (
-        origin.at.latitude_rad.to_degrees(),
-        origin.at.longitude_rad.to_degrees(),
-    );
-    let height = if origin.has_height {
-        format!(", {:.2} m", origin.at.height_m)
-    } else {
-        String::new()
-    };
-    format!("{latitude:.7}, {longitude:.7}{height}")
-}
-
-/// The way from one to the other, where they are near.
-fn direction(apart: &Vector3<f64>) -> String {
-    if apart.norm() > 1e5 {
-        return String::new();
-    }
-    format!(" (east {:+.2}, north {:+.2}, up {:+.2})", apart.x, apart.y, apart.z)
 }

@@ -17,7 +17,7 @@ use crate::world::{BagEvidence, EarthOrigin, FrameId, World};
 
 use super::earth::OnEarth;
 use super::origin_consistency::Limits;
-use super::overlay::Overlay;
+use super::overlay::{Overlay, is_way};
 
 /// Metres of a degree of latitude, for the digits of a file.
 const DEGREE_M: f64 = 111_320.0;
@@ -182,8 +182,7 @@ fn of_tracks<'m>(
         let kind = poses.frame.as_ref().and_then(names::standard);
         matches!(kind, Some((_, Standard::Map)))
     };
-    let carries = |poses: &&Stream<PoseRow>| poses.child.as_ref().is_none_or(|child| !names::is_world(child));
-    let tracks = streams.poses.iter().filter(in_map).filter(carries);
+    let tracks = streams.poses.iter().filter(in_map).filter(|poses| is_way(poses));
     let receivers = || streams.fixes.iter().filter(|fixes| !tells_origin(&fixes.topic));
     tracks
         .flat_map(move |poses| receivers().map(move |fixes| (poses, fixes)))
@@ -206,14 +205,13 @@ fn of_tracks<'m>(
 /// The origin with what it is uncertain by; `None` for a track that does not fit or is not local.
 fn origin_of_track(overlay: &Overlay, limits: &Limits) -> Option<(Geodetic, f64)> {
     let (enu, xy) = overlay.planes();
-    let fit = crate::math::similarity2::fit_similarities(&xy, &enu)?.proper;
+    let fit = overlay.fit(limits.max_scale, 1.0)?;
     let (angle_sd, scale_sd) = deviations(&xy, &enu, limits.blocks)?;
     let far_m = xy.iter().map(Vector2::norm).fold(0.0, f64::max);
     let is_sound = overlay.extent_m() >= limits.min_extent_m
         && overlay.both.len() >= limits.min_points
-        && (fit.scale - 1.0).abs() <= limits.max_scale
         && far_m <= limits.local_m
         && fit.rms_m <= limits.track_m;
     let within_m = limits.sigmas * (fit.rms_m + far_m * angle_sd.hypot(scale_sd));
-    (is_sound && within_m <= limits.track_m).then_some((overlay.origin()?, within_m))
+    (is_sound && within_m <= limits.track_m).then_some((overlay.origin(&fit)?, within_m))
 }

@@ -5,8 +5,9 @@
 use nalgebra::{Quaternion, UnitQuaternion, Vector2, Vector3};
 
 use crate::math::geodesy::Geodetic;
-use crate::math::similarity2::fit_similarities;
+use crate::math::similarity2::{Similarity2, fit_similarities};
 use crate::rules::motion::{Stream, Track};
+use crate::rules::names;
 use crate::world::World;
 use crate::world::motion::{FixRow, PoseRow};
 
@@ -70,10 +71,16 @@ impl Overlay {
         side(|p| p.x).max(side(|p| p.y))
     }
 
-    /// Where the origin of the poses' frame lies, at the height of the first fix, by the turn that fits best.
-    pub(super) fn origin(&self) -> Option<Geodetic> {
+    /// The turn, scale and shift that take x and y of the poses to east and north; `None` where the poses do not follow the
+    /// fixes: another scale by more than `scale`, or residuals of more than `share` of the extent.
+    pub(super) fn fit(&self, scale: f64, share: f64) -> Option<Similarity2> {
         let (enu, xy) = self.planes();
         let fit = fit_similarities(&xy, &enu)?.proper;
+        ((fit.scale - 1.0).abs() <= scale && fit.rms_m <= share * self.extent_m()).then_some(fit)
+    }
+
+    /// Where the origin of the poses' frame lies by a fit, at the height of the first fix.
+    pub(super) fn origin(&self, fit: &Similarity2) -> Option<Geodetic> {
         self.first.at_enu(&fit.translation_m.push(0.0))
     }
 
@@ -82,6 +89,11 @@ impl Overlay {
         let ends = self.both.first().zip(self.both.last());
         ends.map_or((f64::NAN, f64::NAN), |(first, last)| (first.t_s, last.t_s))
     }
+}
+
+/// Whether poses say where the platform is in a frame of the world: not where one such frame lies in another.
+pub(super) fn is_way(poses: &Stream<PoseRow>) -> bool {
+    poses.frame.as_ref().is_some_and(names::is_world) && !poses.child.as_ref().is_some_and(names::is_world)
 }
 
 /// The place of a fix; at height 0 where the receiver gives none.

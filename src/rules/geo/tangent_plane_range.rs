@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::math::geodesy::{Geodetic, tangent_departure_m};
 use crate::rules::motion::{Motion, Stream};
-use crate::rules::{Evidence, Judge, Need, Rule, names};
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
@@ -12,7 +12,7 @@ use crate::world::motion::PoseRow;
 
 use super::curvature::{Curvature, Follows};
 use super::earth::OnEarth;
-use super::overlay::Overlay;
+use super::overlay::{Overlay, is_way};
 use super::plane::Plane;
 
 /// GEO05.
@@ -28,6 +28,8 @@ pub struct Limits {
     max_height_m: f64,
     sigmas: f64,
     share: f64,
+    follow_scale: f64,
+    follow_share: f64,
 }
 
 impl Rule for TangentPlaneRange {
@@ -48,21 +50,20 @@ impl Rule for TangentPlaneRange {
                 judge_plane(plane, limits, out);
             }
             for fixes in &bag.fixes {
-                let of_world = |poses: &&Stream<PoseRow>| {
-                    let frame = poses.frame.as_ref();
-                    frame.is_some_and(|frame| names::is_world(frame) && planes.iter().all(|plane| plane.local != frame))
+                let is_untold = |poses: &&Stream<PoseRow>| {
+                    is_way(poses) && planes.iter().all(|plane| Some(plane.local) != poses.frame.as_ref())
                 };
-                for poses in bag.poses.iter().filter(of_world) {
+                for poses in bag.poses.iter().filter(is_untold) {
                     let subject = format!("{} against {}", poses.subject, fixes.subject);
-                    match Overlay::of(world, poses, fixes).and_then(|overlay| Some((overlay.origin()?, overlay))) {
-                        Some((origin, overlay)) => {
-                            judge_track(&subject, &poses.place(), &origin, &overlay, limits, out);
-                        }
-                        None => out.not_evaluated(
-                            subject,
-                            NotEvaluated::TooLittleEvidence,
-                            "the two have no way in common",
-                        ),
+                    let fitted = Overlay::of(world, poses, fixes).and_then(|overlay| {
+                        let fit = overlay.fit(limits.follow_scale, limits.follow_share)?;
+                        Some((overlay.origin(&fit)?, overlay))
+                    });
+                    if let Some((origin, overlay)) = fitted {
+                        judge_track(&subject, &poses.place(), &origin, &overlay, limits, out);
+                    } else {
+                        let why = "the poses do not follow the fixes: no turn takes one way to the other";
+                        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
                     }
                 }
             }
