@@ -177,6 +177,7 @@ pub static RULES: &[Entry] = &[
     entry::<axes::map_z_up::MapZUp>(),
     entry::<quat::quaternion_convention::QuaternionConvention>(),
     entry::<quat::quaternion_order_static::QuaternionOrderStatic>(),
+    entry::<quat::left_vs_right_multiplication::LeftVsRightMultiplication>(),
     entry::<geo::navsatfix_sanity::NavsatfixSanity>(),
     entry::<time::epoch_offset::EpochOffset>(),
     entry::<time::stamp_vs_log::StampVsLog>(),
