@@ -20,6 +20,7 @@ pub mod regress;
 pub mod relation;
 pub mod rest;
 pub mod rotation;
+pub mod sides;
 pub mod similarity2;
 pub mod stats;
 pub mod turns;

@@ -183,6 +183,7 @@ pub static RULES: &[Entry] = &[
     entry::<quat::quaternion_convention::QuaternionConvention>(),
     entry::<quat::quaternion_order_static::QuaternionOrderStatic>(),
     entry::<quat::euler_sequence::EulerSequence>(),
+    entry::<quat::left_vs_right_multiplication::LeftVsRightMultiplication>(),
     entry::<geo::navsatfix_sanity::NavsatfixSanity>(),
     entry::<geo::ecef_enu_rotation::EcefEnuRotation>(),
     entry::<geo::coordinate_kind::CoordinateKind>(),

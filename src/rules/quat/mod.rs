@@ -4,5 +4,8 @@ mod by_gyro;
 pub mod euler_sequence;
 pub(crate) mod level_order;
 mod listed;
+
+pub mod left_vs_right_multiplication;
+mod oriented;
 pub mod quaternion_convention;
 pub mod quaternion_order_static;
