@@ -62,7 +62,7 @@ impl Rule for TangentPlaneRange {
                     if let Some((origin, overlay)) = fitted {
                         judge_track(&subject, &poses.place(), &origin, &overlay, limits, out);
                     } else {
-                        let why = "the poses do not follow the fixes: no turn takes one way to the other";
+                        let why = "poses and fixes have no time in common, or no turn takes one way to the other";
                         out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
                     }
                 }
