@@ -117,6 +117,24 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
     })
 }
 
+/// A choice of rules, ready to judge worlds that are in memory: saved, altered or made.
+pub struct Rules(Vec<Enabled>);
+
+impl Rules {
+    /// The rules with these codes, names and families; all where there are none.
+    pub fn select(select: &[&str]) -> Result<Self, UsageError> {
+        let select: Vec<String> = select.iter().map(|word| (*word).to_owned()).collect();
+        Ok(Self(plan::enabled(&select, &[])?))
+    }
+
+    /// What the rules say of a world. Nothing is read, and nothing is asked for again.
+    pub fn judge(&self, world: &World) -> Verdict {
+        let mut verdict = judge::judge(world, &self.0, None);
+        verdict.sort();
+        verdict
+    }
+}
+
 /// Reads the inputs as far as [`check`] with every rule would, and keeps no judgement.
 pub fn collect(options: &Options) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;

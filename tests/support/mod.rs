@@ -19,6 +19,7 @@ pub mod contents;
 pub mod damage;
 pub mod drive;
 pub mod driven;
+pub mod driven_world;
 pub mod encode;
 pub mod foxglove;
 pub mod heard;

@@ -46,6 +46,8 @@ pub(crate) enum Turn {
     Reversed,
     /// As its integral once the four numbers are read as `w x y z`.
     Reordered,
+    /// As its integral once they are read as `w x y z` of the inverse.
+    ReorderedInverse,
     /// About one axis only.
     Partly,
     /// As its integral once the angles behind it are put together in the order of ROS.
@@ -116,6 +118,9 @@ pub(crate) struct Cause {
 /// The rules that see a sensor, in the order in which one of them reports what fits several faults.
 const ORDER: [&str; 6] = ["AXES03", "AXES01", "QUAT01", "AXES04", "AXES05", "AXES06"];
 
+/// Of a sensor that is mounted with a yaw, an axis with the other sign may be any of the base's.
+const ANY_PUSH: &[Push] = &[Push::Forward, Push::Backward, Push::Sideways];
+
 /// A healthy sensor's measurements.
 const HEALTHY: Cause = Cause {
     word: "healthy",
@@ -141,12 +146,32 @@ const NED: Cause = Cause {
     turn: &[Turn::Agree],
     heading: &[Heading::Against],
     sense: &[Sense::Against],
-    push: HEALTHY.push,
+    push: ANY_PUSH,
 };
 
 /// The faults that are known, each alone.
 const CAUSES: &[Cause] = &[
     NED,
+    Cause {
+        word: "ned-world",
+        text: "the world of the orientation is north, east, down, where its body is forward, left, up",
+        help: "turn the orientation into ENU: `R_enu_flu = P * R_ned_flu`",
+        owner: "AXES03",
+        world: &[World::Down],
+        heading: &[Heading::Against],
+        ..HEALTHY
+    },
+    Cause {
+        word: "mirrored",
+        text: "all of it is told in left-handed axes (y to the right), or the track that it is held against is a mirror image",
+        help: "negate y of the acceleration, x and z of the angular velocity and of the quaternion; or look at the order of latitude \
+               and longitude, or x and y, of the track",
+        owner: "AXES04",
+        heading: &[Heading::Against],
+        sense: &[Sense::Against],
+        push: ANY_PUSH,
+        ..HEALTHY
+    },
     Cause {
         word: "ned-orientation",
         text: "the orientation alone is told in NED/FRD axes",
@@ -187,6 +212,16 @@ const CAUSES: &[Cause] = &[
         ..HEALTHY
     },
     Cause {
+        word: "wxyz-inverse",
+        text: "the four numbers of the orientation stand as w, x, y, z, of the inverse one",
+        help: "write them as x, y, z, w, and conjugate the quaternion (negate x, y and z)",
+        owner: "QUAT01",
+        world: &[World::Up, World::Down, World::Elsewhere],
+        turn: &[Turn::ReorderedInverse],
+        heading: &[Heading::With, Heading::Against],
+        ..HEALTHY
+    },
+    Cause {
         word: "sensor-frd",
         text: "gyro and accelerometer are told in FRD axes (y right, z down), the orientation is not",
         help: "negate y and z of gyro and accelerometer, or give them a frame of their own that TF turns by 180 deg about x",
@@ -195,6 +230,7 @@ const CAUSES: &[Cause] = &[
         world: &[World::Down, World::Elsewhere],
         turn: &[Turn::Frd, Turn::Reversed],
         sense: &[Sense::Against],
+        push: ANY_PUSH,
         ..HEALTHY
     },
     Cause {
@@ -223,7 +259,7 @@ const CAUSES: &[Cause] = &[
         owner: "AXES01",
         base: &[Base::Down],
         sense: &[Sense::Against],
-        push: &[Push::Forward, Push::Backward],
+        push: ANY_PUSH,
         ..HEALTHY
     },
     Cause {
@@ -233,7 +269,7 @@ const CAUSES: &[Cause] = &[
         owner: "AXES01",
         base: &[Base::Side],
         sense: &[Sense::With, Sense::Against],
-        push: &[Push::Forward, Push::Backward, Push::Sideways],
+        push: ANY_PUSH,
         ..HEALTHY
     },
     Cause {

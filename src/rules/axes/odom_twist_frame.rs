@@ -26,6 +26,7 @@ pub struct Limits {
     min_distance_m: f64,
     max_residual: f64,
     min_ratio: f64,
+    least_aside: f64,
     min_turn_deg: f64,
     turn_agrees: f64,
 }
@@ -84,7 +85,8 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
         let why = "the velocity is zero in every message, though the pose moves: it is not filled in";
         return out.not_evaluated(&subject, NotEvaluated::MissingInput, why);
     }
-    let [best, second, ..] = twists.residuals.as_slice() else {
+    let told = twists.told(limits.least_aside);
+    let [best, second, ..] = told.as_slice() else {
         return;
     };
     let measured = |reading: &(Reading, f64)| {

@@ -85,6 +85,8 @@ pub(super) struct Twists {
     pub(super) distance_m: f64,
     /// Whether every velocity is zero.
     pub(super) is_zero: bool,
+    /// The part of the motion that is to the side of the child frame, by the velocity.
+    pub(super) aside: f64,
     /// For each reading the part of the motion that it leaves unexplained (root of the ratio of squares), the best first.
     pub(super) residuals: Vec<(Reading, f64)>,
     /// The turning.
@@ -108,6 +110,7 @@ impl Twists {
     pub(super) fn of(stream: &Stream<PoseRow>, limits: &Limits) -> Self {
         let mut sums = [0.0; READINGS.len()];
         let (mut windows, mut distance_m, mut squares, mut is_zero) = (0, 0.0, 0.0, true);
+        let mut apart = 0.0;
         let (mut turned_rad, mut crossed, mut poses, mut rates) = (0.0, 0.0, 0.0, 0.0);
         for window in stream.windows(limits.window_s, limits.max_step_s) {
             let Some(moved) = Moved::of(window) else { continue };
@@ -118,6 +121,8 @@ impl Twists {
             for (sum, predicted) in sums.iter_mut().zip(&moved.predicted) {
                 *sum += (predicted - moved.shift).norm_squared();
             }
+            let [as_defined, _, _, right_hand, _] = moved.predicted;
+            apart += (right_hand - as_defined).norm_squared();
             turned_rad += moved.turned.abs();
             crossed += moved.turned * moved.rated;
             poses += moved.turned * moved.turned;
@@ -134,6 +139,8 @@ impl Twists {
             windows,
             distance_m,
             is_zero,
+            // With y negated it is twice that from what it was.
+            aside: ratio(apart, squares).sqrt() / 2.0,
             residuals,
             turning: Turning {
                 windows,
@@ -142,6 +149,12 @@ impl Twists {
                 correlation: ratio(crossed, (poses * rates).sqrt()),
             },
         }
+    }
+
+    /// The readings that the velocity can tell apart, the best first: what drives along x alone has no sign of y.
+    pub(super) fn told(&self, least_aside: f64) -> Vec<(Reading, f64)> {
+        let has_sign = |(reading, _): &&(Reading, f64)| *reading != Reading::RightHand || self.aside >= least_aside;
+        self.residuals.iter().filter(has_sign).copied().collect()
     }
 
     /// What a reading leaves unexplained.

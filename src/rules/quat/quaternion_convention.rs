@@ -104,6 +104,9 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
     }
     let what = match turned.class {
         Turn::Reordered => "follows its gyro only when the four numbers are read as w, x, y, z".to_owned(),
+        Turn::ReorderedInverse => {
+            "follows its gyro only when the four numbers are read as w, x, y, z, of the inverse".to_owned()
+        }
         Turn::Partly => {
             let axis = turned.axis.and_then(|axis| ["x", "y", "z"].get(axis)).unwrap_or(&"one");
             format!("follows its gyro about one axis, and not about {axis}")
@@ -213,6 +216,8 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         return found(if axis.is_some() { Turn::Partly } else { Turn::Agree });
     }
     let mut ways = vec![(Turn::Inverse, inverse.residual), (Turn::Reordered, reordered.residual)];
+    let reordered_inverse = score(Reading::WxyzConjugate).map(|score| score.residual);
+    ways.extend(reordered_inverse.map(|residual| (Turn::ReorderedInverse, residual)));
     ways.extend(maps(&as_published));
     ways.sort_by(|a, b| a.1.total_cmp(&b.1));
     let best = ways.first().map_or(f64::NAN, |way| way.1);
@@ -221,7 +226,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         let alike: Vec<Turn> = alike.map(|way| way.0).collect();
         match alike.as_slice() {
             [only] => return found(*only),
-            several if !several.contains(&Turn::Reordered) && own > limits.opposes => return found(Turn::Reversed),
+            several if !several.iter().any(is_reordered) && own > limits.opposes => return found(Turn::Reversed),
             _ => {}
         }
     }
@@ -234,6 +239,10 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         100.0 * own,
         100.0 * best
     ))
+}
+
+fn is_reordered(turn: &Turn) -> bool {
+    matches!(turn, Turn::Reordered | Turn::ReorderedInverse)
 }
 
 /// Residuals of the gyro with its axes in FRD, negated, and with z alone negated.

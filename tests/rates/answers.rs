@@ -1,0 +1,73 @@
+//! What a rule's answer to a world is worth, the truth being known.
+
+use frames_lint::verdict::{Finding, Outcome, Row, Verdict};
+
+use crate::faults::Fault;
+
+/// An answer.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Answer {
+    /// A pass of what is healthy; a finding that names the fault.
+    Right,
+    /// A finding on what is healthy; a pass of what is not; a wrong name. With what was said.
+    Wrong(String),
+    /// The rule did not judge.
+    NotEvaluated,
+}
+
+/// What one rule answers for the subjects that begin so; a fault is expected to show in it.
+pub fn of_rule(verdict: &Verdict, rule: &str, subject: &str, fault: Fault) -> Answer {
+    let is_meant = |row: &&Row| row.rule == rule && row.subject.starts_with(subject);
+    let rows: Vec<&Row> = verdict.rows.iter().filter(is_meant).collect();
+    assert!(
+        !rows.is_empty(),
+        "{rule} has no row for `{subject}`: {:#?}",
+        verdict.rows
+    );
+    let mine = |finding: &&Finding| finding.rule == rule && finding.subject.starts_with(subject);
+    let mut findings: Vec<&Finding> = verdict.findings.iter().filter(mine).collect();
+    let mut points_elsewhere = false;
+    for row in &rows {
+        let reason = row.reason.as_deref().unwrap_or_default();
+        if row.outcome == Outcome::Crashed {
+            return Answer::Wrong(reason.to_owned());
+        }
+        // One cause, one finding: another rule has it.
+        let Some((_, owner)) = reason.split_once("part of what ") else {
+            continue;
+        };
+        points_elsewhere = true;
+        let owner = owner.split(' ').next().unwrap_or_default();
+        findings.extend(verdict.findings.iter().filter(|finding| finding.rule == owner));
+    }
+    if let Some(wrong) = findings.iter().find(|finding| !fault.is_named_by(finding)) {
+        return Answer::Wrong(said(wrong));
+    }
+    let passes = rows.iter().any(|row| row.outcome == Outcome::Pass);
+    match (fault, findings.is_empty(), passes) {
+        (Fault::Healthy, true, true) | (_, false, false) => Answer::Right,
+        (_, _, true) => Answer::Wrong(format!("{rule} passes")),
+        _ if points_elsewhere => Answer::Wrong(format!("{rule} points to a rule that says nothing")),
+        _ => Answer::NotEvaluated,
+    }
+}
+
+/// What all rules say together: nothing of what is healthy, and of a fault nothing but its name.
+pub fn of_all(verdict: &Verdict, fault: Fault) -> Answer {
+    if let Some(crashed) = verdict.rows.iter().find(|row| row.outcome == Outcome::Crashed) {
+        return Answer::Wrong(format!("{} crashed", crashed.rule));
+    }
+    if let Some(wrong) = verdict.findings.iter().find(|finding| !fault.is_named_by(finding)) {
+        return Answer::Wrong(said(wrong));
+    }
+    let is_right = match fault {
+        Fault::Healthy => verdict.count(Outcome::Pass) > 0,
+        _ => !verdict.findings.is_empty(),
+    };
+    if is_right { Answer::Right } else { Answer::NotEvaluated }
+}
+
+fn said(finding: &Finding) -> String {
+    let relation = finding.relation.as_deref().unwrap_or("no relation");
+    format!("{} ({relation}): {}", finding.rule, finding.message)
+}

@@ -1,0 +1,227 @@
+//! The faults that are put into streams, and what a finding must say to have named one.
+
+use std::f64::consts::FRAC_PI_2;
+
+use frames_lint::verdict::Finding;
+use nalgebra::{Rotation3, Vector3};
+
+use crate::support::drive::errors::{Error, Oriented};
+use crate::support::drive::rows::{FixRow, ImuRow, OdometryRow};
+
+/// What is wrong with a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Fault {
+    /// Nothing.
+    Healthy,
+    /// The inertial sensor, by its name in [`IMU`].
+    Imu(&'static str),
+    /// Odometry, by its name in [`ODOMETRY`].
+    Odometry(&'static str),
+    /// The satellite receiver, by its name in [`FIX`].
+    Fix(&'static str),
+}
+
+/// What names a fault: words of relations, and texts of messages where several faults fit and are told.
+type Names = (&'static [&'static str], &'static [&'static str]);
+
+/// A fault: its name, the errors of the stream, and what names it.
+type Known = (&'static str, &'static [Error], Names);
+
+/// A sensor on its side that TF does not know of; the drives have no error of that name.
+const SIDE: &str = "on its side";
+
+/// What a sensor's finding says of a track that may be wrong instead.
+const MIRRORED: &str = "the track that it is held against is a mirror image";
+
+/// Faults of inertial sensors.
+pub const IMU: &[Known] = &[
+    (
+        "NED/FRD",
+        &[Error::NedFrd],
+        (&["ned-frd"], &["all of it is told in NED/FRD"]),
+    ),
+    (
+        "orientation NED/FRD",
+        &[Error::NedOrientation],
+        (&["ned-orientation"], &["the orientation alone is told in NED/FRD"]),
+    ),
+    (
+        "world NED",
+        &[Error::NedWorld],
+        (&["ned-world"], &["the world of the orientation is north, east, down"]),
+    ),
+    (
+        "conjugate",
+        &[Error::Conjugate],
+        (&["inverse"], &["the orientation is the inverse one"]),
+    ),
+    ("wxyz", &[Error::Wxyz], (&["wxyz"], &["stand as w, x, y, z"])),
+    (
+        "conjugate, wxyz",
+        &[Error::Conjugate, Error::Wxyz],
+        (&["wxyz-inverse"], &["stand as w, x, y, z, of the inverse"]),
+    ),
+    (
+        "compass yaw",
+        &[Error::CompassYaw],
+        (&["compass-yaw"], &["the yaw is a compass heading"]),
+    ),
+    (
+        "zero north",
+        &[Error::ZeroNorth],
+        (&[], &["a yaw that is zero in the north"]),
+    ),
+    (
+        "y forward",
+        &[Error::YForward],
+        (
+            &["turned-mount"],
+            &["its y axis points forward", "whose y axis points forward"],
+        ),
+    ),
+    (
+        "mounted backward",
+        &[Error::Backward],
+        (
+            &["turned-mount"],
+            &["mounted turned about z", "a sensor mounted backwards"],
+        ),
+    ),
+    (
+        "mounted at 90 deg",
+        &[Error::Yaw90],
+        (
+            &["turned-mount"],
+            &["mounted turned about z", "a sensor turned to the left"],
+        ),
+    ),
+    (
+        "upside down",
+        &[Error::Inverted],
+        (&["upside-down"], &["the sensor is mounted upside down"]),
+    ),
+    (SIDE, &[], (&["on-its-side"], &["the sensor is mounted on its side"])),
+    (
+        "Euler XYZ",
+        &[Error::EulerXyz],
+        (&[], &["follows its gyro about one axis"]),
+    ),
+    (
+        "left-handed",
+        &[Error::LeftHanded],
+        (&["mirrored"], &["all of it is told in left-handed axes"]),
+    ),
+    (
+        "gyro, accel FRD",
+        &[Error::Frd],
+        (&["sensor-frd"], &["gyro and accelerometer are told in FRD"]),
+    ),
+    (
+        "gyro negated",
+        &[Error::GyroNegated],
+        (&["gyro-negated"], &["the gyro's rates have the other sign"]),
+    ),
+    ("deg/s", &[Error::DegS], (&[], &["the gyro is in deg/s"])),
+    ("in g", &[Error::G], (&[], &["in units of gravity (g)"])),
+    ("cm/s2", &[Error::CmS2], (&[], &["as in cm/s2"])),
+    (
+        "accel negated",
+        &[Error::GravitySign],
+        (&["gravity-sign"], &["the accelerometer has the other sign"]),
+    ),
+    (
+        "gravity removed",
+        &[Error::GravityRemoved],
+        (&[], &["where gravity was taken off"]),
+    ),
+];
+
+/// Faults of odometry.
+pub const ODOMETRY: &[Known] = &[
+    ("odom swapped", &[Error::SwapXy], (&["mirrored"], &[MIRRORED])),
+    ("odom -x", &[Error::XNegated], (&["mirrored"], &[MIRRORED])),
+    ("odom -y", &[Error::YNegated], (&["mirrored"], &[MIRRORED])),
+    ("odom left-handed", &[Error::LeftHanded], (&["mirrored"], &[MIRRORED])),
+    ("odom NED/FRD", &[Error::NedFrd], (&["mirrored"], &[MIRRORED])),
+    ("twist in world", &[Error::TwistInWorld], (&["header-frame"], &[])),
+    ("twist reversed", &[Error::TwistReversed], (&["negated"], &[])),
+    ("twist -y", &[Error::TwistYNegated], (&["y-negated"], &[])),
+    ("twist swapped", &[Error::TwistSwapped], (&["xy-swapped"], &[])),
+    (
+        "yaw rate negated",
+        &[Error::TwistYawNegated],
+        (&[], &["has the opposite sign"]),
+    ),
+];
+
+/// Faults of satellite receivers.
+pub const FIX: &[Known] = &[("lat/lon swapped", &[Error::Swapped], (&["mirrored"], &[MIRRORED]))];
+
+impl Fault {
+    /// In words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Healthy => "healthy",
+            Self::Imu(name) | Self::Odometry(name) | Self::Fix(name) => name,
+        }
+    }
+
+    fn known(self) -> Option<&'static Known> {
+        let (of, name) = match self {
+            Self::Healthy => return None,
+            Self::Imu(name) => (IMU, name),
+            Self::Odometry(name) => (ODOMETRY, name),
+            Self::Fix(name) => (FIX, name),
+        };
+        let known = of.iter().find(|known| known.0 == name);
+        Some(known.unwrap_or_else(|| panic!("no fault is called `{name}`")))
+    }
+
+    /// The messages of an inertial sensor with the fault.
+    pub fn imu(self, healthy: &[ImuRow], gravity: f64) -> Option<Vec<ImuRow>> {
+        let Self::Imu(name) = self else { return None };
+        let (_, errors, _) = self.known()?;
+        let side = Rotation3::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2);
+        let mut rows = healthy.to_vec();
+        for row in &mut rows {
+            for error in *errors {
+                row.apply(*error, gravity);
+            }
+            if name == SIDE {
+                row.change_body(&side);
+            }
+        }
+        Some(rows)
+    }
+
+    /// The messages of odometry with the fault.
+    pub fn odometry(self, healthy: &[OdometryRow]) -> Option<Vec<OdometryRow>> {
+        let Self::Odometry(_) = self else { return None };
+        let (_, errors, _) = self.known()?;
+        let mut rows = healthy.to_vec();
+        for row in &mut rows {
+            errors.iter().for_each(|error| row.apply(*error));
+        }
+        Some(rows)
+    }
+
+    /// The messages of a receiver with the fault.
+    pub fn fixes(self, healthy: &[FixRow], undulation_m: f64) -> Option<Vec<FixRow>> {
+        let Self::Fix(_) = self else { return None };
+        let (_, errors, _) = self.known()?;
+        let mut rows = healthy.to_vec();
+        for row in &mut rows {
+            errors.iter().for_each(|error| row.apply(*error, undulation_m));
+        }
+        Some(rows)
+    }
+
+    /// Whether a finding names it, alone or among those that it says fit as well.
+    pub fn is_named_by(self, finding: &Finding) -> bool {
+        self.known().is_some_and(|(_, _, (words, texts))| {
+            let relation = finding.relation.as_deref();
+            relation.is_some_and(|word| words.contains(&word))
+                || texts.iter().any(|text| finding.message.contains(text))
+        })
+    }
+}

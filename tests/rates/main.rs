@@ -1,0 +1,137 @@
+//! How often the rules of motion are right, wrong and silent, on drives whose truth is known.
+//!
+//! ```text
+//! cargo test --profile rates --test rates -- --ignored --nocapture
+//! ```
+//!
+//! prints the table. `RATES_SEEDS` is how many seeds there are of each line (200), `RATES_ONLY` words of the groups, rules,
+//! drives and faults that are tried, with commas between them (all). A finding is right when it names the fault, alone or among those
+//! that it says fit as well; another rule may have it, where the rule says so. The table's references are simulations that
+//! others made of such rules, with vehicles and sensors like these.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    clippy::print_stdout,
+    unreachable_pub,
+    missing_docs
+)]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod answers;
+mod drives;
+mod faults;
+mod lines;
+mod table;
+
+use drives::{Kind, base_from_imu};
+use faults::Fault;
+use frames_lint::world::motion::MotionEvidence;
+use support::drive::description::{Gnss, Grade, Motion, Vehicle};
+
+fn rated(seeds: u64, only: &[String]) {
+    let mut table = lines::table();
+    table.only(only);
+    table.fill(seeds);
+    println!("{}", table.print());
+    let faults = table.faults();
+    assert!(faults.is_empty(), "\n{}", faults.join("\n"));
+}
+
+#[test]
+#[ignore = "some minutes, in a release build"]
+fn the_rules_reach_their_rates() {
+    let seeds = std::env::var("RATES_SEEDS").map_or(200, |seeds| seeds.parse().unwrap());
+    let only = std::env::var("RATES_ONLY").unwrap_or_default();
+    let only: Vec<String> = only
+        .split(',')
+        .filter(|word| !word.is_empty())
+        .map(str::to_owned)
+        .collect();
+    rated(seeds, &only);
+}
+
+#[test]
+fn a_small_part_of_the_table_is_right() {
+    rated(1, &["Short".to_owned()]);
+}
+
+/// What is judged here is what a recording of the same messages gives.
+#[test]
+fn worlds_made_in_memory_are_those_of_recordings() {
+    let kind = Kind {
+        vehicle: Vehicle::Car,
+        motion: Motion::Turning,
+        seconds: 3,
+        imu: Grade::Mems,
+        gnss: Gnss::Single,
+    };
+    let recipe = "
+        duration_s: 3
+        drive: {vehicle: car, motion: turning, seed: 3, imu: mems, gnss: single}
+        topics:
+          - {topic: /imu, from_drive: imu, rate_hz: 100, frame_id: imu_link, xyz: [0.1, 0.05, 0.3], rpy_deg: [0, 0, -90], errors: [ned_frd]}
+          - {topic: /odom, from_drive: odometry, rate_hz: 20, frame_id: odom, child_frame_id: base_link}
+          - {topic: /fix, from_drive: fix, rate_hz: 5, frame_id: gps, xyz: [-0.1, 0, 0.8], stamp_offset_s: -0.1, late_s: 0.1}
+    ";
+    let read = support::evidence(recipe);
+    let made = kind.messages(3).world(Fault::Imu("NED/FRD"));
+    assert!((base_from_imu(3).rotation.euler_angles().2 + std::f64::consts::FRAC_PI_2).abs() < 1e-12);
+    for topic in ["/imu", "/odom"] {
+        let [read, made] = [&read, &made.bags[0]].map(|bag| &bag.topics[topic]);
+        assert_eq!(
+            read.header_frames.keys().collect::<Vec<_>>(),
+            made.header_frames.keys().collect::<Vec<_>>()
+        );
+        assert_eq!(
+            read.child_frames.keys().collect::<Vec<_>>(),
+            made.child_frames.keys().collect::<Vec<_>>()
+        );
+        let [read, made] = [read, made].map(|topic| numbers(&topic.content.motion));
+        assert_eq!(read.len(), made.len());
+        for (read, made) in read.iter().zip(&made) {
+            assert!((read - made).abs() < 1e-9, "{topic}: {read} and {made}");
+        }
+    }
+    // Fixes of a recording are late by what they lag; their rows are of the same form.
+    let [read, made] = [&read, &made.bags[0]].map(|bag| bag.topics["/fix"].content.motion.fixes.clone().unwrap());
+    assert_eq!(read.count, made.count);
+    let delays = |series: &frames_lint::world::motion::Series<frames_lint::world::motion::FixRow>| -> Vec<i64> {
+        series.rows().map(|row| row.log_ns - row.stamp_ns).collect()
+    };
+    assert_eq!(delays(&read), delays(&made));
+    let [read, made] = [&read, &made].map(|series| *series.rows().next().unwrap());
+    assert_eq!((read.variance_m2, read.status), (made.variance_m2, made.status));
+}
+
+/// All numbers of the rows of a stream, times among them.
+fn numbers(motion: &MotionEvidence) -> Vec<f64> {
+    let inertial = motion.inertial.iter().flat_map(|series| series.rows());
+    let inertial = inertial.flat_map(|row| {
+        let [a, b] = [row.stamp_ns, row.log_ns].map(|ns| (ns - support::driven_world::START_NS) as f64);
+        [
+            &[a, b][..],
+            &row.orientation,
+            &row.angular_velocity,
+            &row.linear_acceleration,
+        ]
+        .concat()
+    });
+    let poses = motion.poses.iter().flat_map(|series| series.rows());
+    let poses = poses.flat_map(|row| {
+        let [a, b] = [row.stamp_ns, row.log_ns].map(|ns| (ns - support::driven_world::START_NS) as f64);
+        let twist = row.twist.unwrap();
+        [
+            &[a, b][..],
+            &row.position,
+            &row.orientation,
+            &twist.linear,
+            &twist.angular,
+        ]
+        .concat()
+    });
+    inertial.chain(poses).collect()
+}

@@ -1,0 +1,333 @@
+//! The table: its lines, what is counted in each, and how it is printed.
+
+use std::fmt::Write;
+
+use frames_lint::engine::Rules;
+use rayon::prelude::*;
+
+use crate::answers::{self, Answer};
+use crate::drives::Kind;
+use crate::faults::Fault;
+use crate::support::drive::description::{Gnss, Grade, Motion, Vehicle};
+
+/// Share of wrong answers that a rule may have in a group of lines.
+pub const MOST_WRONG: f64 = 0.005;
+/// A drive up to this is short, seconds.
+const SHORT_S: u32 = 10;
+/// Wrong answers of a line that are kept to be printed.
+const KEPT: usize = 2;
+
+/// One question: a rule, its subjects, and where the answer is counted.
+#[derive(Clone, Copy, Debug)]
+struct Question {
+    line: usize,
+    /// `all` for what all rules say together.
+    rule: &'static str,
+    subject: &'static str,
+}
+
+/// One world of every seed, and what is asked of it.
+#[derive(Debug)]
+struct Cell {
+    fault: Fault,
+    questions: Vec<Question>,
+}
+
+/// The worlds of one kind of drive.
+#[derive(Debug)]
+struct Drives {
+    kind: Kind,
+    cells: Vec<Cell>,
+}
+
+/// A line.
+#[derive(Debug)]
+pub struct Line {
+    pub group: &'static str,
+    pub rule: &'static str,
+    what: String,
+    drive: String,
+    /// Share of right answers in a simulation that others made, and how it is written there.
+    pub reference: Option<(f64, &'static str)>,
+    /// Whether not one wrong answer is allowed.
+    pub is_strict: bool,
+    pub right: usize,
+    pub wrong: usize,
+    pub not_evaluated: usize,
+    examples: Vec<String>,
+}
+
+/// All lines.
+#[derive(Debug, Default)]
+pub struct Table {
+    pub lines: Vec<Line>,
+    drives: Vec<Drives>,
+}
+
+/// Where an answer is counted.
+#[derive(Clone, Debug)]
+pub struct Asked {
+    pub group: &'static str,
+    pub rule: &'static str,
+    pub subject: &'static str,
+    pub fault: Fault,
+    /// What the line calls the fault, where it stands for several.
+    pub called: Option<&'static str>,
+    /// Whether the line stands for all vehicles.
+    pub pooled: bool,
+    pub reference: Option<(f64, &'static str)>,
+}
+
+impl Table {
+    /// Asks a question of a kind of drive.
+    pub fn ask(&mut self, kind: Kind, asked: &Asked) {
+        let drive = if asked.pooled {
+            format!("{:<8}{:<9}{:>4} s  various", "all", motion(kind.motion), kind.seconds)
+        } else {
+            words(kind)
+        };
+        let what = asked.called.unwrap_or(asked.fault.words()).to_owned();
+        let is_there =
+            |line: &Line| (line.group, line.rule, &line.what, &line.drive) == (asked.group, asked.rule, &what, &drive);
+        let line = self.lines.iter().position(is_there).unwrap_or_else(|| {
+            self.lines.push(Line {
+                group: asked.group,
+                rule: asked.rule,
+                what,
+                drive,
+                reference: asked.reference,
+                is_strict: matches!(kind.motion, Motion::Straight | Motion::Still) || kind.seconds <= SHORT_S,
+                right: 0,
+                wrong: 0,
+                not_evaluated: 0,
+                examples: Vec::new(),
+            });
+            self.lines.len() - 1
+        });
+        let drives = position_or(
+            &mut self.drives,
+            |drives| drives.kind == kind,
+            || Drives {
+                kind,
+                cells: Vec::new(),
+            },
+        );
+        let cell = position_or(
+            &mut drives.cells,
+            |cell| cell.fault == asked.fault,
+            || Cell {
+                fault: asked.fault,
+                questions: Vec::new(),
+            },
+        );
+        cell.questions.push(Question {
+            line,
+            rule: asked.rule,
+            subject: asked.subject,
+        });
+    }
+
+    /// Only the lines whose group and rule hold one of these words; all where there are none.
+    pub fn only(&mut self, words: &[String]) {
+        let lines = &self.lines;
+        let is_meant = |question: &Question| {
+            let line = &lines[question.line];
+            let name = format!("{} {} {} {}", line.group, line.rule, line.drive, line.what);
+            words.is_empty() || words.iter().any(|word| name.contains(word.as_str()))
+        };
+        for cell in self.drives.iter_mut().flat_map(|drives| &mut drives.cells) {
+            cell.questions.retain(is_meant);
+        }
+        for drives in &mut self.drives {
+            drives.cells.retain(|cell| !cell.questions.is_empty());
+        }
+        self.drives.retain(|drives| !drives.cells.is_empty());
+    }
+
+    /// Answers every question for so many seeds.
+    pub fn fill(&mut self, seeds: u64) {
+        let rules = Rules::select(&["AXES", "QUAT01"]).unwrap();
+        // Whoever is through early takes the next of the long drives first.
+        let mut tasks: Vec<(usize, u64)> = Vec::new();
+        for drives in 0..self.drives.len() {
+            tasks.extend((1..=seeds).map(|seed| (drives, seed)));
+        }
+        tasks.sort_by_key(|(drives, seed)| (std::cmp::Reverse(self.drives[*drives].kind.seconds), *drives, *seed));
+        let answered = |(drives, seed): &(usize, u64)| -> Vec<(usize, Answer)> {
+            let Drives { kind, cells } = &self.drives[*drives];
+            let messages = kind.messages(*seed);
+            let mut answers = Vec::new();
+            for cell in cells {
+                let verdict = rules.judge(&messages.world(cell.fault));
+                for question in &cell.questions {
+                    let answer = if question.rule == ALL {
+                        answers::of_all(&verdict, cell.fault)
+                    } else {
+                        answers::of_rule(&verdict, question.rule, question.subject, cell.fault)
+                    };
+                    let answer = match answer {
+                        Answer::Wrong(said) => Answer::Wrong(format!(
+                            "seed {seed}, {}, {}: {said}",
+                            words(*kind).split_whitespace().collect::<Vec<_>>().join(" "),
+                            cell.fault.words()
+                        )),
+                        other => other,
+                    };
+                    answers.push((question.line, answer));
+                }
+            }
+            answers
+        };
+        let answers: Vec<Vec<(usize, Answer)>> = tasks.par_iter().map(answered).collect();
+        for (line, answer) in answers.into_iter().flatten() {
+            self.lines[line].count(answer);
+        }
+    }
+
+    /// The lines that something was counted in.
+    pub fn counted(&self) -> impl Iterator<Item = &Line> {
+        self.lines.iter().filter(|line| line.all() > 0)
+    }
+
+    /// The table as text.
+    pub fn print(&self) -> String {
+        let mut text = String::new();
+        let mut group = "";
+        for line in self.counted() {
+            if line.group != group {
+                group = line.group;
+                let _ = writeln!(
+                    text,
+                    "\n{group}\n{:<7}{:<21}{:<39}{:>7}{:>7}{:>8}{:>7}  reference",
+                    "rule", "fault", "drive", "right", "wrong", "not ev.", "n"
+                );
+            }
+            let share = |count: usize| 100.0 * count as f64 / line.all() as f64;
+            let reference = line.reference.map_or("", |(_, words)| words);
+            let _ = writeln!(
+                text,
+                "{:<7}{:<21}{:<39}{:>7.1}{:>7.2}{:>8.1}{:>7}  {reference}{}",
+                line.rule,
+                line.what,
+                line.drive,
+                share(line.right),
+                share(line.wrong),
+                share(line.not_evaluated),
+                line.all(),
+                if line.is_short() { "  LESS" } else { "" }
+            );
+        }
+        for line in self.counted() {
+            for example in &line.examples {
+                let _ = writeln!(text, "wrong: {} | {example}", line.rule);
+            }
+        }
+        text
+    }
+
+    /// What the table shows that must not be.
+    pub fn faults(&self) -> Vec<String> {
+        let mut faults = Vec::new();
+        let mut sums: Vec<((&str, &str), [usize; 2])> = Vec::new();
+        for line in self.counted() {
+            let (_, sum) = position_or(
+                &mut sums,
+                |(key, _)| *key == (line.group, line.rule),
+                || ((line.group, line.rule), [0, 0]),
+            );
+            sum[0] += line.wrong;
+            sum[1] += line.all();
+            let name = format!("{} {} {} {}", line.group, line.rule, line.what, line.drive);
+            if line.is_strict && line.wrong > 0 {
+                faults.push(format!("{name}: {} wrong where none may be", line.wrong));
+            }
+            if line.is_short() {
+                faults.push(format!("{name}: {} of {} right", line.right, line.all()));
+            }
+        }
+        for ((group, rule), [wrong, all]) in sums {
+            let share = wrong as f64 / all as f64;
+            if share >= MOST_WRONG {
+                faults.push(format!("{group} {rule}: {:.2} % wrong", 100.0 * share));
+            }
+        }
+        faults
+    }
+}
+
+/// What all rules say together.
+pub const ALL: &str = "all";
+
+impl Line {
+    fn count(&mut self, answer: Answer) {
+        match answer {
+            Answer::Right => self.right += 1,
+            Answer::NotEvaluated => self.not_evaluated += 1,
+            Answer::Wrong(said) => {
+                self.wrong += 1;
+                if self.examples.len() < KEPT {
+                    self.examples.push(said);
+                }
+            }
+        }
+    }
+
+    fn all(&self) -> usize {
+        self.right + self.wrong + self.not_evaluated
+    }
+
+    /// Whether there is less than the reference, by more than chance explains: the upper end of Wilson's interval at
+    /// two deviations is under it.
+    fn is_short(&self) -> bool {
+        self.reference.is_some_and(|(reference, _)| {
+            let (n, z) = (self.all() as f64, 2.0);
+            let share = self.right as f64 / n;
+            let middle = share + z * z / (2.0 * n);
+            let half = z * (share * (1.0 - share) / n + z * z / (4.0 * n * n)).sqrt();
+            (middle + half) / (1.0 + z * z / n) < reference - 1e-9
+        })
+    }
+}
+
+fn words(kind: Kind) -> String {
+    let vehicle = match kind.vehicle {
+        Vehicle::Car => "car",
+        Vehicle::Walker => "walker",
+        Vehicle::Drone => "drone",
+        Vehicle::Robot => "robot",
+    };
+    let imu = match kind.imu {
+        Grade::Tactical => "tactical",
+        Grade::Mems => "MEMS",
+        Grade::Perfect => "perfect",
+    };
+    let gnss = match kind.gnss {
+        Gnss::Rtk => "RTK",
+        Gnss::Single => "SPS",
+        Gnss::Perfect => "perfect",
+    };
+    format!(
+        "{vehicle:<8}{:<9}{:>4} s  {imu:<9}{gnss}",
+        motion(kind.motion),
+        kind.seconds
+    )
+}
+
+fn motion(motion: Motion) -> &'static str {
+    match motion {
+        Motion::Turning => "turning",
+        Motion::Straight => "straight",
+        Motion::Still => "still",
+        Motion::Circles => "circles",
+        Motion::OutAndBack => "out-back",
+    }
+}
+
+/// The element that fits, made where there is none.
+fn position_or<T>(all: &mut Vec<T>, is_it: impl Fn(&T) -> bool, make: impl FnOnce() -> T) -> &mut T {
+    let at = all.iter().position(is_it).unwrap_or_else(|| {
+        all.push(make());
+        all.len() - 1
+    });
+    &mut all[at]
+}
