@@ -281,48 +281,66 @@ fn with_images(motion: &[u8], path: &Path) {
         .chunk_size(Some(786_432))
         .create(BufWriter::new(File::create(path).expect("the drive can be written")))
         .expect("a writer");
-    let mut large = |topic: &str, message_type: &str| {
-        let schema = schemas::definition(message_type);
-        let schema = out
-            .add_schema(message_type, "ros2msg", schema.as_bytes())
-            .expect("a schema");
-        out.add_channel(schema, topic, "cdr", &BTreeMap::new())
-            .expect("a channel")
-    };
-    let points = large("/points", "sensor_msgs/msg/PointCloud2");
-    let image = large("/image", "sensor_msgs/msg/CompressedImage");
     let mut random = Rng::with_seed(7);
     let mut noise = |bytes: usize| {
         let mut data = vec![0; bytes];
         random.fill(&mut data);
         data
     };
-    let (image_data, points_data) = (noise(262_144), noise(1 << 20));
-    let (mut next_image, mut next_points) = (0, 0);
+    // Topic, type, frame, period in nanoseconds, data.
+    let large = [
+        (
+            "/image",
+            "sensor_msgs/msg/CompressedImage",
+            "camera_optical_frame",
+            33_333_333,
+            noise(262_144),
+        ),
+        (
+            "/points",
+            "sensor_msgs/msg/PointCloud2",
+            "lidar",
+            100_000_000,
+            noise(1 << 20),
+        ),
+    ];
+    let mut channels: BTreeMap<String, u16> = BTreeMap::new();
+    let mut put = |topic: &str, message_type: &str, definition: &[u8], time: u64, data: &[u8]| {
+        let channel_id = *channels.entry(topic.to_owned()).or_insert_with(|| {
+            let schema = out.add_schema(message_type, "ros2msg", definition).expect("a schema");
+            out.add_channel(schema, topic, "cdr", &BTreeMap::new())
+                .expect("a channel")
+        });
+        let header = mcap::records::MessageHeader {
+            channel_id,
+            sequence: 0,
+            log_time: time,
+            publish_time: time,
+        };
+        out.write_to_known_channel(&header, data).expect("a message");
+    };
+    let mut next = [0, 0];
     for message in mcap::MessageStream::new(motion).expect("a sound recording") {
         let message = message.expect("a sound message");
         let now = message.log_time;
-        let mut put = |channel_id, frame_id, data: &[u8]| {
-            let stamp_ns = i64::try_from(now).expect("a time");
-            let mut bytes = Body::Padded(Header { stamp_ns, frame_id }).encode(Endian::Little);
-            bytes.extend_from_slice(data);
-            let header = mcap::records::MessageHeader {
-                channel_id,
-                sequence: 0,
-                log_time: now,
-                publish_time: now,
-            };
-            out.write_to_known_channel(&header, &bytes).expect("a message");
-        };
-        if now >= next_image {
-            put(image, "camera_optical_frame", &image_data);
-            next_image = now + 33_333_333;
+        for ((topic, message_type, frame_id, period, data), next) in large.iter().zip(&mut next) {
+            if now >= *next {
+                let stamp_ns = i64::try_from(now).expect("a time");
+                let mut bytes = Body::Padded(Header { stamp_ns, frame_id }).encode(Endian::Little);
+                bytes.extend_from_slice(data);
+                put(
+                    topic,
+                    message_type,
+                    schemas::definition(message_type).as_bytes(),
+                    now,
+                    &bytes,
+                );
+                *next = now + period;
+            }
         }
-        if now >= next_points {
-            put(points, "lidar", &points_data);
-            next_points = now + 100_000_000;
-        }
-        out.write(&message).expect("a message");
+        let schema = message.channel.schema.as_ref().expect("a schema");
+        put(&message.channel.topic, &schema.name, &schema.data, now, &message.data);
     }
+    drop(put);
     out.finish().expect("the drive is written");
 }
