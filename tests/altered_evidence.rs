@@ -117,11 +117,13 @@ fn is_stamp(value: &Value) -> bool {
     value.as_i64().is_some_and(|value| value > 1 << 50)
 }
 
-/// Whether a list has a length of its own: a vector, a quaternion, a pair.
-fn is_tuple(value: &Value) -> bool {
-    value
-        .as_array()
-        .is_some_and(|all| (1..=4).contains(&all.len()) && all.iter().all(Value::is_number))
+/// A list made anew; those that have a length of their own (a vector, a quaternion, a pair) and what is no list stay.
+fn relisted(value: &Value, make: impl Fn(&[Value]) -> Vec<Value>) -> Value {
+    let is_tuple = |all: &[Value]| (1..=4).contains(&all.len()) && all.iter().all(Value::is_number);
+    match value {
+        Value::Array(all) if !is_tuple(all) => Value::Array(make(all)),
+        other => other.clone(),
+    }
 }
 
 fn name(at: &[Step]) -> String {
@@ -181,23 +183,13 @@ fn no_number_makes_a_rule_crash_or_run_on() {
         |_| json!(1e-310),
     ];
     let list: [Make; 4] = [
-        |all| if is_tuple(all) { all.clone() } else { json!([]) },
-        |all| {
-            if is_tuple(all) {
-                all.clone()
-            } else {
-                json!(all.as_array().unwrap().iter().take(1).collect::<Vec<_>>())
-            }
-        },
-        |all| json!(all.as_array().unwrap().iter().rev().collect::<Vec<_>>()),
-        |all| {
-            json!(
-                all.as_array()
-                    .unwrap()
-                    .iter()
-                    .flat_map(|one| [one, one])
-                    .collect::<Vec<_>>()
-            )
+        |value| relisted(value, |_| Vec::new()),
+        |value| relisted(value, |all| all.iter().take(1).cloned().collect()),
+        |value| relisted(value, |all| all.iter().rev().cloned().collect()),
+        |value| {
+            relisted(value, |all| {
+                all.iter().flat_map(|one| [one.clone(), one.clone()]).collect()
+            })
         },
     ];
     let makes: [&[Make]; 3] = [&whole, &real, &list];
