@@ -1,5 +1,7 @@
 //! AXES06: the acceleration along the base's axes against the change of speed.
 
+use std::sync::Arc;
+
 use serde::Deserialize;
 
 use crate::rules::motion::{Imu, Motion, Track};
@@ -9,7 +11,7 @@ use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
 use super::causes::{Diagnosis, Push};
-use super::rates::{Rates, Slope};
+use super::rates::{Integrals, Rates, Slope};
 use super::sensors::{Look, Sensors, TRACK, needed};
 
 /// AXES06.
@@ -103,7 +105,7 @@ fn judge_pushed(imu: &Imu, subject: String, pushed: &Pushed, diagnosis: &Diagnos
 }
 
 /// Along which axis the first track that tells speeds up.
-pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Look<Pushed> {
+pub(super) fn look(imu: &Imu, integrals: &Integrals, tracks: &[Arc<Track>], limits: &Limits) -> Look<Pushed> {
     needed(tracks)?;
     let force = imu.inertial.force.unwrap_or(0.0);
     // The unit is AXES02's.
@@ -114,7 +116,7 @@ pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Look<Pushed>
     };
     let mut best: Option<Rates> = None;
     for track in tracks {
-        let mut rates = Rates::of(imu, &track.courses(limits.min_speed_m_s));
+        let mut rates = Rates::of(integrals, &track.courses(limits.min_speed_m_s));
         rates.forward.gain *= unit;
         rates.sideways.gain *= unit;
         let Rates { forward, sideways, .. } = rates;

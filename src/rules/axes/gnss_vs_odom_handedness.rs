@@ -40,11 +40,11 @@ impl Rule for GnssVsOdomHandedness {
         let worlds = Worlds::of(world);
         for (index, bag) in Motion::of(world).bags.iter().enumerate() {
             for fixes in &bag.fixes {
-                let satellites = Track::of_fixes(fixes);
+                let satellites = fixes.track();
                 for poses in &bag.poses {
                     let subject = format!("{} against {}", poses.subject, fixes.subject);
                     let minor_m = min_minor_m(fixes, limits);
-                    let votes = Votes::of(&satellites, &Track::of_poses(poses), minor_m, limits);
+                    let votes = Votes::of(&satellites, &poses.track(), minor_m, limits);
                     let is_mirrored = votes.majority(limits) == Some(true);
                     if is_mirrored && bag.simulator.is_some() {
                         let why = "it is mirrored, and the poses are a simulator's: SENSOR09 reports it";
@@ -71,7 +71,7 @@ pub(crate) struct Hand {
 
 /// Whether a track is the mirror image of the satellites'; `None` where the two do not tell.
 pub(crate) fn hand(fixes: &Stream<FixRow>, track: &Track, limits: &Limits) -> Option<Hand> {
-    let votes = Votes::of(&Track::of_fixes(fixes), track, min_minor_m(fixes, limits), limits);
+    let votes = Votes::of(&fixes.track(), track, min_minor_m(fixes, limits), limits);
     Some(Hand {
         is_mirrored: votes.majority(limits)?,
         measured: Measured::new("agreement of windows", votes.agreement(), "1").limit(limits.min_agreement),

@@ -1,5 +1,7 @@
 //! AXES05: the gyro's yaw rate against the turning of the track.
 
+use std::sync::Arc;
+
 use serde::Deserialize;
 
 use crate::rules::motion::{Imu, Motion, Track};
@@ -10,7 +12,7 @@ use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
 use super::causes::{Base, Diagnosis, Sense};
-use super::rates::{Rates, Slope};
+use super::rates::{Integrals, Rates, Slope};
 use super::sensors::{Look, Sensor, Sensors, TRACK, needed};
 
 /// AXES05.
@@ -55,7 +57,7 @@ impl Limits {
 
 /// Yaw rate over the turning of one track; `None` where the two do not tell.
 pub(crate) fn gain(imu: &Imu, track: &Track, limits: &Limits) -> Option<f64> {
-    let slope = Rates::of(imu, &track.courses(limits.speed_m_s)).turning;
+    let slope = Rates::of(&Integrals::of(imu), &track.courses(limits.speed_m_s)).turning;
     limits.tells(&slope).then_some(slope.gain)
 }
 
@@ -116,11 +118,11 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
 }
 
 /// How the gyro turns against the first track that tells.
-pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Look<Turned> {
+pub(super) fn look(integrals: &Integrals, tracks: &[Arc<Track>], limits: &Limits) -> Look<Turned> {
     needed(tracks)?;
     let mut best: Option<Slope> = None;
     for track in tracks {
-        let slope = Rates::of(imu, &track.courses(limits.speed_m_s)).turning;
+        let slope = Rates::of(integrals, &track.courses(limits.speed_m_s)).turning;
         if limits.tells(&slope) {
             let class = if slope.gain > 0.0 { Sense::With } else { Sense::Against };
             return Ok(Turned {

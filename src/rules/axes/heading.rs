@@ -3,7 +3,7 @@
 //! Must not judge.
 
 use crate::math::circular::{circular_mean, wrapped};
-use crate::rules::motion::{Course, Yaws, span_rad};
+use crate::rules::motion::{Course, Span, Yaws, span_rad};
 
 use super::heading_convention::Limits;
 
@@ -50,21 +50,24 @@ impl Heading {
         let mut voted: Vec<(Sense, Vec<Pair>)> = Vec::new();
         for run in courses {
             let mut window: Vec<Pair> = Vec::new();
+            let mut span = Span::default();
             for course in run {
                 let Some(yaw_rad) = yaws.at(course.t_s) else {
                     window.clear();
+                    span = Span::default();
                     continue;
                 };
                 window.push(Pair {
                     course: *course,
                     yaw_rad,
                 });
-                let only: Vec<Course> = window.iter().map(|pair| pair.course).collect();
-                let turned = span_rad(&only);
+                let turned = span.add(course);
                 heading.widest_rad = heading.widest_rad.max(turned);
-                let lasts = course.t_s - only.first().map_or(course.t_s, |first| first.t_s);
+                let lasts = course.t_s - window.first().map_or(course.t_s, |first| first.course.t_s);
                 if turned >= limits.window_turn_deg.to_radians() || lasts >= limits.window_s {
                     let window = std::mem::take(&mut window);
+                    span = Span::default();
+                    let only: Vec<Course> = window.iter().map(|pair| pair.course).collect();
                     if turned >= limits.min_turn_deg.to_radians() && way_m(&only) >= limits.min_way_m {
                         heading.windows += 1;
                         voted.extend(vote(&window, limits).map(|sense| (sense, window)));

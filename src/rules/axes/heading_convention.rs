@@ -1,5 +1,7 @@
 //! AXES04: which way the yaw of an orientation turns, and where its zero is.
 
+use std::sync::Arc;
+
 use serde::Deserialize;
 
 use crate::rules::motion::{Imu, Motion, Track, Yaws};
@@ -137,7 +139,7 @@ fn apart_deg(a: f64, b: f64) -> f64 {
 }
 
 /// How the yaw turns against the first track that tells. Satellites come first: odometry is often made of this very yaw.
-pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Look<Decided> {
+pub(super) fn look(imu: &Imu, tracks: &[Arc<Track>], limits: &Limits) -> Look<Decided> {
     if let Some(why) = imu.no_orientation {
         return Err((NotEvaluated::NotApplicable, why.to_owned()));
     }

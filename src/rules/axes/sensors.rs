@@ -19,6 +19,7 @@ use super::gyro_vs_turn_sign::{self, GyroVsTurnSign};
 use super::heading_convention::{self, Decided, HeadingConvention};
 use super::imu_gravity_sign::{self, ImuGravitySign, Up};
 use super::orientation_vs_gravity::{self, Above, OrientationVsGravity};
+use super::rates::Integrals;
 use super::worlds::Worlds;
 
 /// What a rule sees, or why it sees nothing.
@@ -76,7 +77,7 @@ impl Sensors {
 }
 
 /// The tracks, or why nothing can be held against them.
-pub(super) fn needed(tracks: &[Track]) -> Look<()> {
+pub(super) fn needed(tracks: &[Arc<Track>]) -> Look<()> {
     if tracks.is_empty() {
         let why = "no satellite fixes, odometry or poses show where it went".to_owned();
         return Err((NotEvaluated::MissingInput, why));
@@ -95,13 +96,14 @@ fn sensors(bag: &BagMotion, bases: &[Base], is_down: impl Fn(Option<&FrameId>) -
     // In a frame whose z points down, tracks turn the other way.
     let tracks = bag.tracks(is_down);
     let look = |imu: &Imu| {
+        let integrals = Integrals::of(imu);
         let mut sensor = Sensor {
             base: imu_gravity_sign::look(imu, &base),
             world: orientation_vs_gravity::look(imu, &world),
             turn: quaternion_convention::look(imu, &turn),
             heading: heading_convention::look(imu, &tracks, &heading),
-            sense: gyro_vs_turn_sign::look(imu, &tracks, &sense),
-            push: accel_vs_speed::look(imu, &tracks, &push),
+            sense: gyro_vs_turn_sign::look(&integrals, &tracks, &sense),
+            push: accel_vs_speed::look(imu, &integrals, &tracks, &push),
             diagnosis: Diagnosis::default(),
             offset: None,
         };

@@ -2,6 +2,7 @@
 //!
 //! Made once: what else looks wrong in a frame whose z points down is left to AXES14. Must not report.
 
+use std::cell::OnceCell;
 use std::sync::Arc;
 
 use nalgebra::{UnitQuaternion, Vector3};
@@ -9,7 +10,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 use crate::math::stats::median;
 use crate::page::Front;
 use crate::rules::Rule;
-use crate::rules::motion::{BagMotion, Imu, Motion, Stream, Track, Turned};
+use crate::rules::motion::{BagMotion, Imu, Motion, Stream, Turned};
 use crate::rules::names;
 use crate::source::Place;
 use crate::verdict::NotEvaluated;
@@ -116,8 +117,17 @@ fn frames(world: &World, bag: &BagMotion) -> Option<Vec<(Frame, bool)>> {
         if names::is_wish(&stream.topic) || stream.child.as_ref().is_some_and(names::is_world) {
             continue;
         }
+        // The first stream that tells speaks for its frame.
+        let is_told = |known: &Frame| known.name == frame && (known.gravity.is_ok() || known.heights.is_ok());
+        if found.iter().any(is_told) {
+            continue;
+        }
+        let turned = OnceCell::new();
+        let turned = || turned.get_or_init(|| Turned::of(stream, |row| row.orientation));
         let gravity = first(
-            bag.imus.iter().map(|imu| gravity(world, stream, imu, &sign, &limits)),
+            bag.imus
+                .iter()
+                .map(|imu| gravity(world, stream, &turned, imu, &sign, &limits)),
             || "no inertial sensor shows where gravity points".to_owned(),
         );
         let heights = first(bag.fixes.iter().map(|fixes| heights(stream, fixes, &limits)), || {
@@ -130,16 +140,9 @@ fn frames(world: &World, bag: &BagMotion) -> Option<Vec<(Frame, bool)>> {
             heights,
             name: frame,
         };
-        // The first stream that tells speaks for its frame.
         match found.iter_mut().find(|known| known.name == next.name) {
             None => found.push(next),
-            Some(known)
-                if known.gravity.is_err()
-                    && known.heights.is_err()
-                    && (next.gravity.is_ok() || next.heights.is_ok()) =>
-            {
-                *known = next;
-            }
+            Some(known) if next.gravity.is_ok() || next.heights.is_ok() => *known = next,
             Some(_) => {}
         }
     }
@@ -171,9 +174,10 @@ fn first<T>(looks: impl Iterator<Item = Look<T>>, none: impl Fn() -> String) -> 
 }
 
 /// The specific force of a sensor that is tied to what moves, turned into the frame.
-fn gravity(
+fn gravity<'t>(
     world: &World,
     stream: &Stream<PoseRow>,
+    turned: &impl Fn() -> &'t Turned,
     imu: &Imu,
     sign: &imu_gravity_sign::Limits,
     limits: &Limits,
@@ -191,7 +195,7 @@ fn gravity(
         Some((child_from_imu, _)) => child_from_imu.rotation,
         None => return missing(format!("nothing ties `{sensor}` to `{child}`")),
     };
-    let turned = Turned::of(stream, |row| row.orientation);
+    let turned = turned();
     let (mut sum, mut count, mut lengths, mut tilt_rad) = (Vector3::zeros(), 0_u64, Vec::new(), 0.0_f64);
     let mut times: Option<(f64, f64)> = None;
     for timed in imu.stream.rows() {
@@ -241,11 +245,9 @@ fn gravity(
 
 /// Heights against altitudes at the times of fixes.
 fn heights(stream: &Stream<PoseRow>, fixes: &Stream<FixRow>, limits: &Limits) -> Look<Heights> {
-    let (poses, satellites) = (Track::of_poses(stream), Track::of_fixes(fixes));
-    let points = satellites.stretches.iter().flatten();
-    let both: Vec<(f64, f64)> = points
-        .filter_map(|(t_s, place)| Some((place.z, poses.at(*t_s)?.z)))
-        .collect();
+    let (poses, satellites) = (stream.track(), fixes.track());
+    let (points, mut at) = (satellites.stretches.iter().flatten(), poses.follow());
+    let both: Vec<(f64, f64)> = points.filter_map(|(t_s, place)| Some((place.z, at(*t_s)?.z))).collect();
     let count = both.len().max(1) as f64;
     let mean = |of: fn(&(f64, f64)) -> f64| both.iter().map(of).sum::<f64>() / count;
     let (altitude, z) = (mean(|pair| pair.0), mean(|pair| pair.1));

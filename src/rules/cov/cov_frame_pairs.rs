@@ -71,7 +71,7 @@ fn one_estimate(a: &Stream<PoseRow>, b: &Stream<PoseRow>, limits: &Limits) -> Op
         .rows()
         .filter_map(|timed| {
             let row = &timed.row;
-            let at = of_b.partition_point(|other| other.stamp_ns + 10_000_000 < row.stamp_ns);
+            let at = of_b.partition_point(|other| other.stamp_ns.saturating_add(10_000_000) < row.stamp_ns);
             let other = of_b
                 .get(at)
                 .filter(|other| other.stamp_ns.abs_diff(row.stamp_ns) <= TOGETHER_NS)?;

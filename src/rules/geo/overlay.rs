@@ -2,6 +2,8 @@
 //!
 //! Owns the way from the body of a pose to the antenna, where it is known. Must not judge.
 
+use std::sync::Arc;
+
 use nalgebra::{Quaternion, UnitQuaternion, Vector2, Vector3};
 
 use crate::math::geodesy::Geodetic;
@@ -10,6 +12,9 @@ use crate::rules::motion::{Stream, Track};
 use crate::rules::names;
 use crate::world::World;
 use crate::world::motion::{FixRow, PoseRow};
+
+/// So many moments say where a track lies; of more every n-th is taken. Errors of receivers last for minutes.
+const MAX_MOMENTS: usize = 4096;
 
 /// One moment.
 #[derive(Clone, Copy, Debug)]
@@ -38,20 +43,26 @@ pub(super) struct Overlay {
 impl Overlay {
     /// Puts poses beside fixes; `None` where they have fewer than two moments in common.
     pub(super) fn of(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>) -> Option<Self> {
-        let arm = arm(world, poses, fixes);
-        let track = Track::of_poses(&moved(poses, arm.unwrap_or_default()));
+        let arm = arm(world, poses, fixes).filter(|arm| *arm != Vector3::zeros());
+        let track = arm.map_or_else(|| poses.track(), |arm| Arc::new(Track::of_poses(&moved(poses, arm))));
+        let mut at = track.follow();
         let origin = fixes.rows().find_map(|timed| geodetic(&timed.row))?;
-        let beside = |t_s: f64, row: &FixRow| {
+        let every = fixes.rows().count().div_ceil(MAX_MOMENTS).max(1);
+        let mut beside = |t_s: f64, row: &FixRow| {
             let fix = geodetic(row)?;
             Some(Both {
                 t_s,
-                place_m: track.at(t_s)?,
+                place_m: at(t_s)?,
                 fix,
                 enu_m: origin.enu_of(&fix),
                 climb_m: row.altitude_m.is_finite().then_some(fix.height_m - origin.height_m),
             })
         };
-        let both: Vec<Both> = fixes.rows().filter_map(|timed| beside(timed.t_s, &timed.row)).collect();
+        let both: Vec<Both> = fixes
+            .rows()
+            .step_by(every)
+            .filter_map(|timed| beside(timed.t_s, &timed.row))
+            .collect();
         (both.len() > 1).then_some(Self { first: origin, both })
     }
 

@@ -28,7 +28,7 @@ pub(crate) use convention::ToldIn;
 pub(crate) use imu::Imu;
 pub(crate) use mount::mount;
 pub(crate) use stream::{Stream, Timed, edge_subject};
-pub(crate) use track::{Course, Track, around, span_rad};
+pub(crate) use track::{Course, Follower, Span, Track, around, span_rad};
 pub(crate) use turned::Turned;
 pub(crate) use yaw::Yaws;
 
@@ -116,16 +116,16 @@ impl BagMotion {
 
     /// Where the platform went: by satellite receivers first, those last that are guessed, then by odometry and poses, in
     /// frames that are not left out.
-    pub(crate) fn tracks(&self, is_left_out: impl Fn(Option<&FrameId>) -> bool) -> Vec<Track> {
+    pub(crate) fn tracks(&self, is_left_out: impl Fn(Option<&FrameId>) -> bool) -> Vec<Arc<Track>> {
         let mut fixes: Vec<&Stream<FixRow>> = self.fixes.iter().collect();
         fixes.sort_by_key(|fixes| fixes.guessed);
-        let fixes = fixes.into_iter().map(Track::of_fixes);
+        let fixes = fixes.into_iter().map(Stream::<FixRow>::track);
         // Joints move, too, and say nothing of the platform's way.
         let is_way = |poses: &&Stream<PoseRow>| {
             poses.frame.as_ref().is_none_or(names::is_world) && !is_left_out(poses.frame.as_ref())
         };
         fixes
-            .chain(self.poses.iter().filter(is_way).map(Track::of_poses))
+            .chain(self.poses.iter().filter(is_way).map(Stream::<PoseRow>::track))
             .collect()
     }
 

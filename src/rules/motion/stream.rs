@@ -1,14 +1,16 @@
 //! One stream of motion on the common clock.
 
 use std::collections::BTreeMap;
+use std::sync::{Arc, OnceLock};
 
 use crate::source::{MessageRef, Place, SourceId};
 use crate::world::bag::{HeaderFrame, Said, TfEdge};
-use crate::world::motion::{PoseRow, Row, Series};
+use crate::world::motion::{FixRow, PoseRow, Row, Series};
 use crate::world::{BagEvidence, FrameId, World};
 
 use super::clock::Clock;
 use super::convention::{Convert, Moving, ToldIn};
+use super::track::Track;
 
 /// A row with its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,6 +47,17 @@ pub(crate) struct Stream<R> {
     pub(crate) told_in: ToldIn,
     /// Runs of rows without a hole, times growing inside each.
     pub(crate) stretches: Vec<Vec<Timed<R>>>,
+    track: Made,
+}
+
+/// The track of a stream, made by the first that asks. A copy, which may be altered, starts without.
+#[derive(Debug, Default)]
+struct Made(OnceLock<Arc<Track>>);
+
+impl Clone for Made {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
 }
 
 impl<R: Row> Stream<R> {
@@ -66,6 +79,7 @@ impl<R: Row> Stream<R> {
             first: said.first.cloned(),
             told_in: ToldIn::default(),
             stretches,
+            track: Made::default(),
         })
     }
 
@@ -138,7 +152,19 @@ impl<R: Row + Convert> Stream<R> {
     }
 }
 
+impl Stream<FixRow> {
+    /// Where the receiver went.
+    pub(crate) fn track(&self) -> Arc<Track> {
+        Arc::clone(self.track.0.get_or_init(|| Arc::new(Track::of_fixes(self))))
+    }
+}
+
 impl Stream<PoseRow> {
+    /// Where the poses went.
+    pub(crate) fn track(&self) -> Arc<Track> {
+        Arc::clone(self.track.0.get_or_init(|| Arc::new(Track::of_poses(self))))
+    }
+
     /// The stream of a moving transform.
     pub(super) fn of_edge(bag: &BagEvidence, edge: &TfEdge) -> Option<Self> {
         let series = edge.motion.as_ref()?;
@@ -156,6 +182,7 @@ impl Stream<PoseRow> {
             first: Some(edge.first_at.clone()),
             told_in: ToldIn::default(),
             stretches,
+            track: Made::default(),
         })
     }
 }

@@ -1,5 +1,7 @@
 //! SENSOR08: a compass heading in the yaw of a quaternion.
 
+use std::sync::Arc;
+
 use serde::Deserialize;
 
 use crate::rules::axes::heading_convention::{self, HeadingConvention};
@@ -29,7 +31,7 @@ pub struct Limits {
 /// What a yaw can be held against, and the limits.
 struct Against<'a> {
     compasses: &'a [Compass],
-    tracks: &'a [Track],
+    tracks: &'a [Arc<Track>],
     turns: &'a heading_convention::Limits,
     limits: &'a Limits,
 }
@@ -124,7 +126,7 @@ impl Against<'_> {
     fn judge_pose(&self, stream: &Stream<PoseRow>, out: &mut Judge) {
         let subject = format!("yaw of {}", stream.subject);
         let yaws = Yaws::of(stream, &nalgebra::UnitQuaternion::identity());
-        match by_track(&yaws, &Track::of_poses(stream), true, self.turns) {
+        match by_track(&yaws, &stream.track(), true, self.turns) {
             Some(found) if found.is_clockwise => out.fail(found.finding(stream, &subject, self.turns, self.limits)),
             Some(found) => out.pass(subject, found.measured(self.turns)),
             None => self.undecided(subject, out),

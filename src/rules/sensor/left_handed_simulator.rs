@@ -51,7 +51,7 @@ impl Rule for LeftHandedSimulator {
             let imus: Vec<&Imu> = upright.map(|(imu, _)| imu).collect();
             let is_way = |poses: &&Stream<PoseRow>| poses.frame.as_ref().is_none_or(names::is_world);
             for poses in bag.poses.iter().filter(is_way) {
-                let track = Track::of_poses(poses);
+                let track = poses.track();
                 let told = by_satellites(bag, &track, &tracks)
                     .into_iter()
                     .chain(by_gyros(&imus, &track, &turns))

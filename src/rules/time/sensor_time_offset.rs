@@ -20,6 +20,7 @@ pub struct SensorTimeOffset;
 #[serde(deny_unknown_fields)]
 pub struct Limits {
     limit_s: f64,
+    max_pairs: usize,
     filter_s: f64,
     fix_s: f64,
     pub(super) sigmas: f64,
@@ -50,20 +51,31 @@ impl Rule for SensorTimeOffset {
 fn judge_bag(world: &World, bag: &BagEvidence, motion: &BagMotion, limits: &Limits, out: &mut Judge) {
     let signals = signals(motion);
     // The first that anything can be held against.
-    let found = signals.iter().enumerate().find_map(|(index, first)| {
-        let others: Vec<(&Signal, Result<Offset, Without>)> = signals
-            .iter()
-            .skip(index + 1)
+    let mut silent: Vec<Vec<Silence>> = Vec::new();
+    let mut found = None;
+    for (index, first) in signals.iter().enumerate() {
+        if silent.iter().map(Vec::len).sum::<usize>() >= limits.max_pairs {
+            break;
+        }
+        let others = signals.iter().skip(index + 1);
+        let others: Vec<(&Signal, Result<Offset, Without>)> = others
             .map(|second| (second, held(world, first, second, limits)))
             .collect();
-        let tells = others
-            .iter()
-            .any(|(_, found)| !matches!(found, Err(Without::Silent(..))));
-        tells.then_some((first, others))
-    });
+        let of = |(_, found): &(&Signal, Result<Offset, Without>)| match found {
+            Err(Without::Silent(rho, why)) => Some((*rho, why.clone())),
+            _ => None,
+        };
+        match others.iter().map(of).collect() {
+            Some(none) => silent.push(none),
+            None => {
+                found = Some((first, others));
+                break;
+            }
+        }
+    }
     let Some((first, others)) = found else {
-        for signal in &signals {
-            let why = why_silent(world, &signals, signal, limits);
+        for (index, signal) in signals.iter().enumerate() {
+            let why = why_silent(&signals, index, &silent);
             out.not_evaluated(&signal.subject, NotEvaluated::TooLittleEvidence, why);
         }
         return;
@@ -102,16 +114,31 @@ fn judge_bag(world: &World, bag: &BagEvidence, motion: &BagMotion, limits: &Limi
     }
 }
 
-fn why_silent(world: &World, signals: &[Signal], signal: &Signal, limits: &Limits) -> String {
-    let others = signals.iter().filter(|other| !std::ptr::eq(*other, signal));
-    let whys = others.filter_map(|other| match held(world, other, signal, limits) {
-        Err(Without::Silent(rho, why)) => Some((rho, format!("against {}, {why}", words(other)))),
-        _ => None,
-    });
-    whys.max_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(
+/// Why two signals say nothing of each other, and how near they came.
+type Silence = (f64, String);
+
+/// Why a signal says nothing: `silent` has, for each that was tried, the signals behind it.
+fn why_silent(signals: &[Signal], index: usize, silent: &[Vec<Silence>]) -> String {
+    let between = |other: usize| {
+        let (first, second) = (index.min(other), index.max(other));
+        silent.get(first)?.get((second - first).checked_sub(1)?)
+    };
+    let others = signals.iter().enumerate();
+    let whys = others.filter_map(|(other, signal)| Some((between(other)?, signal)));
+    let best = whys.max_by(|a, b| a.0.0.total_cmp(&b.0.0));
+    let why = best.map_or_else(
         || "nothing else in the recording shows its motion".to_owned(),
-        |best| best.1,
-    )
+        |((_, why), other)| format!("against {}, {why}", words(other)),
+    );
+    if silent.len() < signals.len() {
+        format!(
+            "{why}; of {} streams the first {} were held against all others",
+            signals.len(),
+            silent.len()
+        )
+    } else {
+        why
+    }
 }
 
 /// The reference in words.

@@ -70,7 +70,7 @@ pub(super) fn signals(bag: &BagMotion) -> Vec<Signal> {
         let turns = orientations(stream, |row| row.orientation);
         Signal {
             body: stream.child.clone(),
-            ..made(Kind::Pose, stream, turns, Some(&Track::of_poses(stream)))
+            ..made(Kind::Pose, stream, turns, Some(&stream.track()))
         }
     });
     let filtered = bag.imus.iter().filter(|imu| imu.no_orientation.is_none());
@@ -89,7 +89,7 @@ pub(super) fn signals(bag: &BagMotion) -> Vec<Signal> {
         made(Kind::Twist, stream, turns, None)
     });
     let fixes = bag.fixes.iter().map(|stream| {
-        let track = Track::of_fixes(stream);
+        let track = stream.track();
         let turns = turning(&track.courses(MIN_COURSE_SPEED_M_S));
         made(Kind::Fix, stream, turns, Some(&track))
     });

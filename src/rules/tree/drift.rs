@@ -3,15 +3,17 @@
 //! Each third is laid over the other track by a turn and a shift of its own; the drift is how far apart the two put the middle
 //! of the last third. Must not judge.
 
+use std::sync::Arc;
+
 use nalgebra::{Rotation2, Vector2, Vector3};
 
 use crate::math::similarity2::{fit_similarities, path_length, spread};
 use crate::math::stats::median;
-use crate::rules::motion::{BagMotion, Track};
+use crate::rules::motion::{BagMotion, Stream, Track};
 use crate::rules::names;
 use crate::verdict::Measured;
 use crate::world::FrameId;
-use crate::world::motion::FixRow;
+use crate::world::motion::{FixRow, PoseRow};
 
 use super::map_odom_not_applied::Limits;
 
@@ -70,18 +72,15 @@ pub(super) fn drift(motion: &BagMotion, odom: &FrameId, map: &FrameId, limits: &
             .collect();
         poses
     };
-    let odometry: Vec<Track> = in_frame(odom).into_iter().map(Track::of_poses).collect();
+    let odometry: Vec<Arc<Track>> = in_frame(odom).into_iter().map(Stream::<PoseRow>::track).collect();
     let by_poses = in_frame(map)
         .into_iter()
-        .map(|stream| (Track::of_poses(stream), limits.least_sigma_m));
+        .map(|stream| (stream.track(), limits.least_sigma_m));
     let fixes = motion.fixes.iter().map(|stream| {
         let sigmas: Vec<f64> = stream.rows().filter_map(|timed| sigma_m(&timed.row)).collect();
-        (
-            Track::of_fixes(stream),
-            median(&sigmas).unwrap_or(0.0).max(limits.least_sigma_m),
-        )
+        (stream.track(), median(&sigmas).unwrap_or(0.0).max(limits.least_sigma_m))
     });
-    let others: Vec<(Track, f64)> = by_poses.chain(fixes).collect();
+    let others: Vec<(Arc<Track>, f64)> = by_poses.chain(fixes).collect();
     if others.is_empty() {
         return Err(format!(
             "whether a correction is missing takes a second source of the pose in `{map}`: fixes, or a localizer's pose"
