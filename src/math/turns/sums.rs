@@ -35,6 +35,11 @@ impl Best {
         }
     }
 
+    /// The largest R2.
+    pub(super) fn r2(&self) -> f64 {
+        self.r2.map_or(f64::NEG_INFINITY, |(_, r2)| r2)
+    }
+
     /// The lag of the largest R2; 0 without one.
     pub(super) fn lag(&self) -> i32 {
         self.r2.map_or(0, |(lag, _)| lag)
@@ -108,6 +113,13 @@ impl Sums {
         (self.ee / self.gg).sqrt()
     }
 
+    /// The standard deviation of d - s about each axis, radians.
+    fn axis_residual(&self) -> [f64; 3] {
+        let mean = (self.d - self.s) / self.n;
+        let squares = (self.d2 + self.s2 - 2.0 * self.ds_axis) / self.n - mean.component_mul(&mean);
+        squares.map(|square| square.max(0.0).sqrt()).into()
+    }
+
     fn axis_correlation(&self) -> [Option<f64>; 3] {
         let about =
             |products: &Vector3<f64>, a: &Vector3<f64>, b: &Vector3<f64>| products - a.component_mul(b) / self.n;
@@ -123,6 +135,34 @@ pub(super) struct AtLags<'a> {
     pub(super) best: (f64, &'a [Turned]),
     pub(super) matched: (f64, &'a [Turned]),
 }
+
+/// The bias of the gyro, rad/s: how far on the whole the gyro turns beyond the orientation, by the reading whose bias is the
+/// smallest among those that agree about as well as the best. Kept within a limit about each axis: no more is believed, and
+/// a steady turn under a wrong reading looks like one.
+pub(super) fn bias(windows: &[Window], by_reading: &[(f64, &[Turned]); 4], limit_rad_s: f64) -> Vector3<f64> {
+    let best = by_reading.iter().map(|(r2, _)| *r2).fold(f64::NEG_INFINITY, f64::max);
+    let biases = by_reading
+        .iter()
+        .enumerate()
+        .filter(|(_, (r2, _))| *r2 >= best - ABOUT_AS_WELL);
+    let biases = biases.map(|(index, (_, turned))| {
+        let (mut drift, mut time_s) = (Vector3::zeros(), 0.0);
+        for (window, gyro) in windows.iter().zip(*turned) {
+            drift += gyro.turn - window.turns.get(index).copied().unwrap_or_default();
+            time_s += window.length_s();
+        }
+        drift / time_s
+    });
+    let least = biases
+        .filter(|bias| bias.iter().all(|value| value.is_finite()))
+        .min_by(|a, b| a.norm().total_cmp(&b.norm()));
+    least
+        .unwrap_or_default()
+        .map(|value| value.clamp(-limit_rad_s, limit_rad_s))
+}
+
+/// Readings whose R2 differs by less are about as good.
+const ABOUT_AS_WELL: f64 = 0.1;
 
 /// The result of the reading with this index among [`Reading::ALL`].
 pub(super) fn score(windows: &[Window], active: &[bool], index: usize, lags: &AtLags) -> Score {
@@ -154,6 +194,7 @@ pub(super) fn score(windows: &[Window], active: &[bool], index: usize, lags: &At
         gain: at_match.ds / at_match.ss,
         gain_correlation: at_match.ds / (at_match.dd * at_match.ss).sqrt(),
         axis_correlation: at_match.axis_correlation(),
+        axis_residual_rad: at_match.axis_residual(),
         cross: at_match.cross,
         gyro_power: at_match.gg,
         turn_power: at_match.dd,

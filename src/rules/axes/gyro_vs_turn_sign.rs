@@ -29,7 +29,7 @@ pub struct Limits {
 pub(super) struct Turned {
     pub(super) class: Sense,
     slope: Slope,
-    track: String,
+    pub(super) track: String,
 }
 
 impl Rule for GyroVsTurnSign {

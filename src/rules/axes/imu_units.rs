@@ -1,5 +1,6 @@
 //! AXES02: the units of an inertial sensor.
 
+use nalgebra::Vector3;
 use serde::Deserialize;
 
 use crate::math::readings::Reading;
@@ -19,6 +20,9 @@ pub struct Limits {
     gravity: f64,
     gravity_share: f64,
     max_removed: f64,
+    min_motion_s: f64,
+    max_mean: f64,
+    max_free: f64,
     min_rotation_deg: f64,
     gain_share: f64,
     min_correlation: f64,
@@ -58,7 +62,12 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
     if near(limits.gravity) {
         return out.pass(subject, [measured]);
     }
-    let (what, help) = if near(1.0) {
+    // A drive ends as fast as it began: without gravity nothing is left in the mean.
+    let is_free = force <= limits.max_free
+        && seconds >= limits.min_motion_s
+        && mean_length(imu).is_some_and(|mean| mean <= limits.max_mean && mean <= force / 2.0);
+    let is_removed = force <= limits.max_removed || is_free;
+    let (what, help) = if near(1.0) && !is_free {
         (
             "as in units of gravity (g)",
             "multiply it by 9.80665: REP-145 and sensor_msgs/Imu want m/s2",
@@ -70,7 +79,7 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
             "as in mm/s2 or thousandths of g",
             "scale it: sensor_msgs/Imu wants m/s2",
         )
-    } else if force <= limits.max_removed {
+    } else if is_removed {
         (
             "as where gravity was taken off",
             "publish the specific force, gravity included (REP-145): filters take it off themselves",
@@ -83,12 +92,24 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
         "the acceleration of `{}` is {force:.3} long in the median of {seconds:.0} s, {what}, where m/s2 with gravity are 9.81",
         imu.stream.topic
     );
-    let finding = if force <= limits.max_removed && !near(1.0) {
+    let finding = if is_removed {
         Finding::warning(subject, message, imu.stream.place())
     } else {
         Finding::error(subject, message, imu.stream.place())
     };
     out.fail(finding.likely().help(help).measured(measured));
+}
+
+/// Length of the mean of the acceleration in the sensor's axes, m/s² by definition.
+fn mean_length(imu: &Imu) -> Option<f64> {
+    let forces = imu
+        .stream
+        .rows()
+        .map(|timed| Vector3::from(timed.row.linear_acceleration));
+    let forces: Vec<Vector3<f64>> = forces
+        .filter(|force| force.iter().all(|value| value.is_finite()))
+        .collect();
+    (!forces.is_empty()).then(|| (forces.iter().sum::<Vector3<f64>>() / forces.len() as f64).norm())
 }
 
 fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {

@@ -13,7 +13,7 @@ use crate::verdict::NotEvaluated;
 use crate::world::World;
 
 use super::accel_vs_speed::{self, AccelVsSpeed, Pushed};
-use super::causes::{Diagnosis, Seen};
+use super::causes::{self, Diagnosis, Seen};
 use super::gyro_vs_turn_sign::{self, GyroVsTurnSign};
 use super::heading_convention::{self, Decided, HeadingConvention};
 use super::imu_gravity_sign::{self, ImuGravitySign, Up};
@@ -99,12 +99,24 @@ impl Sensor {
         fn class<T, C>(look: &Look<T>, of: impl Fn(&T) -> C) -> Option<C> {
             look.as_ref().ok().map(of)
         }
+        let mut heading = class(&self.heading, Decided::class);
+        let mut sense = class(&self.sense, |seen| seen.class);
+        // Two tracks that contradict each other: what turns against one may be the track's fault, so the other says nothing.
+        if let (Ok(by_yaw), Ok(by_gyro)) = (&self.heading, &self.sense)
+            && by_yaw.track != by_gyro.track
+        {
+            match (heading, sense) {
+                (Some(causes::Heading::With), Some(causes::Sense::Against)) => heading = None,
+                (Some(causes::Heading::Against), Some(causes::Sense::With)) => sense = None,
+                _ => {}
+            }
+        }
         Seen {
             base: class(&self.base, |seen| seen.class),
             world: class(&self.world, |seen| seen.class),
             turn: class(&self.turn, |seen| seen.class),
-            heading: class(&self.heading, Decided::class),
-            sense: class(&self.sense, |seen| seen.class),
+            heading,
+            sense,
             push: class(&self.push, |seen| seen.class),
         }
     }

@@ -4,3 +4,4 @@ mod listed;
 
 pub mod quaternion_convention;
 pub mod quaternion_order_static;
+mod ways;
