@@ -4,10 +4,12 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 
 use crate::math::readings::Reading;
-use crate::rules::motion::{Imu, Motion};
+use crate::math::stats::median;
+use crate::rules::motion::{Imu, Motion, Timed};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
+use crate::world::motion::InertialRow;
 
 /// AXES02.
 pub struct ImuUnits;
@@ -23,6 +25,9 @@ pub struct Limits {
     min_motion_s: f64,
     max_mean: f64,
     max_free: f64,
+    max_uneven: f64,
+    min_vertical: f64,
+    min_t: f64,
     min_rotation_deg: f64,
     gain_share: f64,
     min_correlation: f64,
@@ -67,6 +72,12 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
         && seconds >= limits.min_motion_s
         && mean_length(imu).is_some_and(|mean| mean <= limits.max_mean && mean <= force / 2.0);
     let is_removed = force <= limits.max_removed || is_free;
+    if near(1.0) && !is_free && !is_steady(imu, force, limits) {
+        let why = format!(
+            "its length is {force:.2} in the median, as in units of g, or of a vehicle that speeds up without gravity"
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
     let (what, help) = if near(1.0) && !is_free {
         (
             "as in units of gravity (g)",
@@ -112,6 +123,19 @@ fn mean_length(imu: &Imu) -> Option<f64> {
     (!forces.is_empty()).then(|| (forces.iter().sum::<Vector3<f64>>() / forces.len() as f64).norm())
 }
 
+/// Whether an acceleration is as steady as gravity is, and as the orientation turns it into the world, vertical under some
+/// reading.
+fn is_steady(imu: &Imu, force: f64, limits: &Limits) -> bool {
+    let length = |timed: &Timed<InertialRow>| Vector3::from(timed.row.linear_acceleration).norm();
+    let off: Vec<f64> = imu.stream.rows().map(|timed| (length(timed) - force).abs()).collect();
+    let is_even = median(&off).is_some_and(|off| off <= limits.max_uneven * force);
+    let is_vertical = imu.inertial.gravity.as_ref().is_none_or(|gravity| {
+        let means = gravity.means.iter().map(|mean| mean.mean_m_s2);
+        means.map(|mean| mean.z.abs() / mean.norm()).fold(0.0, f64::max) >= limits.min_vertical
+    });
+    is_even && is_vertical
+}
+
 fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
     let subject = format!("angular velocity of {}", imu.stream.subject);
     if let Some(why) = imu.no_orientation {
@@ -150,6 +174,13 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
         .limit(limits.gain_share)
         .samples(turns.active as u64);
     let near = |value: f64| (gain / value - 1.0).abs() <= limits.gain_share;
+    // Standard error of a slope, three numbers a window.
+    let rest = (1.0 - score.gain_correlation * score.gain_correlation).max(0.0);
+    let error = gain / score.gain_correlation.abs() * (rest / (3.0 * turns.active as f64 - 1.0).max(1.0)).sqrt();
+    if !near(1.0) && (gain - 1.0).abs() < limits.min_t * error {
+        let why = format!("the orientation turns {gain:.2} times as far as its gyro says, give or take {error:.2}");
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
     if near(1.0) {
         return out.pass(subject, [measured]);
     }

@@ -29,7 +29,7 @@ pub struct Limits {
     pub(super) slow_agrees: f64,
     pub(super) slow_gap: f64,
     pub(super) unrelated_correlation: f64,
-    pub(super) steady: f64,
+    pub(super) standing: f64,
     pub(super) noise: f64,
     pub(super) axis_deg_s: f64,
     pub(super) axis_step_s: f64,

@@ -5,6 +5,7 @@
 use nalgebra::Matrix3;
 
 use crate::math::readings::Reading;
+use crate::math::rotation::singular_values;
 use crate::math::turns::{Score, Turns};
 use crate::rules::axes::causes::Turn;
 
@@ -16,8 +17,12 @@ pub(super) struct Ways<'a> {
     pub(super) as_published: Score,
     pub(super) inverse: Score,
     reordered: Score,
-    /// Every way but the published one with its residual, the best first.
+    /// Every way with a name but the published one, with its residual, the best first.
     others: Vec<(Turn, f64)>,
+    /// The smallest residual of the other readings of the four numbers.
+    readings: f64,
+    /// The smallest residual of the gyro's other axes that have no name.
+    unnamed: f64,
 }
 
 impl<'a> Ways<'a> {
@@ -31,7 +36,10 @@ impl<'a> Ways<'a> {
             (Turn::Reordered, reordered.residual),
             (Turn::ReorderedInverse, reordered_inverse.residual),
         ];
-        others.extend(maps(&as_published));
+        let readings = others.iter().map(|way| way.1).fold(f64::INFINITY, f64::min);
+        let (named, unnamed): (Vec<_>, Vec<_>) = maps(&as_published).into_iter().partition(|map| map.0.is_some());
+        others.extend(named.into_iter().filter_map(|(turn, residual)| Some((turn?, residual))));
+        let unnamed = unnamed.iter().map(|map| map.1).fold(f64::INFINITY, f64::min);
         others.sort_by(|a, b| a.1.total_cmp(&b.1));
         Some(Self {
             turns,
@@ -39,6 +47,8 @@ impl<'a> Ways<'a> {
             inverse,
             reordered,
             others,
+            readings,
+            unnamed,
         })
     }
 
@@ -80,7 +90,8 @@ impl<'a> Ways<'a> {
     /// The way whose residual is small, the others' being some times as large.
     pub(super) fn by_ratio(&self, limits: &Limits) -> Option<Turn> {
         let own = self.as_published.residual;
-        if own < limits.agrees && self.inverse.residual > limits.opposes {
+        // Of a straight drive to the west the inverse orientation pitches and rolls as the right one.
+        if own < limits.agrees && self.readings >= limits.ratio * own.max(limits.noise) {
             return Some(Turn::Agree);
         }
         let best = self.best();
@@ -95,7 +106,7 @@ impl<'a> Ways<'a> {
     /// what counts is how far their squares are apart.
     pub(super) fn by_gap(&self, limits: &Limits) -> Option<Turn> {
         let (own, best) = (self.as_published.residual.powi(2), self.best().powi(2));
-        if own <= limits.slow_agrees && best - own >= limits.slow_gap {
+        if own <= limits.slow_agrees && self.readings.powi(2) - own >= limits.slow_gap {
             return Some(Turn::Agree);
         }
         if best > limits.slow_agrees || own - best < limits.slow_gap {
@@ -108,7 +119,9 @@ impl<'a> Ways<'a> {
     fn one_of(&self, is_alike: impl Fn(f64) -> bool, opposes: bool) -> Option<Turn> {
         let alike = self.others.iter().filter(|way| is_alike(way.1)).map(|way| way.0);
         let alike: Vec<Turn> = alike.collect();
+        let is_map = |turn: Turn| matches!(turn, Turn::Frd | Turn::Negated | Turn::Yaw);
         match alike.as_slice() {
+            [only] if is_map(*only) && is_alike(self.unnamed) => None,
             [only] => Some(*only),
             several if opposes && !several.iter().any(is_reordered) => Some(Turn::Reversed),
             _ => None,
@@ -117,17 +130,15 @@ impl<'a> Ways<'a> {
 
     /// Whether the orientation turns, and not as the gyro does under any reading.
     pub(super) fn is_unrelated(&self, limits: &Limits) -> bool {
-        let follows = self.turns.scores.iter().map(|score| score.gain_correlation.abs());
+        let follows = self.turns.scores.iter().map(explained);
         let own = self.as_published;
-        // A gyro in another unit has a bias as large as a turn, and nothing turns.
-        let orientation_turns = own.turn_power >= limits.steady * own.gyro_power;
-        let mean_square = own.gyro_power / self.turns.active.max(1) as f64;
-        let gyro_varies = self.turns.varying_rms_rad.powi(2) >= limits.steady * mean_square;
+        // A gyro in degrees has a bias as large as a turn, and nothing turns.
+        let turns = own.turn_power >= limits.standing * own.gyro_power;
         own.residual > limits.unrelated
             && self.best() > limits.unrelated
             && self.rotation_deg() >= limits.unrelated_deg
             && follows.fold(0.0, f64::max) <= limits.unrelated_correlation
-            && (orientation_turns || gyro_varies)
+            && turns
     }
 
     /// For an orientation that follows its gyro on the whole, the axis about which it does not; `None` where that cannot be
@@ -164,8 +175,16 @@ fn is_reordered(turn: &Turn) -> bool {
     matches!(turn, Turn::Reordered | Turn::ReorderedInverse)
 }
 
-/// Residuals of the gyro with its axes in FRD, negated, and with z alone negated.
-fn maps(as_published: &Score) -> Vec<(Turn, f64)> {
+/// The correlation of the orientation's turns with the gyro's under the rotation or mirror that serves it best (Kabsch 1976):
+/// 0 to 1.
+fn explained(score: &Score) -> f64 {
+    let sum = singular_values(&score.cross).map_or(0.0, |values| values.iter().sum::<f64>());
+    let power = (score.gyro_power * score.turn_power).sqrt();
+    if power > 0.0 { sum / power } else { 0.0 }
+}
+
+/// Residuals of the gyro with other axes: FRD, negated and with z alone negated have a name. Its own axes are left out.
+fn maps(as_published: &Score) -> Vec<(Option<Turn>, f64)> {
     let Some(search) = as_published.axis_search() else {
         return Vec::new();
     };
@@ -182,7 +201,8 @@ fn maps(as_published: &Score) -> Vec<(Turn, f64)> {
         }
     };
     let ranked = search.ranked().iter();
-    ranked
-        .filter_map(|scored| Some((class(scored.map.matrix())?, search.residual(scored))))
+    let others = ranked.filter(|scored| scored.map.matrix() != Matrix3::identity());
+    others
+        .map(|scored| (class(scored.map.matrix()), search.residual(scored)))
         .collect()
 }
