@@ -366,8 +366,15 @@ fn shows(kind: Kind, fault: Fault) -> bool {
     }
 }
 
-/// Whether a fault shows to a rule on such a drive: an axis that does not turn tells nothing to QUAT01.
+/// Whether a fault shows to a rule on such a drive: an axis that does not turn tells nothing to QUAT01, and where odometry
+/// alone tells how the yaw turns AXES04 knows no zero.
 fn shows_to(rule: &str, kind: Kind, fault: Fault) -> bool {
-    let is_turning = kind.motion == Motion::Turning;
-    shows(kind, fault) && (is_turning || rule != "QUAT01" || fault != Fault::Imu("compass yaw"))
+    let is_seen = match (rule, fault) {
+        ("QUAT01", Fault::Imu("compass yaw"))
+        | ("AXES04", Fault::Imu("zero north" | "y forward" | "mounted backward")) => {
+            kind.motion == Motion::Turning && kind.seconds >= 60
+        }
+        _ => true,
+    };
+    is_seen && shows(kind, fault)
 }

@@ -136,33 +136,22 @@ pub(super) struct AtLags<'a> {
     pub(super) matched: (f64, &'a [Turned]),
 }
 
-/// The bias of the gyro, rad/s: how far on the whole the gyro turns beyond the orientation, by the reading whose bias is the
-/// smallest among those that agree about as well as the best. Kept within a limit about each axis: no more is believed, and
-/// a steady turn under a wrong reading looks like one.
+/// The bias of the gyro, rad/s: how far on the whole the gyro turns beyond the orientation, by the reading that agrees best
+/// among those by which it is a bias at all, at most so much about each axis. A steady turn under a wrong reading looks like a
+/// larger one. Zero where there is none.
 pub(super) fn bias(windows: &[Window], by_reading: &[(f64, &[Turned]); 4], limit_rad_s: f64) -> Vector3<f64> {
-    let best = by_reading.iter().map(|(r2, _)| *r2).fold(f64::NEG_INFINITY, f64::max);
-    let biases = by_reading
-        .iter()
-        .enumerate()
-        .filter(|(_, (r2, _))| *r2 >= best - ABOUT_AS_WELL);
-    let biases = biases.map(|(index, (_, turned))| {
+    let biases = by_reading.iter().enumerate().map(|(index, (r2, turned))| {
         let (mut drift, mut time_s) = (Vector3::zeros(), 0.0);
         for (window, gyro) in windows.iter().zip(*turned) {
             drift += gyro.turn - window.turns.get(index).copied().unwrap_or_default();
             time_s += window.length_s();
         }
-        drift / time_s
+        (*r2, drift / time_s)
     });
-    let least = biases
-        .filter(|bias| bias.iter().all(|value| value.is_finite()))
-        .min_by(|a, b| a.norm().total_cmp(&b.norm()));
-    least
-        .unwrap_or_default()
-        .map(|value| value.clamp(-limit_rad_s, limit_rad_s))
+    let believed = biases.filter(|(_, bias): &(f64, Vector3<f64>)| bias.amax() <= limit_rad_s);
+    let best = believed.max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map_or_else(Vector3::zeros, |(_, bias)| bias)
 }
-
-/// Readings whose R2 differs by less are about as good.
-const ABOUT_AS_WELL: f64 = 0.1;
 
 /// The result of the reading with this index among [`Reading::ALL`].
 pub(super) fn score(windows: &[Window], active: &[bool], index: usize, lags: &AtLags) -> Score {

@@ -81,7 +81,7 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
         Measured::new("residual read as w x y z", turned.reordered.residual, "1").samples(windows),
         Measured::new("rotation", turned.rotation_deg, "deg").limit(limits.min_rotation_deg),
     ];
-    if turned.class == Turn::Agree {
+    if matches!(turned.class, Turn::Agree | Turn::Tilting) {
         return out.pass(subject, measured);
     }
     let seen = "the orientation does not follow the gyro";
@@ -152,7 +152,9 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
     let by_gap = || {
         let ways = slow.as_ref().filter(|ways| turns_enough(ways))?;
         let class = ways.by_gap(limits)?;
-        Some(ways.found(class, fast.axis(class, limits)?, limits))
+        // What noise hides in short windows is no proof against an axis.
+        let axis = fast.axis(class, limits)?;
+        axis.is_none().then(|| ways.found(class, None, limits))
     };
     if let Some(turned) = by_ratio.or_else(by_gap) {
         return Ok(turned);

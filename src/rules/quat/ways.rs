@@ -92,7 +92,7 @@ impl<'a> Ways<'a> {
         let own = self.as_published.residual;
         // Of a straight drive to the west the inverse orientation pitches and rolls as the right one.
         if own < limits.agrees && self.readings >= limits.ratio * own.max(limits.noise) {
-            return Some(Turn::Agree);
+            return Some(self.agreement(limits));
         }
         let best = self.best();
         if best >= limits.agrees || own < limits.ratio * best.max(limits.noise) {
@@ -106,13 +106,28 @@ impl<'a> Ways<'a> {
     /// what counts is how far their squares are apart.
     pub(super) fn by_gap(&self, limits: &Limits) -> Option<Turn> {
         let (own, best) = (self.as_published.residual.powi(2), self.best().powi(2));
-        if own <= limits.slow_agrees && self.readings.powi(2) - own >= limits.slow_gap {
-            return Some(Turn::Agree);
+        if own <= limits.slow_agrees && self.readings.powi(2) - own >= limits.slow_gap && own - best < limits.slow_gap {
+            return Some(self.agreement(limits));
         }
         if best > limits.slow_agrees || own - best < limits.slow_gap {
             return None;
         }
         self.one_of(|residual| residual.powi(2) - best < limits.slow_gap, true)
+    }
+
+    /// How the published orientation agrees: with the yaw, or not so that it would tell.
+    fn agreement(&self, limits: &Limits) -> Turn {
+        let own = self.as_published.residual.powi(2);
+        let mut yaw = self
+            .others
+            .iter()
+            .filter(|way| way.0 == Turn::Yaw)
+            .map(|way| way.1.powi(2));
+        if yaw.any(|yaw| yaw - own < limits.slow_gap) {
+            Turn::Tilting
+        } else {
+            Turn::Agree
+        }
     }
 
     /// The way that alone is as good as the best; where several are, that they turn the other way, if they all do.
@@ -144,7 +159,7 @@ impl<'a> Ways<'a> {
     /// For an orientation that follows its gyro on the whole, the axis about which it does not; `None` where that cannot be
     /// told of an axis that turns.
     pub(super) fn axis(&self, class: Turn, limits: &Limits) -> Option<Option<usize>> {
-        if class != Turn::Agree || self.turns.step_s > limits.axis_step_s {
+        if !matches!(class, Turn::Agree | Turn::Tilting) || self.turns.step_s > limits.axis_step_s {
             return Some(None);
         }
         let score = &self.as_published;
