@@ -54,15 +54,15 @@ pub struct Options {
 }
 
 impl Options {
-    /// Windows of this length end to end, +-150 ms in steps of 10 ms, biases up to 0.05 rad/s (3 degrees/s: consumer
-    /// grade), active from 2 degrees/s, holes from five steps.
+    /// Windows of this length end to end, +-150 ms in steps of 10 ms, biases up to 0.1 rad/s (five deviations of a consumer
+    /// grade's), active from 2 degrees/s, holes from five steps.
     pub fn new(window_s: f64) -> Options {
         Options {
             window_s,
             hop_s: window_s,
             max_lag_s: 0.15,
             lag_step_s: 0.01,
-            max_bias_rad_s: 0.05,
+            max_bias_rad_s: 0.1,
             active_rad_s: 2f64.to_radians(),
             hole_factor: 5.0,
         }
