@@ -33,6 +33,9 @@ const SIDE: &str = "on its side";
 /// What a sensor's finding says of a track that may be wrong instead.
 const MIRRORED: &str = "the track that it is held against is a mirror image";
 
+/// What a finding on a velocity says of the position that may be wrong instead.
+const POSITION: &str = "or the position beside it is wrong";
+
 /// Faults of inertial sensors.
 pub const IMU: &[Known] = &[
     (
@@ -64,7 +67,13 @@ pub const IMU: &[Known] = &[
     (
         "compass yaw",
         &[Error::CompassYaw],
-        (&["compass-yaw"], &["the yaw is a compass heading"]),
+        (
+            &["compass-yaw"],
+            &[
+                "the yaw is a compass heading",
+                "follows its gyro about one axis, and not about z",
+            ],
+        ),
     ),
     (
         "zero north",
@@ -138,11 +147,15 @@ pub const IMU: &[Known] = &[
 
 /// Faults of odometry.
 pub const ODOMETRY: &[Known] = &[
-    ("odom swapped", &[Error::SwapXy], (&["mirrored"], &[MIRRORED])),
-    ("odom -x", &[Error::XNegated], (&["mirrored"], &[MIRRORED])),
-    ("odom -y", &[Error::YNegated], (&["mirrored"], &[MIRRORED])),
-    ("odom left-handed", &[Error::LeftHanded], (&["mirrored"], &[MIRRORED])),
-    ("odom NED/FRD", &[Error::NedFrd], (&["mirrored"], &[MIRRORED])),
+    ("odom swapped", &[Error::SwapXy], (&["mirrored"], &[MIRRORED, POSITION])),
+    ("odom -x", &[Error::XNegated], (&["mirrored"], &[MIRRORED, POSITION])),
+    ("odom -y", &[Error::YNegated], (&["mirrored"], &[MIRRORED, POSITION])),
+    (
+        "odom left-handed",
+        &[Error::LeftHanded],
+        (&["mirrored"], &[MIRRORED, POSITION]),
+    ),
+    ("odom NED/FRD", &[Error::NedFrd], (&["mirrored"], &[MIRRORED, POSITION])),
     ("twist in world", &[Error::TwistInWorld], (&["header-frame"], &[])),
     ("twist reversed", &[Error::TwistReversed], (&["negated"], &[])),
     ("twist -y", &[Error::TwistYNegated], (&["y-negated"], &[])),
@@ -155,7 +168,11 @@ pub const ODOMETRY: &[Known] = &[
 ];
 
 /// Faults of satellite receivers.
-pub const FIX: &[Known] = &[("lat/lon swapped", &[Error::Swapped], (&["mirrored"], &[MIRRORED]))];
+pub const FIX: &[Known] = &[(
+    "lat/lon swapped",
+    &[Error::Swapped],
+    (&["mirrored"], &[MIRRORED, POSITION]),
+)];
 
 impl Fault {
     /// In words.

@@ -33,7 +33,7 @@ pub struct Limits {
 pub(super) struct Turned {
     pub(super) class: Sense,
     slope: Slope,
-    track: String,
+    pub(super) track: String,
     track_at: Place,
     is_geodetic: bool,
 }

@@ -80,6 +80,11 @@ fn judge_decided(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagno
         return out.fail(clockwise(imu, subject, decided, diagnosis, measured));
     }
     match offset_finding(imu, subject, decided, limits) {
+        Some(_) if diagnosis.owner.is_some_and(|owner| owner != "AXES04") => {
+            let seen = format!("the yaw is {:.0} deg from the course", heading.offset_rad.to_degrees());
+            let why = diagnosis.reported_elsewhere("AXES04", &seen).unwrap_or_default();
+            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        }
         Some(finding) => {
             let finding = finding.related(decided.track_at.clone(), TRACK);
             out.fail(measured.into_iter().fold(finding, Finding::measured));
@@ -91,7 +96,7 @@ fn judge_decided(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagno
 /// What was seen.
 pub(super) struct Decided {
     /// What reports call the track.
-    track: String,
+    pub(super) track: String,
     track_at: Place,
     /// Whether the track knows where east is.
     is_geodetic: bool,

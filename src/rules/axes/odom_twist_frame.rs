@@ -123,7 +123,8 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
         .as_ref()
         .map_or_else(|| "the child frame".to_owned(), |child| format!("`{child}`"));
     let message = format!(
-        "the velocity on {} is {}, not in {child}: so read it leaves {:.1} % of the motion of the pose, as defined {:.0} %",
+        "the velocity on {} is {}, not in {child}: so read it leaves {:.1} % of the motion of the pose, as defined {:.0} % (or the position beside it is \
+         wrong, and the velocity right)",
         stream.topic,
         best.0.words(),
         100.0 * best.1,
