@@ -48,6 +48,7 @@ fn main() {
     match arguments.iter().map(String::as_str).collect::<Vec<_>>().as_slice() {
         ["measure", how, file] => measure(how, Path::new(file)),
         ["rules", how, file] => each_rule(how, Path::new(file)),
+        ["write", recipe, images, file] => write(recipe, *images == "images", Path::new(file)),
         _ => compare(),
     }
 }
@@ -74,16 +75,23 @@ fn compare() {
             .bytes()
             .fold(0_u32, |mark, byte| mark.wrapping_mul(31).wrapping_add(byte.into()));
         let path = folder.join(format!("motion-{mark:08x}.mcap"));
+        let itself = std::env::current_exe().expect("this program has a path");
         if !path.exists() {
-            write(&recipe, has_images, &path);
+            println!("writing {}", path.display());
+            // Not here: the peak of memory is handed down to processes that are started later.
+            let images = if has_images { "images" } else { "" };
+            let status = Command::new(&itself)
+                .args(["write", &recipe, images])
+                .arg(&path)
+                .status();
+            assert!(status.is_ok_and(|status| status.success()));
         }
         println!(
             "\n{what}, {:.2} GB",
             path.metadata().expect("the drive is there").len() as f64 / 1e9
         );
         let run = |mode| {
-            let itself = std::env::current_exe().expect("this program has a path");
-            Command::new(itself)
+            Command::new(&itself)
                 .args([mode, how])
                 .arg(&path)
                 .output()
@@ -264,7 +272,6 @@ topics:
 
 /// Writes a recipe's recording; with images at 30 Hz and clouds at 10 Hz between its messages, where wanted.
 fn write(recipe: &str, has_images: bool, path: &Path) {
-    println!("writing {}", path.display());
     let unfinished = path.with_extension("unfinished");
     let motion = support::build(recipe);
     if has_images {

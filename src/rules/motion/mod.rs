@@ -32,6 +32,9 @@ pub(crate) use track::{Course, Follower, Span, Track, around, span_rad};
 pub(crate) use turned::Turned;
 pub(crate) use yaw::Yaws;
 
+/// So many receivers, and so many streams of poses, say where a platform went; a recording of more is of a fleet.
+const MAX_TRACKS: usize = 16;
+
 /// The streams of motion of each recording of a world, in its order.
 pub(crate) struct Motion {
     /// One for each of the world's recordings.
@@ -125,7 +128,14 @@ impl BagMotion {
             poses.frame.as_ref().is_none_or(names::is_world) && !is_left_out(poses.frame.as_ref())
         };
         fixes
-            .chain(self.poses.iter().filter(is_way).map(Stream::<PoseRow>::track))
+            .take(MAX_TRACKS)
+            .chain(
+                self.poses
+                    .iter()
+                    .filter(is_way)
+                    .map(Stream::<PoseRow>::track)
+                    .take(MAX_TRACKS),
+            )
             .collect()
     }
 

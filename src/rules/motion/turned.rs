@@ -5,7 +5,7 @@ use nalgebra::UnitQuaternion;
 use crate::math::readings::Reading;
 
 use super::stream::Stream;
-use super::track::around;
+use super::track::near;
 
 /// `world_from_body` over time, as published.
 pub(crate) struct Turned {
@@ -26,10 +26,7 @@ impl Turned {
 
     /// The orientation at a time, between two that are known and not farther apart than this.
     pub(crate) fn at(&self, t_s: f64, max_step_s: f64) -> Option<UnitQuaternion<f64>> {
-        let covers = |run: &&Vec<(f64, UnitQuaternion<f64>)>| {
-            run.first().is_some_and(|first| first.0 <= t_s) && run.last().is_some_and(|last| last.0 >= t_s)
-        };
-        let ([(from_s, from), (to_s, to)], share) = around(self.runs.iter().find(covers)?, t_s)?;
-        (to_s - from_s <= max_step_s).then(|| from.try_slerp(to, share, 1e-9).unwrap_or(*to))
+        let ([from, to], share) = near(&self.runs, t_s, max_step_s)?;
+        Some(from.try_slerp(to, share, 1e-9).unwrap_or(*to))
     }
 }

@@ -7,7 +7,7 @@ use crate::math::readings::Reading;
 use crate::world::motion::{InertialRow, OrientationRow, PoseRow};
 
 use super::stream::Stream;
-use super::track::around;
+use super::track::near;
 
 /// Longest step between two orientations that a yaw is interpolated over, seconds.
 const MAX_STEP_S: f64 = 2.5;
@@ -59,11 +59,7 @@ impl Yaws {
 
     /// The yaw at a time, between two that are known.
     pub(crate) fn at(&self, t_s: f64) -> Option<f64> {
-        let covers = |yaws: &&Vec<(f64, f64)>| {
-            yaws.first().is_some_and(|first| first.0 <= t_s) && yaws.last().is_some_and(|last| last.0 >= t_s)
-        };
-        let yaws = self.stretches.iter().find(covers)?;
-        let ([(t0, a), (t1, b)], share) = around(yaws, t_s)?;
-        (t1 - t0 <= MAX_STEP_S).then(|| a + wrapped(b - a) * share)
+        let ([a, b], share) = near(&self.stretches, t_s, MAX_STEP_S)?;
+        Some(a + wrapped(b - a) * share)
     }
 }
