@@ -103,14 +103,21 @@ fn short(path: &str) -> String {
     let path = path.trim_end_matches("/metadata.yaml");
     let names: Vec<&str> = path.rsplit('/').take(2).collect();
     let stem = names[0].rsplit_once('.').map_or(names[0], |(stem, _)| stem);
-    if stem.len() > 6 { stem.to_owned() } else { format!("{}/{stem}", names[1]) }
+    if stem.len() > 6 {
+        stem.to_owned()
+    } else {
+        format!("{}/{stem}", names[1])
+    }
 }
 
 /// Prints the matrix, a kind of stream after the other; gives the legend of what is neither named nor lacks streams.
 fn print(lines: &[Line]) -> Vec<String> {
     let mut reasons = Vec::new();
     for kind in ["imu", "poses", "fixes"] {
-        let lines: Vec<&Line> = lines.iter().filter(|line| line.name.contains(&format!(" {kind} "))).collect();
+        let lines: Vec<&Line> = lines
+            .iter()
+            .filter(|line| line.name.contains(&format!(" {kind} ")))
+            .collect();
         println!("\n## {kind}\n");
         for (number, line) in lines.iter().enumerate() {
             println!("{:3}  {}", number + 1, line.name);
@@ -133,7 +140,9 @@ fn print(lines: &[Line]) -> Vec<String> {
             println!("{:24}{row}", error.name);
         }
     }
-    println!("\nN named; n named among others that fit as well; p found, not named; - not evaluated; M missed; W wrong; . no such stream\n");
+    println!(
+        "\nN named; n named among others that fit as well; p found, not named; - not evaluated; M missed; W wrong; . no such stream\n"
+    );
     for reason in &reasons {
         println!("{reason}");
     }

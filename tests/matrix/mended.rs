@@ -20,7 +20,10 @@ pub fn mend(world: &mut World) -> Vec<String> {
             let up = rotation(row.orientation).inverse() * Vector3::z() * GRAVITY;
             row.acceleration = (Vector3::from(row.acceleration) + up).into();
         });
-        told.push(format!("{}: the acceleration without gravity gets it back", world.label));
+        told.push(format!(
+            "{}: the acceleration without gravity gets it back",
+            world.label
+        ));
     }
     world.absorb(Facts::default());
     told

@@ -40,7 +40,12 @@ pub struct Stream {
 impl Stream {
     /// Every stream of a world.
     pub fn all(world: &World) -> Vec<Self> {
-        world.bags.iter().enumerate().flat_map(|(bag, evidence)| of_bag(bag, evidence)).collect()
+        world
+            .bags
+            .iter()
+            .enumerate()
+            .flat_map(|(bag, evidence)| of_bag(bag, evidence))
+            .collect()
     }
 
     /// In a few words.
@@ -96,7 +101,10 @@ fn of_bag(bag: usize, evidence: &BagEvidence) -> Vec<Stream> {
             bag,
             kind,
             at: vec![At::Topic(said.topic.topic.clone(), said.field.map(str::to_owned))],
-            frames: frames.clone().map(|frame| frame.canonical().as_str().to_owned()).collect(),
+            frames: frames
+                .clone()
+                .map(|frame| frame.canonical().as_str().to_owned())
+                .collect(),
         };
         let motion = &said.content.motion;
         if motion.inertial.is_some() {
@@ -116,7 +124,11 @@ fn of_bag(bag: usize, evidence: &BagEvidence) -> Vec<Stream> {
             ways.insert((parent, child), stream(Kind::Poses));
         }
     }
-    for edge in evidence.tf.iter().filter(|edge| edge.motion.is_some() && !edge.is_static) {
+    for edge in evidence
+        .tf
+        .iter()
+        .filter(|edge| edge.motion.is_some() && !edge.is_static)
+    {
         let [parent, child] = [&edge.parent, &edge.child].map(|frame| frame.canonical().as_str().to_owned());
         if !WORLDS.contains(&parent.as_str()) {
             continue;

@@ -342,7 +342,7 @@ mod tests {
         let ned = told_in(Some(WorldAxes::Ned), None);
         let enu = ned.covariance(&values, false);
         let near = |at: usize, value: f64| assert!((enu[at] - value).abs() < 1e-12, "{at}: {}", enu[at]);
-        [
+        for (at, value) in [
             (0, 1.0),
             (7, 4.0),
             (14, 9.0),
@@ -351,8 +351,9 @@ mod tests {
             (35, 0.3),
             (1, 0.5),
             (8, -0.7),
-        ]
-        .map(|(at, value)| near(at, value));
+        ] {
+            near(at, value);
+        }
         assert_eq!(ned.covariance(&values, true), values);
     }
 
