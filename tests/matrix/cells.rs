@@ -41,9 +41,11 @@ impl Cell {
     pub fn said(&self) -> Option<&str> {
         match self {
             Self::Named => None,
-            Self::Among(said) | Self::Part(said) | Self::NotEvaluated(said) | Self::Missed(said) | Self::Wrong(said) => {
-                Some(said)
-            }
+            Self::Among(said)
+            | Self::Part(said)
+            | Self::NotEvaluated(said)
+            | Self::Missed(said)
+            | Self::Wrong(said) => Some(said),
         }
     }
 }
@@ -78,7 +80,10 @@ impl<'w> Judged<'w> {
             return Some(Cell::Wrong(format!("{} crashed", crashed.rule)));
         }
         let findings = new(&self.before, &after);
-        if let Some(wrong) = findings.iter().find(|finding| !error.is_named_by(finding) && !error.is_shown_by(finding)) {
+        if let Some(wrong) = findings
+            .iter()
+            .find(|finding| !error.is_named_by(finding) && !error.is_shown_by(finding))
+        {
             return Some(Cell::Wrong(said(wrong)));
         }
         if let Some(named) = findings.iter().find(|finding| error.is_named_by(finding)) {
@@ -110,8 +115,7 @@ impl<'w> Judged<'w> {
         let verdict = self.rules.judge(world);
         let words = self.stream.words();
         let is_mine = |row: &&Row| {
-            error.seen_by.contains(&row.rule.as_str())
-                && (row.subject == "platform" || words.iter().any(|word| row.subject.contains(word)))
+            error.is_seen_in(row) && (row.subject == "platform" || words.iter().any(|word| row.subject.contains(word)))
         };
         let rows: Vec<&Row> = verdict.rows.iter().filter(is_mine).collect();
         if let Some(pass) = rows.iter().find(|row| row.outcome == Outcome::Pass) {
@@ -144,8 +148,23 @@ fn measured(row: &Row) -> String {
 /// Findings that are not among those before, whatever their numbers.
 fn new<'v>(before: &Verdict, after: &'v Verdict) -> Vec<&'v Finding> {
     let key = |finding: &Finding| {
-        let text: String = finding.message.chars().filter(|c| !c.is_ascii_digit() && !"+-.".contains(*c)).collect();
-        (finding.rule.clone(), finding.subject.clone(), finding.relation.clone(), text)
+        let text: String = finding
+            .message
+            .chars()
+            .filter(|c| !c.is_ascii_digit() && !"+-.".contains(*c))
+            .collect();
+        // What a tree lists changes with every number of its transforms.
+        let text = if finding.rule.starts_with("TREE") {
+            String::new()
+        } else {
+            text
+        };
+        (
+            finding.rule.clone(),
+            finding.subject.clone(),
+            finding.relation.clone(),
+            text,
+        )
     };
     let mut known: BTreeMap<_, usize> = BTreeMap::new();
     for finding in &before.findings {
@@ -163,5 +182,8 @@ fn new<'v>(before: &Verdict, after: &'v Verdict) -> Vec<&'v Finding> {
 
 fn said(finding: &Finding) -> String {
     let relation = finding.relation.as_deref().unwrap_or("no relation");
-    format!("{} ({relation}, {:?} {:?}) {}: {}", finding.rule, finding.severity, finding.confidence, finding.subject, finding.message)
+    format!(
+        "{} ({relation}, {:?} {:?}) {}: {}",
+        finding.rule, finding.severity, finding.confidence, finding.subject, finding.message
+    )
 }

@@ -1,6 +1,6 @@
 //! The errors, what they do to evidence, what names each of them, and the rules that see it wherever they judge.
 
-use frames_lint::verdict::Finding;
+use frames_lint::verdict::{Finding, Row};
 use frames_lint::world::World;
 use frames_lint::world::content::{ContentEvidence, CovarianceAt};
 use frames_lint::world::motion::{FixRow, InertialRow, PoseRow, Series, Twist};
@@ -37,8 +37,13 @@ enum Needs {
     Nothing,
     Orientation,
     Gyro,
-    Acceleration,
+    /// Gravity in the acceleration.
+    Gravity,
+    /// A frame that moves, of which the pose is.
+    Child,
     Twist,
+    /// A velocity to the side.
+    Aside,
     Covariance,
     TwistCovariance,
 }
@@ -83,66 +88,481 @@ macro_rules! poses {
 const MIRRORED: &str = "the track that it is held against is a mirror image";
 
 static ERRORS: &[Error] = &[
-    imu!("NED/FRD", Nothing, [NedFrd], ["ned-frd"], ["all of it is told in NED/FRD"], ["AXES01", "AXES03", "AXES05"]),
-    imu!("NED orientation", Orientation, [NedOrientation], ["ned-orientation"], ["the orientation alone is told in NED/FRD"], ["QUAT01", "AXES04"]),
-    imu!("NED world", Orientation, [NedWorld], ["ned-world"], ["the world of the orientation is north, east, down"], ["AXES03", "AXES04"]),
-    imu!("conjugate", Orientation, [Conjugate], ["inverse"], ["the orientation is the inverse one"], ["QUAT01", "AXES04"]),
-    imu!("wxyz", Orientation, [Wxyz], ["wxyz"], ["stand as w, x, y, z"], ["QUAT01"]),
-    imu!("wxyz, conjugate", Orientation, [Conjugate, Wxyz], ["wxyz-inverse"], ["stand as w, x, y, z, of the inverse"], ["QUAT01"]),
-    imu!("compass yaw", Orientation, [CompassYaw], ["compass-yaw"], ["the yaw is a compass heading"], ["QUAT01", "AXES04"]),
-    imu!("zero north", Orientation, [ZeroNorth], [], ["a yaw that is zero in the north"], ["AXES04"]),
-    imu!("y forward", Nothing, [YForward], ["turned-mount"], ["its y axis points forward", "whose y axis points forward"], ["AXES06"]),
-    imu!("mounted at 90", Nothing, [Yaw90], ["turned-mount"], ["mounted turned about z", "a sensor turned to the left"], ["AXES06"]),
-    imu!("mounted at 180", Nothing, [Backward], ["turned-mount"], ["mounted turned about z", "a sensor mounted backwards"], ["AXES06"]),
-    imu!("upside down", Nothing, [Inverted], ["upside-down"], ["the sensor is mounted upside down"], ["AXES01", "AXES05"]),
-    error!("on its side", Change::Imu(Needs::Nothing, |row| row.change_body(&on_side())), ["on-its-side"], ["the sensor is mounted on its side"], ["AXES01"]),
-    imu!("Euler XYZ", Orientation, [EulerXyz], ["rx-ry-rz", "xyz"], ["follows its gyro about one axis", "put together as Rx Ry Rz", "Rx(roll) Ry(pitch) Rz(yaw)"], ["QUAT03"]),
-    imu!("left-handed", Nothing, [LeftHanded], ["mirrored"], ["all of it is told in left-handed axes"], ["AXES05", "AXES04"]),
-    imu!("gyro, accel FRD", Nothing, [Frd], ["sensor-frd"], ["gyro and accelerometer are told in FRD"], ["QUAT01", "AXES01", "AXES05"]),
-    error!("gyro FRD", Change::Imu(Needs::Gyro, |row| row.gyro = [row.gyro[0], -row.gyro[1], -row.gyro[2]]), ["gyro-frd"], ["the gyro alone is told in FRD"], ["QUAT01", "AXES05"]),
-    imu!("gyro negated", Gyro, [GyroNegated], ["gyro-negated"], ["the gyro's rates have the other sign"], ["QUAT01", "AXES05"]),
-    imu!("gyro deg/s", Gyro, [DegS], [], ["the gyro is in deg/s"], ["AXES02"]),
-    imu!("accel in g", Acceleration, [G], [], ["in units of gravity (g)"], ["AXES02"]),
-    imu!("accel cm/s2", Acceleration, [CmS2], [], ["as in cm/s2"], ["AXES02"]),
-    imu!("accel negated", Acceleration, [GravitySign], ["gravity-sign"], ["the accelerometer has the other sign"], ["AXES01", "AXES03"]),
-    error!("gravity removed", Change::Imu(Needs::Acceleration, gravity_removed), [], ["where gravity was taken off"], ["AXES02"]),
-    error!("body alone FRD", Change::Imu(Needs::Orientation, |row| row.orientation = slots(rotation(row.orientation) * frd_from_flu())), ["frd-body"], ["the body of the orientation"], ["QUAT01", "AXES03"]),
-    error!("sides changed", Change::Imu(Needs::Orientation, |row| row.orientation = slots(frd_from_flu() * ned_from_enu() * rotation(row.orientation) * frd_from_flu() * ned_from_enu())), ["z90", "z-90"], ["stands on the"], ["QUAT01", "QUAT04"]),
-    error!("stamps +0.3 s", Change::Stamps(0.3), [], ["shows the motion 0.2", "shows the motion 0.3", "shows the motion 0.4"], ["TIME09"]),
-    error!("stamps +18 s", Change::Stamps(18.0), [], ["18"], ["TIME01", "TIME02"]),
-    error!("covariance deg2", Change::Imu(Needs::Covariance, |row| row.apply(Known::CovarianceDegrees, GRAVITY)), ["degrees"], [], ["COV05"]),
-    error!("covariance std", Change::Imu(Needs::Covariance, |row| row.apply(Known::CovarianceStd, GRAVITY)), ["deviations"], [], ["COV05"]),
-    poses!("x, y swapped", Nothing, [SwapXy], ["mirrored"], [MIRRORED], ["AXES07", "AXES08"]),
-    poses!("y negated", Nothing, [YNegated], ["mirrored"], [MIRRORED], ["AXES07", "AXES08"]),
-    poses!("wxyz", Orientation, [Wxyz], ["wxyz"], ["w, x, y, z"], ["QUAT01", "QUAT04", "AXES08", "AXES13"]),
-    poses!("conjugate", Orientation, [Conjugate], ["inverse"], ["inverse"], ["AXES08", "AXES13"]),
-    poses!("NED/FRD", Nothing, [NedFrd], ["z-down", "ned", "mirrored"], ["north, east, down", MIRRORED], ["AXES07", "AXES14"]),
-    poses!("z down", Nothing, [NedWorld], ["z-down", "ned", "mirrored"], ["north, east, down", MIRRORED], ["AXES07", "AXES14"]),
-    poses!("left-handed", Nothing, [LeftHanded], ["mirrored"], [MIRRORED], ["AXES07"]),
-    poses!("base FRD", Orientation, [Inverted], ["frd"], ["forward, right, down"], ["AXES13"]),
-    poses!("base y forward", Orientation, [YForward], ["rfu"], ["right, forward, up"], ["AXES13"]),
-    poses!("base backward", Orientation, [Backward], ["bru"], ["backward"], ["AXES13"]),
-    error!("body turned on the left", Change::Poses(Needs::Orientation, |row| row.pose.orientation = slots(turned() * rotation(row.pose.orientation))), ["x180"], ["stands on the"], ["QUAT04", "AXES13", "AXES08"]),
-    error!("world turned on the right", Change::Poses(Needs::Orientation, |row| row.pose.orientation = slots(rotation(row.pose.orientation) * turn(0.5))), [], ["stands on the"], ["QUAT04", "AXES08"]),
-    poses!("twist in world", Twist, [TwistInWorld], ["header-frame"], [], ["AXES08"]),
-    poses!("twist reversed", Twist, [TwistReversed], ["negated"], [], ["AXES08"]),
-    poses!("twist y negated", Twist, [TwistYNegated], ["y-negated"], [], ["AXES08"]),
-    poses!("twist x, y swapped", Twist, [TwistSwapped], ["xy-swapped"], [], ["AXES08"]),
-    poses!("yaw rate negated", Twist, [TwistYawNegated], [], ["has the opposite sign"], ["AXES08"]),
-    error!("yaw rate deg/s", Change::Poses(Needs::Twist, |row| row.angular = row.angular.map(f64::to_degrees)), [], ["deg/s"], ["AXES08"]),
-    error!("UTM grid", Change::Places(|there, origin| { let (e, n) = there.utm(origin.utm_meridian()); let (e0, n0) = origin.utm(origin.utm_meridian()); [e - e0, n - n0, there.altitude - origin.altitude] }), ["utm-grid"], [], ["GEO04"]),
-    error!("UTM", Change::Places(|there, origin| { let (e, n) = there.utm(origin.utm_meridian()); [e, n, there.altitude] }), ["utm"], [], ["GEO03"]),
-    error!("ECEF", Change::Places(|there, _| there.ecef().into()), ["ecef"], [], ["GEO03"]),
-    error!("in degrees", Change::Places(|there, _| [there.longitude, there.latitude, there.altitude]), ["degrees"], [], ["GEO03"]),
-    poses!("covariance deg2", Covariance, [CovarianceDegrees], ["degrees"], [], ["COV05"]),
-    poses!("covariance std", Covariance, [CovarianceStd], ["deviations"], [], ["COV05"]),
-    poses!("covariance order", Covariance, [CovarianceRotationFirst], ["rotation-first"], [], ["COV02"]),
-    error!("covariance in body", Change::Poses(Needs::Covariance, |row| { let back = rotation(row.pose.orientation).inverse(); crate::support::drive::covariance::rotate6(&mut row.pose.covariance, &back.to_rotation_matrix(), &back.to_rotation_matrix()) }), ["not-rotated"], [], ["COV04"]),
-    poses!("twist cov. in world", TwistCovariance, [TwistCovarianceInWorld], ["in-world"], [], ["COV04"]),
-    error!("lat/lon swapped", Change::Fixes(|row| row.apply(Known::Swapped, UNDULATION_M)), ["mirrored", "swapped"], [MIRRORED, "swapped"], ["AXES07", "AXES05", "GEO01"]),
-    error!("radians", Change::Fixes(|row| row.apply(Known::Radians, UNDULATION_M)), ["radians"], ["radians"], ["GEO01", "AXES07"]),
-    error!("E7", Change::Fixes(|row| row.apply(Known::E7, UNDULATION_M)), [], ["1e-7", "1e7"], ["GEO01"]),
-    error!("MSL altitude", Change::Fixes(|row| row.apply(Known::Msl, UNDULATION_M)), ["msl-as-ellipsoidal"], [], ["GEO06"]),
+    imu!(
+        "NED/FRD",
+        Nothing,
+        [NedFrd],
+        ["ned-frd"],
+        ["all of it is told in NED/FRD"],
+        ["AXES01", "AXES03", "AXES05"]
+    ),
+    imu!(
+        "NED orientation",
+        Orientation,
+        [NedOrientation],
+        ["ned-orientation"],
+        ["the orientation alone is told in NED/FRD"],
+        ["QUAT01", "AXES04"]
+    ),
+    imu!(
+        "NED world",
+        Orientation,
+        [NedWorld],
+        ["ned-world"],
+        ["the world of the orientation is north, east, down"],
+        ["AXES03", "AXES04"]
+    ),
+    imu!(
+        "conjugate",
+        Orientation,
+        [Conjugate],
+        ["inverse"],
+        ["the orientation is the inverse one"],
+        ["QUAT01", "AXES04"]
+    ),
+    imu!(
+        "wxyz",
+        Orientation,
+        [Wxyz],
+        ["wxyz"],
+        ["stand as w, x, y, z"],
+        ["QUAT01"]
+    ),
+    imu!(
+        "wxyz, conjugate",
+        Orientation,
+        [Conjugate, Wxyz],
+        ["wxyz-inverse"],
+        ["stand as w, x, y, z, of the inverse"],
+        ["QUAT01"]
+    ),
+    imu!(
+        "compass yaw",
+        Orientation,
+        [CompassYaw],
+        ["compass-yaw"],
+        ["the yaw is a compass heading"],
+        ["QUAT01", "AXES04"]
+    ),
+    imu!(
+        "zero north",
+        Orientation,
+        [ZeroNorth],
+        [],
+        ["a yaw that is zero in the north"],
+        ["AXES04"]
+    ),
+    imu!(
+        "y forward",
+        Nothing,
+        [YForward],
+        ["turned-mount"],
+        ["its y axis points forward", "whose y axis points forward"],
+        ["AXES06"]
+    ),
+    imu!(
+        "mounted at 90",
+        Nothing,
+        [Yaw90],
+        ["turned-mount"],
+        ["mounted turned about z", "a sensor turned to the left"],
+        ["AXES06"]
+    ),
+    imu!(
+        "mounted at 180",
+        Nothing,
+        [Backward],
+        ["turned-mount"],
+        ["mounted turned about z", "a sensor mounted backwards"],
+        ["AXES06"]
+    ),
+    imu!(
+        "upside down",
+        Nothing,
+        [Inverted],
+        ["upside-down"],
+        ["the sensor is mounted upside down"],
+        ["AXES01", "AXES05"]
+    ),
+    error!(
+        "on its side",
+        Change::Imu(Needs::Nothing, |row| row.change_body(&on_side())),
+        ["on-its-side"],
+        ["the sensor is mounted on its side"],
+        ["AXES01"]
+    ),
+    imu!(
+        "Euler XYZ",
+        Orientation,
+        [EulerXyz],
+        ["rx-ry-rz", "xyz"],
+        [
+            "follows its gyro about one axis",
+            "put together as Rx Ry Rz",
+            "Rx(roll) Ry(pitch) Rz(yaw)"
+        ],
+        ["QUAT03"]
+    ),
+    imu!(
+        "left-handed",
+        Nothing,
+        [LeftHanded],
+        ["mirrored"],
+        ["all of it is told in left-handed axes"],
+        ["AXES05", "AXES04"]
+    ),
+    imu!(
+        "gyro, accel FRD",
+        Nothing,
+        [Frd],
+        ["sensor-frd"],
+        ["gyro and accelerometer are told in FRD"],
+        ["QUAT01", "AXES01", "AXES05"]
+    ),
+    error!(
+        "gyro FRD",
+        Change::Imu(Needs::Gyro, |row| row.gyro = [row.gyro[0], -row.gyro[1], -row.gyro[2]]),
+        ["gyro-frd"],
+        ["the gyro alone is told in FRD"],
+        ["QUAT01", "AXES05"]
+    ),
+    imu!(
+        "gyro negated",
+        Gyro,
+        [GyroNegated],
+        ["gyro-negated"],
+        ["the gyro's rates have the other sign"],
+        ["QUAT01", "AXES05"]
+    ),
+    imu!(
+        "gyro deg/s",
+        Gyro,
+        [DegS],
+        [],
+        ["the gyro is in deg/s"],
+        ["AXES02 angular", "QUAT01"]
+    ),
+    imu!(
+        "accel in g",
+        Gravity,
+        [G],
+        [],
+        ["in units of gravity (g)"],
+        ["AXES02 acceleration"]
+    ),
+    imu!(
+        "accel cm/s2",
+        Gravity,
+        [CmS2],
+        [],
+        ["as in cm/s2"],
+        ["AXES02 acceleration"]
+    ),
+    imu!(
+        "accel negated",
+        Gravity,
+        [GravitySign],
+        ["gravity-sign"],
+        ["the accelerometer has the other sign"],
+        ["AXES01", "AXES03"]
+    ),
+    error!(
+        "gravity removed",
+        Change::Imu(Needs::Gravity, gravity_removed),
+        [],
+        ["where gravity was taken off"],
+        ["AXES02 acceleration"]
+    ),
+    error!(
+        "body alone FRD",
+        Change::Imu(Needs::Orientation, |row| row.orientation =
+            slots(rotation(row.orientation) * frd_from_flu())),
+        ["frd-body"],
+        ["the body of the orientation alone is"],
+        ["QUAT01", "AXES03"]
+    ),
+    error!(
+        "sides changed",
+        Change::Imu(Needs::Orientation, |row| row.orientation = slots(
+            frd_from_flu() * ned_from_enu() * rotation(row.orientation) * frd_from_flu() * ned_from_enu()
+        )),
+        ["z90", "z-90", "euler-zxy-yaw-pitch-roll"],
+        ["stands on the", "a sensor mounted backwards"],
+        ["AXES04"]
+    ),
+    error!(
+        "stamps +0.3 s",
+        Change::Stamps(0.3),
+        [],
+        ["ahead of the log clock", "the motion"],
+        ["TIME02", "TIME09"]
+    ),
+    error!(
+        "stamps -0.3 s",
+        Change::Stamps(-0.3),
+        [],
+        ["behind the log clock", "the motion"],
+        ["TIME09"]
+    ),
+    error!(
+        "stamps +18 s",
+        Change::Stamps(18.0),
+        [],
+        ["18 ", "ahead of the log clock"],
+        ["TIME01", "TIME02"]
+    ),
+    error!(
+        "covariance deg2",
+        Change::Imu(Needs::Covariance, |row| row.apply(Known::CovarianceDegrees, GRAVITY)),
+        ["degrees"],
+        [],
+        ["COV05"]
+    ),
+    poses!(
+        "x, y swapped",
+        Nothing,
+        [SwapXy],
+        ["mirrored"],
+        [MIRRORED],
+        ["AXES07", "AXES08 velocity"]
+    ),
+    poses!(
+        "y negated",
+        Nothing,
+        [YNegated],
+        ["mirrored"],
+        [MIRRORED],
+        ["AXES07", "AXES08 velocity"]
+    ),
+    poses!(
+        "wxyz",
+        Child,
+        [Wxyz],
+        ["wxyz"],
+        ["w, x, y, z", "w x y z"],
+        ["QUAT02", "AXES08 velocity", "AXES13"]
+    ),
+    poses!(
+        "conjugate",
+        Child,
+        [Conjugate],
+        ["inverse"],
+        ["inverse"],
+        ["AXES08", "AXES13"]
+    ),
+    poses!(
+        "NED/FRD",
+        Nothing,
+        [NedFrd],
+        ["z-down", "ned", "mirrored"],
+        ["north, east, down", "has z down", MIRRORED],
+        ["AXES07", "AXES14"]
+    ),
+    poses!(
+        "z down",
+        Nothing,
+        [NedWorld],
+        ["z-down", "ned", "mirrored"],
+        ["north, east, down", "has z down", MIRRORED],
+        ["AXES07", "AXES14"]
+    ),
+    poses!(
+        "left-handed",
+        Nothing,
+        [LeftHanded],
+        ["mirrored"],
+        [MIRRORED],
+        ["AXES07"]
+    ),
+    poses!(
+        "base FRD",
+        Child,
+        [Inverted],
+        ["frd"],
+        ["forward, right, down"],
+        ["AXES13"]
+    ),
+    poses!(
+        "base y forward",
+        Child,
+        [YForward],
+        ["rfu"],
+        ["right, forward, up"],
+        ["AXES13"]
+    ),
+    poses!("base backward", Child, [Backward], ["bru"], ["backward"], ["AXES13"]),
+    error!(
+        "body turned on the left",
+        Change::Poses(Needs::Child, |row| row.pose.orientation =
+            slots(turned() * rotation(row.pose.orientation))),
+        ["x180", "frd"],
+        ["stands on the", "-z points up"],
+        ["QUAT04", "AXES13", "AXES08 velocity"]
+    ),
+    error!(
+        "world turned on the right",
+        Change::Poses(Needs::Child, |row| row.pose.orientation =
+            slots(rotation(row.pose.orientation) * turn(-std::f64::consts::FRAC_PI_2))),
+        ["rfu"],
+        ["stands on the"],
+        ["QUAT04", "AXES08 velocity", "AXES13"]
+    ),
+    poses!(
+        "twist in world",
+        Twist,
+        [TwistInWorld],
+        ["header-frame"],
+        [],
+        ["AXES08 velocity"]
+    ),
+    poses!(
+        "twist reversed",
+        Twist,
+        [TwistReversed],
+        ["negated"],
+        [],
+        ["AXES08 velocity"]
+    ),
+    poses!(
+        "twist y negated",
+        Aside,
+        [TwistYNegated],
+        ["y-negated"],
+        [],
+        ["AXES08 velocity"]
+    ),
+    poses!(
+        "twist x, y swapped",
+        Twist,
+        [TwistSwapped],
+        ["xy-swapped"],
+        [],
+        ["AXES08 velocity"]
+    ),
+    poses!(
+        "yaw rate negated",
+        Twist,
+        [TwistYawNegated],
+        [],
+        ["has the opposite sign"],
+        ["AXES08 turning"]
+    ),
+    error!(
+        "yaw rate deg/s",
+        Change::Poses(Needs::Twist, |row| row.angular = row.angular.map(f64::to_degrees)),
+        [],
+        ["is in degrees"],
+        ["AXES08 turning"]
+    ),
+    error!(
+        "UTM grid",
+        Change::Places(|there, origin| {
+            let (e, n) = there.utm(origin.utm_meridian());
+            let (e0, n0) = origin.utm(origin.utm_meridian());
+            [e - e0, n - n0, there.altitude - origin.altitude]
+        }),
+        ["utm-grid"],
+        [],
+        ["GEO04"]
+    ),
+    error!(
+        "UTM",
+        Change::Places(|there, origin| {
+            let (e, n) = there.utm(origin.utm_meridian());
+            [e, n, there.altitude]
+        }),
+        ["utm"],
+        [],
+        ["GEO03"]
+    ),
+    error!(
+        "ECEF",
+        Change::Places(|there, _| there.ecef().into()),
+        ["ecef"],
+        [],
+        ["GEO03"]
+    ),
+    error!(
+        "in degrees",
+        Change::Places(|there, _| [there.longitude, there.latitude, there.altitude]),
+        ["degrees"],
+        [],
+        ["GEO03"]
+    ),
+    poses!(
+        "covariance deg2",
+        Covariance,
+        [CovarianceDegrees],
+        ["degrees"],
+        [],
+        ["COV05"]
+    ),
+    poses!(
+        "covariance std",
+        Covariance,
+        [CovarianceStd],
+        ["deviations"],
+        [],
+        ["COV05 units"]
+    ),
+    poses!(
+        "covariance order",
+        Covariance,
+        [CovarianceRotationFirst],
+        ["rotation-first"],
+        [],
+        ["COV02"]
+    ),
+    error!(
+        "covariance in body",
+        Change::Poses(Needs::Covariance, |row| {
+            let back = rotation(row.pose.orientation).inverse();
+            crate::support::drive::covariance::rotate6(
+                &mut row.pose.covariance,
+                &back.to_rotation_matrix(),
+                &back.to_rotation_matrix(),
+            )
+        }),
+        ["not-rotated"],
+        [],
+        ["COV04"]
+    ),
+    poses!(
+        "twist cov. in world",
+        TwistCovariance,
+        [TwistCovarianceInWorld],
+        ["in-world"],
+        [],
+        ["COV04"]
+    ),
+    error!(
+        "lat/lon swapped",
+        Change::Fixes(|row| row.apply(Known::Swapped, UNDULATION_M)),
+        ["mirrored", "swapped"],
+        [MIRRORED, "swapped"],
+        ["AXES07"]
+    ),
+    error!(
+        "radians",
+        Change::Fixes(|row| row.apply(Known::Radians, UNDULATION_M)),
+        ["radians"],
+        ["radians"],
+        ["GEO01", "AXES07"]
+    ),
+    error!(
+        "E7",
+        Change::Fixes(|row| row.apply(Known::E7, UNDULATION_M)),
+        [],
+        ["1e-7", "1e7"],
+        ["GEO01"]
+    ),
+    error!(
+        "MSL altitude",
+        Change::Fixes(|row| row.apply(Known::Msl, UNDULATION_M)),
+        ["msl-as-ellipsoidal"],
+        [],
+        ["GEO06"]
+    ),
 ];
 
 /// Every error.
@@ -160,7 +580,9 @@ fn on_side() -> Rotation3<f64> {
 
 /// Takes off gravity where the orientation says that it is; without one along the sensor's z.
 fn gravity_removed(row: &mut ImuRow) {
-    if Vector3::from([row.orientation[0], row.orientation[1], row.orientation[2]]).norm() + row.orientation[3].abs() > 0.5 {
+    if Vector3::from([row.orientation[0], row.orientation[1], row.orientation[2]]).norm() + row.orientation[3].abs()
+        > 0.5
+    {
         row.apply(Known::GravityRemoved, GRAVITY);
     } else {
         row.acceleration[2] -= GRAVITY;
@@ -171,28 +593,54 @@ impl Error {
     /// Whether a finding names it, alone or among those that it says fit as well.
     pub fn is_named_by(&self, finding: &Finding) -> bool {
         let relation = finding.relation.as_deref();
-        relation.is_some_and(|word| self.words.contains(&word)) || self.texts.iter().any(|text| finding.message.contains(text))
+        relation.is_some_and(|word| self.words.contains(&word))
+            || self.texts.iter().any(|text| finding.message.contains(text))
     }
 
     /// Whether a finding shows it and names nothing else.
     pub fn is_shown_by(&self, finding: &Finding) -> bool {
         let names = finding.relation.as_deref().is_some_and(|word| word != "clockwise-yaw");
-        self.seen_by.contains(&finding.rule.as_str()) && !names && !finding.message.contains("what fits all")
+        let is_seen = self.seen_by.iter().any(|seen| seen.starts_with(finding.rule.as_str()));
+        // A base that is tilted shows in the tree, too.
+        (is_seen || finding.rule == "TREE13") && !names && !finding.message.contains("what fits all")
+    }
+
+    /// Whether a row is of a rule that must see it.
+    pub fn is_seen_in(&self, row: &Row) -> bool {
+        self.seen_by.iter().any(|seen| {
+            let (code, subject) = seen.split_once(' ').unwrap_or((seen, ""));
+            row.rule == code && (row.subject == "platform" || row.subject.starts_with(subject))
+        })
+    }
+
+    /// The kind of stream that it is put into.
+    pub fn kind(&self) -> Kind {
+        match self.change {
+            Change::Imu(..) | Change::Stamps(_) => Kind::Imu,
+            Change::Poses(..) | Change::Places(_) => Kind::Poses,
+            Change::Fixes(_) => Kind::Fixes,
+        }
     }
 
     /// Puts the error into a stream; false where it cannot have it.
     pub fn inject(&self, world: &mut World, stream: &Stream) -> bool {
         match (self.change, stream.kind) {
-            (Change::Imu(needs, change), Kind::Imu) => has(world, stream, needs) && {
-                as_imu_rows(world, Some(stream), change);
-                true
-            },
+            (Change::Imu(needs, change), Kind::Imu) => {
+                has(world, stream, needs) && {
+                    as_imu_rows(world, Some(stream), change);
+                    true
+                }
+            }
             (Change::Stamps(seconds), Kind::Imu) => places::restamp(world, stream, seconds),
-            (Change::Poses(needs, change), Kind::Poses) => has(world, stream, needs) && {
-                as_odometry_rows(world, stream, change);
-                true
-            },
+            (Change::Poses(needs, change), Kind::Poses) => {
+                has(world, stream, needs) && {
+                    as_odometry_rows(world, stream, change);
+                    true
+                }
+            }
             (Change::Places(change), Kind::Poses) => places::put(world, stream, change),
+            // Above the ellipsoid by definition is the altitude of NavSatFix alone.
+            (Change::Fixes(_), Kind::Fixes) if self.name == "MSL altitude" && !stream.is_standard => false,
             (Change::Fixes(change), Kind::Fixes) => {
                 stream.contents(world, |content| change_fixes(content, change));
                 true
@@ -213,16 +661,46 @@ fn has(world: &World, stream: &Stream, needs: Needs) -> bool {
     let mut world = world.clone();
     let edges = edges(&mut world, stream).into_iter().any(|_| true);
     found |= edges && needs == Needs::Orientation;
+    found |= needs == Needs::Child && stream.is_of_base;
     stream.contents(&mut world, |content| {
         let inertial = || content.motion.inertial.iter().flat_map(Series::rows);
         let poses = || content.motion.poses.iter().flat_map(Series::rows);
-        let covers = |field: &str| content.covariances.get(field).is_some_and(|one| one.all_zero < one.count && one.minus_one < one.count);
+        let covers = |field: &str| {
+            content
+                .covariances
+                .get(field)
+                .is_some_and(|one| one.all_zero < one.count && one.minus_one < one.count)
+        };
         found |= match needs {
             Needs::Nothing => true,
-            Needs::Orientation => differ(Box::new(inertial().map(|row| row.orientation).chain(poses().map(|row| row.orientation)))),
+            Needs::Orientation => differ(Box::new(
+                inertial()
+                    .map(|row| row.orientation)
+                    .chain(poses().map(|row| row.orientation)),
+            )),
             Needs::Gyro => inertial().any(|row| moves(row.angular_velocity)),
-            Needs::Acceleration => inertial().any(|row| moves(row.linear_acceleration)),
-            Needs::Twist => poses().any(|row| row.twist.is_some_and(|twist| moves(twist.linear) || moves(twist.angular))),
+            Needs::Gravity => {
+                let mut lengths: Vec<f64> = inertial()
+                    .map(|row| Vector3::from(row.linear_acceleration).norm())
+                    .collect();
+                lengths.sort_by(f64::total_cmp);
+                lengths
+                    .get(lengths.len() / 2)
+                    .is_some_and(|length| (length / GRAVITY - 1.0).abs() < 0.12)
+            }
+            Needs::Child => false,
+            Needs::Aside => {
+                let sum = |axis: usize| {
+                    poses()
+                        .filter_map(|row| Some(row.twist?.linear[axis].powi(2)))
+                        .sum::<f64>()
+                };
+                sum(1) >= 0.03_f64.powi(2) * (sum(0) + sum(1))
+            }
+            Needs::Twist => poses().any(|row| {
+                row.twist
+                    .is_some_and(|twist| moves(twist.linear) || moves(twist.angular))
+            }),
             Needs::Covariance => covers("orientation_covariance") || covers("pose.covariance"),
             Needs::TwistCovariance => covers("twist.covariance"),
         };
@@ -234,12 +712,20 @@ fn has(world: &World, stream: &Stream, needs: Needs) -> bool {
 pub fn as_imu_rows(world: &mut World, stream: Option<&Stream>, change: impl Fn(&mut ImuRow)) {
     let all: Vec<Stream> = match stream {
         Some(stream) => vec![stream.clone()],
-        None => Stream::all(world).into_iter().filter(|stream| stream.kind == Kind::Imu).collect(),
+        None => Stream::all(world)
+            .into_iter()
+            .filter(|stream| stream.kind == Kind::Imu)
+            .collect(),
     };
     for stream in all {
         stream.contents(world, |content| {
             let mut scale = 1.0;
-            for row in content.motion.inertial.iter_mut().flat_map(|series| series.stretches.iter_mut().flatten()) {
+            for row in content
+                .motion
+                .inertial
+                .iter_mut()
+                .flat_map(|series| series.stretches.iter_mut().flatten())
+            {
                 let mut told = imu_row(row);
                 let length = |gyro: [f64; 3]| Vector3::from(gyro).norm();
                 let before = length(told.gyro);
@@ -257,10 +743,16 @@ pub fn as_imu_rows(world: &mut World, stream: Option<&Stream>, change: impl Fn(&
                 imu.angular_velocity_rms *= scale;
                 imu.turned_rad *= scale;
             }
-            let fields = ["orientation_covariance", "angular_velocity_covariance", "linear_acceleration_covariance"];
+            let fields = [
+                "orientation_covariance",
+                "angular_velocity_covariance",
+                "linear_acceleration_covariance",
+            ];
             for (number, field) in fields.into_iter().enumerate() {
                 each_covariance(content, field, |sample| {
-                    let Ok(values) = <[f64; 9]>::try_from(sample.values.as_slice()) else { return };
+                    let Ok(values) = <[f64; 9]>::try_from(sample.values.as_slice()) else {
+                        return;
+                    };
                     if values[0] < 0.0 {
                         return;
                     }
@@ -274,7 +766,12 @@ pub fn as_imu_rows(world: &mut World, stream: Option<&Stream>, change: impl Fn(&
                         acceleration_covariance: values,
                     };
                     change(&mut told);
-                    sample.values = [told.orientation_covariance, told.gyro_covariance, told.acceleration_covariance][number].to_vec();
+                    sample.values = [
+                        told.orientation_covariance,
+                        told.gyro_covariance,
+                        told.acceleration_covariance,
+                    ][number]
+                        .to_vec();
                 });
             }
         });
@@ -296,9 +793,17 @@ fn imu_row(row: &InertialRow) -> ImuRow {
 /// Changes poses of topics and of TF, and what else says the same.
 fn as_odometry_rows(world: &mut World, stream: &Stream, change: fn(&mut OdometryRow)) {
     let row_of = |row: &PoseRow, pose: [f64; 36], twist: [f64; 36]| {
-        let velocity = row.twist.unwrap_or(Twist { linear: [0.0; 3], angular: [0.0; 3] });
+        let velocity = row.twist.unwrap_or(Twist {
+            linear: [0.0; 3],
+            angular: [0.0; 3],
+        });
         let mut told = OdometryRow {
-            pose: Pose { t_s: 0.0, position: row.position, orientation: row.orientation, covariance: pose },
+            pose: Pose {
+                t_s: 0.0,
+                position: row.position,
+                orientation: row.orientation,
+                covariance: pose,
+            },
             linear: velocity.linear,
             angular: velocity.angular,
             twist_covariance: twist,
@@ -309,26 +814,39 @@ fn as_odometry_rows(world: &mut World, stream: &Stream, change: fn(&mut Odometry
     let changed = |row: &mut PoseRow| {
         let told = row_of(row, [0.0; 36], [0.0; 36]);
         (row.position, row.orientation) = (told.pose.position, told.pose.orientation);
-        row.twist = row.twist.map(|_| Twist { linear: told.linear, angular: told.angular });
+        row.twist = row.twist.map(|_| Twist {
+            linear: told.linear,
+            angular: told.angular,
+        });
     };
     stream.contents(world, |content| {
         let before: Vec<PoseRow> = content.motion.poses.iter().flat_map(Series::rows).copied().collect();
         for (number, field) in ["pose.covariance", "twist.covariance"].into_iter().enumerate() {
             each_covariance(content, field, |sample| {
-                let Ok(values) = <[f64; 36]>::try_from(sample.values.as_slice()) else { return };
+                let Ok(values) = <[f64; 36]>::try_from(sample.values.as_slice()) else {
+                    return;
+                };
                 let near = before.iter().min_by_key(|row| row.log_ns.abs_diff(sample.at.log_ns));
                 let Some(near) = near else { return };
                 let told = row_of(near, values, values);
                 sample.values = [told.pose.covariance, told.twist_covariance][number].to_vec();
             });
         }
-        content.motion.poses.iter_mut().flat_map(|series| series.stretches.iter_mut().flatten()).for_each(changed);
+        content
+            .motion
+            .poses
+            .iter_mut()
+            .flat_map(|series| series.stretches.iter_mut().flatten())
+            .for_each(changed);
         for at in content.odometry.iter_mut().flat_map(|odometry| &mut odometry.samples) {
             places::as_row(&mut at.pose, changed);
         }
     });
     for edge in edges(world, stream) {
-        edge.motion.iter_mut().flat_map(|series| series.stretches.iter_mut().flatten()).for_each(changed);
+        edge.motion
+            .iter_mut()
+            .flat_map(|series| series.stretches.iter_mut().flatten())
+            .for_each(changed);
         for at in &mut edge.samples {
             places::as_row(&mut at.pose, changed);
         }
@@ -351,8 +869,10 @@ pub fn edges<'w>(world: &'w mut World, stream: &Stream) -> Vec<&'w mut frames_li
     world.bags[stream.bag].tf.iter_mut().filter(is_meant).collect()
 }
 
-fn each_covariance(content: &mut ContentEvidence, field: &str, mut change: impl FnMut(&mut CovarianceAt)) {
-    let Some(covariances) = content.covariances.get_mut(field) else { return };
+pub fn each_covariance(content: &mut ContentEvidence, field: &str, mut change: impl FnMut(&mut CovarianceAt)) {
+    let Some(covariances) = content.covariances.get_mut(field) else {
+        return;
+    };
     let worst = [&mut covariances.most_asymmetric, &mut covariances.least_positive];
     let worst = worst.into_iter().flatten().map(|(_, sample)| sample);
     covariances.samples.iter_mut().chain(worst).for_each(&mut change);
@@ -360,11 +880,23 @@ fn each_covariance(content: &mut ContentEvidence, field: &str, mut change: impl 
 
 fn change_fixes(content: &mut ContentEvidence, change: fn(&mut Fix)) {
     let told = |latitude: f64, longitude: f64, altitude: f64| {
-        let mut row = Fix { t_s: 0.0, latitude, longitude, altitude, status: 0, covariance: [0.0; 9] };
+        let mut row = Fix {
+            t_s: 0.0,
+            latitude,
+            longitude,
+            altitude,
+            status: 0,
+            covariance: [0.0; 9],
+        };
         change(&mut row);
         row
     };
-    for row in content.motion.fixes.iter_mut().flat_map(|series| series.stretches.iter_mut().flatten()) {
+    for row in content
+        .motion
+        .fixes
+        .iter_mut()
+        .flat_map(|series| series.stretches.iter_mut().flatten())
+    {
         let row: &mut FixRow = row;
         let new = told(row.latitude_deg, row.longitude_deg, row.altitude_m);
         (row.latitude_deg, row.longitude_deg, row.altitude_m) = (new.latitude, new.longitude, new.altitude);

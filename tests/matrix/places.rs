@@ -1,6 +1,7 @@
 //! Errors that need more than a row: poses at the places of the recording's fixes, and stamps.
 
 use frames_lint::world::World;
+use frames_lint::world::bag::TopicEvidence;
 use frames_lint::world::claim::Pose;
 use frames_lint::world::motion::{FixRow, PoseRow, Series};
 
@@ -24,7 +25,7 @@ pub fn as_row(pose: &mut Pose, change: impl Fn(&mut PoseRow)) {
 
 /// Puts poses where the fixes of the recording are, told in another kind of coordinates; false where there are no fixes.
 pub fn put(world: &mut World, stream: &Stream, tell: fn(Place, &Place) -> [f64; 3]) -> bool {
-    let said = world.bags[stream.bag].topics.values().flat_map(|topic| topic.said());
+    let said = world.bags[stream.bag].topics.values().flat_map(TopicEvidence::said);
     let fixes: Vec<FixRow> = said
         .filter_map(|said| said.content.motion.fixes.as_ref())
         .max_by_key(|series| series.count)
@@ -34,11 +35,14 @@ pub fn put(world: &mut World, stream: &Stream, tell: fn(Place, &Place) -> [f64; 
         latitude: fix.latitude_deg,
         longitude: fix.longitude_deg,
         altitude: fix.altitude_m,
-
     };
-    let Some(origin) = fixes.first().map(place) else { return false };
+    let Some(origin) = fixes.first().map(place) else {
+        return false;
+    };
     let there = |log_ns: i64| {
-        let after = fixes.partition_point(|fix| fix.log_ns < log_ns).clamp(1, fixes.len() - 1);
+        let after = fixes
+            .partition_point(|fix| fix.log_ns < log_ns)
+            .clamp(1, fixes.len() - 1);
         let [a, b] = [&fixes[after - 1], &fixes[after]];
         let share = (log_ns - a.log_ns) as f64 / (b.log_ns - a.log_ns).max(1) as f64;
         let between = |a: f64, b: f64| a + (b - a) * share.clamp(0.0, 1.0);
@@ -78,7 +82,12 @@ pub fn restamp(world: &mut World, stream: &Stream, seconds: f64) -> bool {
     let by_ns = (seconds * 1e9) as i64;
     let mut stamped = false;
     stream.contents(world, |content| {
-        for row in content.motion.inertial.iter_mut().flat_map(|series| series.stretches.iter_mut().flatten()) {
+        for row in content
+            .motion
+            .inertial
+            .iter_mut()
+            .flat_map(|series| series.stretches.iter_mut().flatten())
+        {
             if row.stamp_ns != 0 {
                 row.stamp_ns += by_ns;
                 stamped = true;

@@ -35,12 +35,21 @@ pub struct Stream {
     pub at: Vec<At>,
     /// Frames that it names.
     pub frames: BTreeSet<String>,
+    /// Whether it tells how a frame of the platform moves in one that does not.
+    pub is_of_base: bool,
+    /// Whether it is a topic with `sensor_msgs/NavSatFix`.
+    pub is_standard: bool,
 }
 
 impl Stream {
     /// Every stream of a world.
     pub fn all(world: &World) -> Vec<Self> {
-        world.bags.iter().enumerate().flat_map(|(bag, evidence)| of_bag(bag, evidence)).collect()
+        world
+            .bags
+            .iter()
+            .enumerate()
+            .flat_map(|(bag, evidence)| of_bag(bag, evidence))
+            .collect()
     }
 
     /// In a few words.
@@ -96,7 +105,15 @@ fn of_bag(bag: usize, evidence: &BagEvidence) -> Vec<Stream> {
             bag,
             kind,
             at: vec![At::Topic(said.topic.topic.clone(), said.field.map(str::to_owned))],
-            frames: frames.clone().map(|frame| frame.canonical().as_str().to_owned()).collect(),
+            frames: frames
+                .clone()
+                .map(|frame| frame.canonical().as_str().to_owned())
+                .collect(),
+            is_of_base: said
+                .child_frames
+                .keys()
+                .any(|frame| frame.canonical().as_str().contains("base")),
+            is_standard: said.field.is_none() && said.topic.message_type.contains("NavSatFix"),
         };
         let motion = &said.content.motion;
         if motion.inertial.is_some() {
@@ -116,7 +133,11 @@ fn of_bag(bag: usize, evidence: &BagEvidence) -> Vec<Stream> {
             ways.insert((parent, child), stream(Kind::Poses));
         }
     }
-    for edge in evidence.tf.iter().filter(|edge| edge.motion.is_some() && !edge.is_static) {
+    for edge in evidence
+        .tf
+        .iter()
+        .filter(|edge| edge.motion.is_some() && !edge.is_static)
+    {
         let [parent, child] = [&edge.parent, &edge.child].map(|frame| frame.canonical().as_str().to_owned());
         if !WORLDS.contains(&parent.as_str()) {
             continue;
@@ -126,6 +147,8 @@ fn of_bag(bag: usize, evidence: &BagEvidence) -> Vec<Stream> {
             bag,
             kind: Kind::Poses,
             at: Vec::new(),
+            is_of_base: child.contains("base"),
+            is_standard: false,
             frames: [parent, child].into(),
         });
         way.at.push(at);

@@ -184,7 +184,12 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         ratio: limits.ratio,
         noise: limits.noise,
     };
-    let simpler = inverse.residual.min(reordered.residual) < limits.agrees;
+    let reordered_inverse = score(Reading::WxyzConjugate).map(|score| score.residual);
+    let simpler = inverse
+        .residual
+        .min(reordered.residual)
+        .min(reordered_inverse.unwrap_or(own))
+        < limits.agrees;
     let order = if is_odd && !simpler {
         ordered(imu, own, &margins)
     } else {
@@ -216,7 +221,6 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         return found(if axis.is_some() { Turn::Partly } else { Turn::Agree });
     }
     let mut ways = vec![(Turn::Inverse, inverse.residual), (Turn::Reordered, reordered.residual)];
-    let reordered_inverse = score(Reading::WxyzConjugate).map(|score| score.residual);
     ways.extend(reordered_inverse.map(|residual| (Turn::ReorderedInverse, residual)));
     ways.extend(maps(&as_published));
     ways.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -226,7 +230,9 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         let alike: Vec<Turn> = alike.map(|way| way.0).collect();
         match alike.as_slice() {
             [only] => return found(*only),
-            several if !several.iter().any(is_reordered) && own > limits.opposes => return found(Turn::Reversed),
+            several if !several.iter().any(|turn| is_reordered(*turn)) && own > limits.opposes => {
+                return found(Turn::Reversed);
+            }
             _ => {}
         }
     }
@@ -241,7 +247,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
     ))
 }
 
-fn is_reordered(turn: &Turn) -> bool {
+fn is_reordered(turn: Turn) -> bool {
     matches!(turn, Turn::Reordered | Turn::ReorderedInverse)
 }
 
