@@ -1,6 +1,6 @@
 //! The errors, what they do to evidence, what names each of them, and the rules that see it wherever they judge.
 
-use frames_lint::verdict::Finding;
+use frames_lint::verdict::{Finding, Row};
 use frames_lint::world::World;
 use frames_lint::world::content::{ContentEvidence, CovarianceAt};
 use frames_lint::world::motion::{FixRow, InertialRow, PoseRow, Series, Twist};
@@ -37,8 +37,13 @@ enum Needs {
     Nothing,
     Orientation,
     Gyro,
-    Acceleration,
+    /// Gravity in the acceleration.
+    Gravity,
+    /// A frame that moves, of which the pose is.
+    Child,
     Twist,
+    /// A velocity to the side.
+    Aside,
     Covariance,
     TwistCovariance,
 }
@@ -229,19 +234,33 @@ static ERRORS: &[Error] = &[
         ["the gyro's rates have the other sign"],
         ["QUAT01", "AXES05"]
     ),
-    imu!("gyro deg/s", Gyro, [DegS], [], ["the gyro is in deg/s"], ["AXES02"]),
+    imu!(
+        "gyro deg/s",
+        Gyro,
+        [DegS],
+        [],
+        ["the gyro is in deg/s"],
+        ["AXES02 angular", "QUAT01"]
+    ),
     imu!(
         "accel in g",
-        Acceleration,
+        Gravity,
         [G],
         [],
         ["in units of gravity (g)"],
-        ["AXES02"]
+        ["AXES02 acceleration"]
     ),
-    imu!("accel cm/s2", Acceleration, [CmS2], [], ["as in cm/s2"], ["AXES02"]),
+    imu!(
+        "accel cm/s2",
+        Gravity,
+        [CmS2],
+        [],
+        ["as in cm/s2"],
+        ["AXES02 acceleration"]
+    ),
     imu!(
         "accel negated",
-        Acceleration,
+        Gravity,
         [GravitySign],
         ["gravity-sign"],
         ["the accelerometer has the other sign"],
@@ -249,17 +268,17 @@ static ERRORS: &[Error] = &[
     ),
     error!(
         "gravity removed",
-        Change::Imu(Needs::Acceleration, gravity_removed),
+        Change::Imu(Needs::Gravity, gravity_removed),
         [],
         ["where gravity was taken off"],
-        ["AXES02"]
+        ["AXES02 acceleration"]
     ),
     error!(
         "body alone FRD",
         Change::Imu(Needs::Orientation, |row| row.orientation =
             slots(rotation(row.orientation) * frd_from_flu())),
         ["frd-body"],
-        ["the body of the orientation"],
+        ["the body of the orientation alone is"],
         ["QUAT01", "AXES03"]
     ),
     error!(
@@ -267,29 +286,35 @@ static ERRORS: &[Error] = &[
         Change::Imu(Needs::Orientation, |row| row.orientation = slots(
             frd_from_flu() * ned_from_enu() * rotation(row.orientation) * frd_from_flu() * ned_from_enu()
         )),
-        ["z90", "z-90"],
-        ["stands on the"],
-        ["QUAT01", "QUAT04"]
+        ["z90", "z-90", "euler-zxy-yaw-pitch-roll"],
+        ["stands on the", "a sensor mounted backwards"],
+        ["AXES04"]
     ),
     error!(
         "stamps +0.3 s",
         Change::Stamps(0.3),
         [],
-        ["shows the motion 0.2", "shows the motion 0.3", "shows the motion 0.4"],
+        ["ahead of the log clock", "the motion"],
+        ["TIME02", "TIME09"]
+    ),
+    error!(
+        "stamps -0.3 s",
+        Change::Stamps(-0.3),
+        [],
+        ["behind the log clock", "the motion"],
         ["TIME09"]
     ),
-    error!("stamps +18 s", Change::Stamps(18.0), [], ["18"], ["TIME01", "TIME02"]),
+    error!(
+        "stamps +18 s",
+        Change::Stamps(18.0),
+        [],
+        ["18 ", "ahead of the log clock"],
+        ["TIME01", "TIME02"]
+    ),
     error!(
         "covariance deg2",
         Change::Imu(Needs::Covariance, |row| row.apply(Known::CovarianceDegrees, GRAVITY)),
         ["degrees"],
-        [],
-        ["COV05"]
-    ),
-    error!(
-        "covariance std",
-        Change::Imu(Needs::Covariance, |row| row.apply(Known::CovarianceStd, GRAVITY)),
-        ["deviations"],
         [],
         ["COV05"]
     ),
@@ -299,7 +324,7 @@ static ERRORS: &[Error] = &[
         [SwapXy],
         ["mirrored"],
         [MIRRORED],
-        ["AXES07", "AXES08"]
+        ["AXES07", "AXES08 velocity"]
     ),
     poses!(
         "y negated",
@@ -307,19 +332,19 @@ static ERRORS: &[Error] = &[
         [YNegated],
         ["mirrored"],
         [MIRRORED],
-        ["AXES07", "AXES08"]
+        ["AXES07", "AXES08 velocity"]
     ),
     poses!(
         "wxyz",
-        Orientation,
+        Child,
         [Wxyz],
         ["wxyz"],
-        ["w, x, y, z"],
-        ["QUAT01", "QUAT04", "AXES08", "AXES13"]
+        ["w, x, y, z", "w x y z"],
+        ["QUAT02", "AXES08 velocity", "AXES13"]
     ),
     poses!(
         "conjugate",
-        Orientation,
+        Child,
         [Conjugate],
         ["inverse"],
         ["inverse"],
@@ -330,7 +355,7 @@ static ERRORS: &[Error] = &[
         Nothing,
         [NedFrd],
         ["z-down", "ned", "mirrored"],
-        ["north, east, down", MIRRORED],
+        ["north, east, down", "has z down", MIRRORED],
         ["AXES07", "AXES14"]
     ),
     poses!(
@@ -338,7 +363,7 @@ static ERRORS: &[Error] = &[
         Nothing,
         [NedWorld],
         ["z-down", "ned", "mirrored"],
-        ["north, east, down", MIRRORED],
+        ["north, east, down", "has z down", MIRRORED],
         ["AXES07", "AXES14"]
     ),
     poses!(
@@ -351,7 +376,7 @@ static ERRORS: &[Error] = &[
     ),
     poses!(
         "base FRD",
-        Orientation,
+        Child,
         [Inverted],
         ["frd"],
         ["forward, right, down"],
@@ -359,35 +384,28 @@ static ERRORS: &[Error] = &[
     ),
     poses!(
         "base y forward",
-        Orientation,
+        Child,
         [YForward],
         ["rfu"],
         ["right, forward, up"],
         ["AXES13"]
     ),
-    poses!(
-        "base backward",
-        Orientation,
-        [Backward],
-        ["bru"],
-        ["backward"],
-        ["AXES13"]
-    ),
+    poses!("base backward", Child, [Backward], ["bru"], ["backward"], ["AXES13"]),
     error!(
         "body turned on the left",
-        Change::Poses(Needs::Orientation, |row| row.pose.orientation =
+        Change::Poses(Needs::Child, |row| row.pose.orientation =
             slots(turned() * rotation(row.pose.orientation))),
-        ["x180"],
-        ["stands on the"],
-        ["QUAT04", "AXES13", "AXES08"]
+        ["x180", "frd"],
+        ["stands on the", "-z points up"],
+        ["QUAT04", "AXES13", "AXES08 velocity"]
     ),
     error!(
         "world turned on the right",
-        Change::Poses(Needs::Orientation, |row| row.pose.orientation =
-            slots(rotation(row.pose.orientation) * turn(0.5))),
-        [],
+        Change::Poses(Needs::Child, |row| row.pose.orientation =
+            slots(rotation(row.pose.orientation) * turn(-std::f64::consts::FRAC_PI_2))),
+        ["rfu"],
         ["stands on the"],
-        ["QUAT04", "AXES08"]
+        ["QUAT04", "AXES08 velocity", "AXES13"]
     ),
     poses!(
         "twist in world",
@@ -395,17 +413,31 @@ static ERRORS: &[Error] = &[
         [TwistInWorld],
         ["header-frame"],
         [],
-        ["AXES08"]
+        ["AXES08 velocity"]
     ),
-    poses!("twist reversed", Twist, [TwistReversed], ["negated"], [], ["AXES08"]),
-    poses!("twist y negated", Twist, [TwistYNegated], ["y-negated"], [], ["AXES08"]),
+    poses!(
+        "twist reversed",
+        Twist,
+        [TwistReversed],
+        ["negated"],
+        [],
+        ["AXES08 velocity"]
+    ),
+    poses!(
+        "twist y negated",
+        Aside,
+        [TwistYNegated],
+        ["y-negated"],
+        [],
+        ["AXES08 velocity"]
+    ),
     poses!(
         "twist x, y swapped",
         Twist,
         [TwistSwapped],
         ["xy-swapped"],
         [],
-        ["AXES08"]
+        ["AXES08 velocity"]
     ),
     poses!(
         "yaw rate negated",
@@ -413,14 +445,14 @@ static ERRORS: &[Error] = &[
         [TwistYawNegated],
         [],
         ["has the opposite sign"],
-        ["AXES08"]
+        ["AXES08 turning"]
     ),
     error!(
         "yaw rate deg/s",
         Change::Poses(Needs::Twist, |row| row.angular = row.angular.map(f64::to_degrees)),
         [],
-        ["deg/s"],
-        ["AXES08"]
+        ["is in degrees"],
+        ["AXES08 turning"]
     ),
     error!(
         "UTM grid",
@@ -471,7 +503,7 @@ static ERRORS: &[Error] = &[
         [CovarianceStd],
         ["deviations"],
         [],
-        ["COV05"]
+        ["COV05 units"]
     ),
     poses!(
         "covariance order",
@@ -508,7 +540,7 @@ static ERRORS: &[Error] = &[
         Change::Fixes(|row| row.apply(Known::Swapped, UNDULATION_M)),
         ["mirrored", "swapped"],
         [MIRRORED, "swapped"],
-        ["AXES07", "AXES05", "GEO01"]
+        ["AXES07"]
     ),
     error!(
         "radians",
@@ -568,7 +600,26 @@ impl Error {
     /// Whether a finding shows it and names nothing else.
     pub fn is_shown_by(&self, finding: &Finding) -> bool {
         let names = finding.relation.as_deref().is_some_and(|word| word != "clockwise-yaw");
-        self.seen_by.contains(&finding.rule.as_str()) && !names && !finding.message.contains("what fits all")
+        let is_seen = self.seen_by.iter().any(|seen| seen.starts_with(finding.rule.as_str()));
+        // A base that is tilted shows in the tree, too.
+        (is_seen || finding.rule == "TREE13") && !names && !finding.message.contains("what fits all")
+    }
+
+    /// Whether a row is of a rule that must see it.
+    pub fn is_seen_in(&self, row: &Row) -> bool {
+        self.seen_by.iter().any(|seen| {
+            let (code, subject) = seen.split_once(' ').unwrap_or((seen, ""));
+            row.rule == code && (row.subject == "platform" || row.subject.starts_with(subject))
+        })
+    }
+
+    /// The kind of stream that it is put into.
+    pub fn kind(&self) -> Kind {
+        match self.change {
+            Change::Imu(..) | Change::Stamps(_) => Kind::Imu,
+            Change::Poses(..) | Change::Places(_) => Kind::Poses,
+            Change::Fixes(_) => Kind::Fixes,
+        }
     }
 
     /// Puts the error into a stream; false where it cannot have it.
@@ -588,6 +639,8 @@ impl Error {
                 }
             }
             (Change::Places(change), Kind::Poses) => places::put(world, stream, change),
+            // Above the ellipsoid by definition is the altitude of NavSatFix alone.
+            (Change::Fixes(_), Kind::Fixes) if self.name == "MSL altitude" && !stream.is_standard => false,
             (Change::Fixes(change), Kind::Fixes) => {
                 stream.contents(world, |content| change_fixes(content, change));
                 true
@@ -608,6 +661,7 @@ fn has(world: &World, stream: &Stream, needs: Needs) -> bool {
     let mut world = world.clone();
     let edges = edges(&mut world, stream).into_iter().any(|_| true);
     found |= edges && needs == Needs::Orientation;
+    found |= needs == Needs::Child && stream.is_of_base;
     stream.contents(&mut world, |content| {
         let inertial = || content.motion.inertial.iter().flat_map(Series::rows);
         let poses = || content.motion.poses.iter().flat_map(Series::rows);
@@ -625,7 +679,24 @@ fn has(world: &World, stream: &Stream, needs: Needs) -> bool {
                     .chain(poses().map(|row| row.orientation)),
             )),
             Needs::Gyro => inertial().any(|row| moves(row.angular_velocity)),
-            Needs::Acceleration => inertial().any(|row| moves(row.linear_acceleration)),
+            Needs::Gravity => {
+                let mut lengths: Vec<f64> = inertial()
+                    .map(|row| Vector3::from(row.linear_acceleration).norm())
+                    .collect();
+                lengths.sort_by(f64::total_cmp);
+                lengths
+                    .get(lengths.len() / 2)
+                    .is_some_and(|length| (length / GRAVITY - 1.0).abs() < 0.12)
+            }
+            Needs::Child => false,
+            Needs::Aside => {
+                let sum = |axis: usize| {
+                    poses()
+                        .filter_map(|row| Some(row.twist?.linear[axis].powi(2)))
+                        .sum::<f64>()
+                };
+                sum(1) >= 0.03_f64.powi(2) * (sum(0) + sum(1))
+            }
             Needs::Twist => poses().any(|row| {
                 row.twist
                     .is_some_and(|twist| moves(twist.linear) || moves(twist.angular))
@@ -798,7 +869,7 @@ pub fn edges<'w>(world: &'w mut World, stream: &Stream) -> Vec<&'w mut frames_li
     world.bags[stream.bag].tf.iter_mut().filter(is_meant).collect()
 }
 
-fn each_covariance(content: &mut ContentEvidence, field: &str, mut change: impl FnMut(&mut CovarianceAt)) {
+pub fn each_covariance(content: &mut ContentEvidence, field: &str, mut change: impl FnMut(&mut CovarianceAt)) {
     let Some(covariances) = content.covariances.get_mut(field) else {
         return;
     };

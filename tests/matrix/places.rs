@@ -1,6 +1,7 @@
 //! Errors that need more than a row: poses at the places of the recording's fixes, and stamps.
 
 use frames_lint::world::World;
+use frames_lint::world::bag::TopicEvidence;
 use frames_lint::world::claim::Pose;
 use frames_lint::world::motion::{FixRow, PoseRow, Series};
 
@@ -24,7 +25,7 @@ pub fn as_row(pose: &mut Pose, change: impl Fn(&mut PoseRow)) {
 
 /// Puts poses where the fixes of the recording are, told in another kind of coordinates; false where there are no fixes.
 pub fn put(world: &mut World, stream: &Stream, tell: fn(Place, &Place) -> [f64; 3]) -> bool {
-    let said = world.bags[stream.bag].topics.values().flat_map(|topic| topic.said());
+    let said = world.bags[stream.bag].topics.values().flat_map(TopicEvidence::said);
     let fixes: Vec<FixRow> = said
         .filter_map(|said| said.content.motion.fixes.as_ref())
         .max_by_key(|series| series.count)

@@ -35,6 +35,10 @@ pub struct Stream {
     pub at: Vec<At>,
     /// Frames that it names.
     pub frames: BTreeSet<String>,
+    /// Whether it tells how a frame of the platform moves in one that does not.
+    pub is_of_base: bool,
+    /// Whether it is a topic with `sensor_msgs/NavSatFix`.
+    pub is_standard: bool,
 }
 
 impl Stream {
@@ -105,6 +109,11 @@ fn of_bag(bag: usize, evidence: &BagEvidence) -> Vec<Stream> {
                 .clone()
                 .map(|frame| frame.canonical().as_str().to_owned())
                 .collect(),
+            is_of_base: said
+                .child_frames
+                .keys()
+                .any(|frame| frame.canonical().as_str().contains("base")),
+            is_standard: said.field.is_none() && said.topic.message_type.contains("NavSatFix"),
         };
         let motion = &said.content.motion;
         if motion.inertial.is_some() {
@@ -138,6 +147,8 @@ fn of_bag(bag: usize, evidence: &BagEvidence) -> Vec<Stream> {
             bag,
             kind: Kind::Poses,
             at: Vec::new(),
+            is_of_base: child.contains("base"),
+            is_standard: false,
             frames: [parent, child].into(),
         });
         way.at.push(at);

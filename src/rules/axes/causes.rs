@@ -245,6 +245,24 @@ const CAUSES: &[Cause] = &[
         ..HEALTHY
     },
     Cause {
+        word: "gyro-frd",
+        text: "the gyro alone is told in FRD axes (y right, z down)",
+        help: "negate y and z of the angular velocity",
+        owner: "QUAT01",
+        turn: &[Turn::Frd, Turn::Reversed],
+        sense: &[Sense::Against],
+        ..HEALTHY
+    },
+    Cause {
+        word: "frd-body",
+        text: "the body of the orientation alone is forward, right, down: its world is as it should be",
+        help: "turn the body of the orientation into FLU: `R_enu_flu = R_enu_frd * F`",
+        owner: "AXES03",
+        world: &[World::Down],
+        turn: &[Turn::Frd, Turn::Reversed],
+        ..HEALTHY
+    },
+    Cause {
         word: "gravity-sign",
         text: "the accelerometer has the other sign: it gives gravity, not specific force",
         help: "negate the acceleration: at rest and level z reads +9.81 (REP-145)",

@@ -23,6 +23,7 @@ pub struct HeadingConvention;
 #[serde(deny_unknown_fields)]
 pub struct Limits {
     pub(crate) min_speed_m_s: f64,
+    odometry_speed_m_s: f64,
     pub(super) window_s: f64,
     pub(super) window_turn_deg: f64,
     pub(crate) min_turn_deg: f64,
@@ -151,8 +152,10 @@ pub(super) fn look(imu: &Imu, tracks: &[Arc<Track>], limits: &Limits) -> Look<De
     needed(tracks)?;
     let mut undecided_by = Vec::new();
     let yaws = Yaws::of(&imu.stream, &imu.base_from_imu());
-    for track in tracks {
-        let heading = Heading::of(&yaws, &track.courses(limits.min_speed_m_s), limits);
+    let slow = tracks.iter().filter(|track| !track.is_geodetic);
+    let tried = tracks.iter().map(|track| (track, limits.min_speed_m_s));
+    for (track, speed_m_s) in tried.chain(slow.map(|track| (track, limits.odometry_speed_m_s))) {
+        let heading = Heading::of(&yaws, &track.courses(speed_m_s), limits);
         if heading.agreement().is_some_and(|share| share >= limits.min_agreement) {
             return Ok(Decided {
                 track: track.subject.clone(),

@@ -101,7 +101,7 @@ impl<'a> Ways<'a> {
     pub(super) fn order(&self, imu: &Imu, limits: &Limits) -> Option<Ordered> {
         let own = self.as_published.residual;
         let is_odd = own > limits.unrelated || self.wrong_axis(limits).is_none_or(|axis| axis.is_some());
-        let is_simpler = self.inverse.residual.min(self.reordered.residual) < limits.agrees;
+        let is_simpler = self.readings < limits.agrees;
         let margins = Margins {
             agrees: limits.agrees,
             ratio: limits.ratio,
