@@ -6,16 +6,21 @@
 pub mod axis_maps;
 pub mod circular;
 pub mod constants;
+pub mod earth_turns;
 pub mod effective;
+pub mod euler;
 pub mod geodesy;
 pub mod geoid;
 pub mod gravity;
 pub mod lag;
+pub mod level;
+pub mod noise;
 pub mod readings;
 pub mod regress;
 pub mod relation;
 pub mod rest;
 pub mod rotation;
+pub mod sides;
 pub mod similarity2;
 pub mod stats;
 pub mod turns;
@@ -24,7 +29,9 @@ pub mod utm;
 #[cfg(test)]
 mod tests_constants;
 #[cfg(test)]
-mod tests_drive;
+pub(crate) mod tests_drive;
+#[cfg(test)]
+mod tests_earth_turns;
 #[cfg(test)]
 mod tests_geodesy;
 #[cfg(test)]

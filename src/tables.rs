@@ -3,9 +3,13 @@
 //! Owns their reading. Must not know rules or worlds. A table that does not read is a fault of ours: the tests hold
 //! every one, and without it a table is empty and answers nothing.
 
+mod named;
+
 use std::sync::OnceLock;
 
 use serde::Deserialize;
+
+pub use named::{InsDriver, Known, LidarImu, Offset, Simulator, ins_driver, lidar_imu, simulator};
 
 /// A day of the calendar, as seconds since 1970-01-01T00:00:00 UTC (leap seconds not counted: Unix time).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
@@ -127,9 +131,62 @@ pub fn driver_frames() -> &'static DriverFrames {
     TABLE.get_or_init(|| serde_yaml::from_str(include_str!("../rules/tables/driver-frames.yaml")).unwrap_or_default())
 }
 
+/// A way in which files state where the origin of a local frame lies on the Earth.
+#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct OriginFormat {
+    /// What it is called.
+    pub format: String,
+    /// Who reads it.
+    pub source: String,
+    /// The key that it stands under; without one, the keys stand beside others.
+    pub key: Option<String>,
+    /// What the numbers of a list are: `latitude`, `longitude`, `altitude`, or another word.
+    #[serde(default)]
+    pub list: Vec<String>,
+    /// The keys of latitude, longitude and, where it is used, altitude.
+    #[serde(default)]
+    pub keys: Vec<String>,
+    /// A key beside that must be true.
+    pub only_if: Option<String>,
+    /// A key beside that names one of a list of origins.
+    pub chosen_by: Option<String>,
+    /// A key beside that names the projection.
+    pub projection: Option<String>,
+}
+
+/// The table of origins on the Earth.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct EarthOrigins {
+    /// Its formats.
+    pub formats: Vec<OriginFormat>,
+    /// Words of keys above that make an origin one of a pretended receiver.
+    pub pretended: Vec<String>,
+}
+
+/// The table of origins on the Earth.
+pub fn earth_origins() -> &'static EarthOrigins {
+    static TABLE: OnceLock<EarthOrigins> = OnceLock::new();
+    TABLE.get_or_init(|| serde_yaml::from_str(include_str!("../rules/tables/earth-origins.yaml")).unwrap_or_default())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn every_format_of_an_origin_says_where_latitude_and_longitude_stand() {
+        let table = earth_origins();
+        assert!(table.formats.len() > 10 && !table.pretended.is_empty());
+        for format in &table.formats {
+            let listed = ["latitude", "longitude"]
+                .iter()
+                .all(|word| format.list.iter().any(|at| at == word));
+            assert!(listed || matches!(format.keys.len(), 2 | 3), "{}", format.format);
+            assert!(!format.source.is_empty() && (format.key.is_some() || format.list.is_empty()));
+        }
+    }
 
     #[test]
     fn a_driver_knows_its_own_edges_and_no_mounting() {

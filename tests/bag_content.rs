@@ -7,6 +7,7 @@ mod support;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use frames_lint::world::FrameId;
 use frames_lint::world::content::{CovarianceEvidence, StepEvidence};
 use support::encode::{Body, Endian, Header, Transform};
 use support::raw::{Layout, RawChannel, in_memory};
@@ -228,6 +229,81 @@ fn fixes_are_sorted_by_what_is_wrong_with_them() {
     assert_eq!((fixes("/none").no_fix, fixes("/none").null_island.0), (100, 0));
     assert_eq!((fixes("/null").null_island.0, fixes("/null").out_of_range.0), (100, 0));
     assert_eq!(fixes("/swapped").out_of_range.0, 100);
+}
+
+#[test]
+fn what_stands_inside_messages_is_evidence_of_its_own() {
+    let bag = evidence(
+        "
+        drive: {motion: turning}
+        topics:
+          - {topic: /vectornav, from_drive: ins, rate_hz: 40, frame_id: imu1_frame}
+          - {topic: /gps, from_drive: custom_gps, rate_hz: 5, frame_id: gps}
+        ",
+    );
+    let ins = &bag.topics["/vectornav"];
+    assert_eq!((&ins.content.imu, &ins.content.motion.inertial), (&None, &None));
+    assert_eq!(ins.members.keys().collect::<Vec<_>>(), ["imu"]);
+    let member = &ins.members["imu"];
+    // Its own header is empty: the message's counts.
+    let frames: Vec<&str> = member.header_frames.keys().map(FrameId::as_str).collect();
+    assert_eq!((frames, member.guessed), (vec!["imu1_frame"], false));
+    let first = member.first.as_ref().unwrap();
+    assert_eq!((first.field.as_deref(), first.index), (Some("imu"), 0));
+    assert_eq!(first.stamp_ns, ins.stamps.first.as_ref().unwrap().stamp_ns);
+    assert_eq!(member.content.imu.as_ref().unwrap().count, 400);
+    assert_eq!(member.content.motion.inertial.as_ref().unwrap().count, 400);
+    let covariance = &member.content.covariances["orientation_covariance"];
+    assert_eq!(covariance.samples[0].at.field.as_deref(), Some("imu"));
+
+    let gps = &bag.topics["/gps"].members;
+    assert_eq!(gps.keys().collect::<Vec<_>>(), ["latitude, longitude, altitude"]);
+    let member = &gps["latitude, longitude, altitude"];
+    let fixes = member.content.fixes.as_ref().unwrap();
+    assert!(member.guessed && (fixes.samples[0].altitude_m - 500.0).abs() < 30.0);
+    assert_eq!(member.content.motion.fixes.as_ref().unwrap().rows().count(), 50);
+    // The topic itself, and the one member.
+    let said: Vec<String> = bag.topics["/gps"].said().map(|said| said.subject()).collect();
+    assert_eq!(
+        said,
+        ["topic `/gps`", "topic `/gps` (field `latitude, longitude, altitude`)"]
+    );
+}
+
+#[test]
+fn receivers_say_velocities_headings_and_sentences() {
+    let bag = evidence(
+        "
+        drive: {motion: turning, gnss: perfect}
+        topics:
+          - {topic: /gps, from_drive: gps_fix, rate_hz: 5, frame_id: gps}
+          - {topic: /heading, from_drive: heading, rate_hz: 5, frame_id: gps}
+          - {topic: /nmea, from_drive: nmea, rate_hz: 5, frame_id: gps, sentences: [GGA, RMC, HDT]}
+        ",
+    );
+    let motion = |topic: &str| bag.topics[topic].content.motion.clone();
+    let gps = motion("/gps");
+    let (fixes, twists) = (gps.fixes.unwrap(), gps.twists.unwrap());
+    let nmea = motion("/nmea").nmea.unwrap();
+    let headings = motion("/heading").orientations.unwrap();
+    // The three sentences of a tick are one row.
+    assert_eq!(
+        (nmea.count, nmea.rows().count(), headings.rows().count()),
+        (150, 50, 50)
+    );
+    for (((nmea, fix), twist), heading) in nmea.rows().zip(fixes.rows()).zip(twists.rows()).zip(headings.rows()) {
+        assert!((nmea.latitude_deg - fix.latitude_deg).abs() < 1e-6, "{nmea:?} {fix:?}");
+        let height = nmea.altitude_m + nmea.geoid_separation_m;
+        assert!((height - fix.altitude_m).abs() < 0.01 && (nmea.geoid_separation_m - 46.0).abs() < 1e-9);
+        let [east, north, _] = twist.twist.linear;
+        assert!((east.hypot(north) - nmea.speed_m_s).abs() < 0.01, "{nmea:?} {twist:?}");
+        assert!(twist.twist.angular[0].is_nan() && nmea.magnetic_heading_deg.is_nan());
+        let [_, _, z, w] = heading.orientation;
+        let yaw = 2.0 * z.atan2(w).to_degrees();
+        let apart = (90.0 - yaw - nmea.true_heading_deg + 540.0).rem_euclid(360.0) - 180.0;
+        assert!(apart.abs() < 0.01, "{yaw} {nmea:?}");
+        assert_eq!(nmea.quality, Some(4));
+    }
 }
 
 fn covariance(topics: &str, topic: &str, field: &str) -> CovarianceEvidence {

@@ -89,6 +89,11 @@ fn is_the_same(paths: &[&Path], what: &str) {
         check(&options(paths)),
         check(&Options {
             evidence: vec![file],
+            // Evidence is saved elsewhere; what was declared beside the files is handed along.
+            config: paths
+                .iter()
+                .map(|path| path.join("frames-lint.yaml"))
+                .find(|path| path.is_file()),
             ..Options::default()
         }),
     );
@@ -153,6 +158,44 @@ fn every_case_of_every_page_is_judged_the_same() {
         lay_out(&blocks, folder.path());
         is_the_same(&[folder.path()], &name);
     }
+}
+
+#[test]
+fn evidence_from_before_members_and_sentences_were_kept_is_judged() {
+    fn strip(value: &mut serde_json::Value) {
+        match value {
+            serde_json::Value::Object(fields) => {
+                for later in ["members", "orientations", "vectors", "nmea"] {
+                    // The platform's own list of sources has that name, too.
+                    if !fields.get(later).is_some_and(serde_json::Value::is_array) {
+                        fields.remove(later);
+                    }
+                }
+                fields.values_mut().for_each(strip);
+            }
+            serde_json::Value::Array(all) => all.iter_mut().for_each(strip),
+            _ => {}
+        }
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let (bag, file) = (folder.path().join("drive.mcap"), folder.path().join("evidence.json"));
+    let recipe = "
+        drive: {motion: turning}
+        topics:
+          - {topic: /ins, from_drive: ins, rate_hz: 20, frame_id: imu}
+          - {topic: /fix, from_drive: fix, rate_hz: 5, frame_id: gps}
+          - {topic: /nmea, from_drive: nmea, rate_hz: 5, frame_id: gps, sentences: [GGA]}
+        ";
+    support::write(recipe, &bag);
+    save(&[&bag], &file);
+    let mut saved: serde_json::Value = serde_json::from_slice(&fs::read(&file).unwrap()).unwrap();
+    strip(&mut saved);
+    let text = serde_json::to_vec(&saved).unwrap();
+    assert!(!String::from_utf8_lossy(&text).contains("geoid_separation_m"));
+    let loaded = evidence::parse(&text).unwrap();
+    let topics = &loaded.worlds[0].bags[0].topics;
+    assert!(topics["/ins"].members.is_empty() && topics["/fix"].content.motion.fixes.is_some());
+    assert!(topics["/nmea"].content.motion.nmea.is_none());
 }
 
 #[test]

@@ -15,7 +15,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
         ("world", &["source", "math"]),
         ("verdict", &["source"]),
         ("page", &["source", "verdict"]),
-        ("read", &["source", "world", "math"]),
+        ("read", &["source", "world", "math", "tables"]),
         ("collect", &["source", "world", "read", "math"]),
         ("rules", &["source", "world", "verdict", "page", "math", "tables"]),
         ("run", &["source", "world", "verdict", "page"]),

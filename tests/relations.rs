@@ -138,12 +138,12 @@ fn check(urdf: &str, file: &str, text: &str) -> (tempfile::TempDir, Run) {
     (folder, run)
 }
 
-/// The findings of the two rules that compare sources.
+/// The findings of the rules that compare sources.
 fn cross(run: &Run) -> Vec<&Finding> {
     run.verdict
         .findings
         .iter()
-        .filter(|f| f.rule == "CROSS01" || f.rule == "CROSS02")
+        .filter(|f| ["CROSS01", "CROSS02", "QUAT03"].contains(&f.rule.as_str()))
         .collect()
 }
 
@@ -191,7 +191,12 @@ fn judge_word(relation: Relation, form: Form) -> Option<String> {
         let said = finding.message.contains("degrees") && finding.message.contains("radians that were converted");
         return (!said || place(&run, finding) != "car.urdf:7").then(|| format!("{case}: {}", finding.message));
     }
-    if finding.rule != "CROSS02" || !names(finding, relation.word()) {
+    // The order of angles is QUAT03's where the angles are written down: here always those of the URDF.
+    let rule = match (relation, form) {
+        (Relation::RpyRotating | Relation::Ypr, _) | (Relation::RpyFixed, Form::Autoware) => "QUAT03",
+        _ => "CROSS02",
+    };
+    if finding.rule != rule || !names(finding, relation.word()) {
         return Some(format!(
             "{case}: {} {:?}: {}",
             finding.rule, finding.relation, finding.message

@@ -161,7 +161,7 @@ impl EdgeState {
             denormalized: self.denormalized.finish(topic),
             worst_norm_error: self.worst_norm_error,
             stamps: self.stamps.finish(topic),
-            steps: self.steps.finish(topic),
+            steps: self.steps.finish(topic.into()),
             writers: self.written.finish(writers),
             motion: poses.and_then(finish_poses),
         }

@@ -6,6 +6,8 @@ mod annotations;
 mod content;
 mod descriptions;
 mod edge;
+mod members;
+mod names;
 mod parts;
 mod point;
 mod series;
@@ -31,6 +33,7 @@ use crate::world::{BagEvidence, Facts};
 
 use annotations::Annotations;
 use descriptions::{Descriptions, MAX_DESCRIPTIONS};
+use members::MAX_MEMBERS;
 use parts::Parts;
 use tf::{MAX_EDGES, Tf};
 use topic::{Topic, last_segment};
@@ -71,6 +74,7 @@ pub struct How {
 pub fn collect(path: &Path, how: &How, source: &mut Source, progress: Progress<'_>) -> Collected {
     let mut collector = Collector {
         decoders: Decoders::new(Arc::clone(&how.definitions)),
+        room_for_members: MAX_MEMBERS,
         ..Collector::default()
     };
     let wanted = Wanted {
@@ -116,6 +120,8 @@ struct Collector {
     at_seam: bool,
     messages: u64,
     refused_channels: u64,
+    /// How many more members of messages are told apart.
+    room_for_members: usize,
     /// Topics recorded as more than one type: `(topic, the other type, whether that one is read)`.
     mixed: Vec<(usize, String, bool)>,
 }
@@ -149,7 +155,7 @@ impl Visit for Collector {
         };
         let point = topic.next_point(message);
         topic.written_by(told.writer);
-        let Content { header, body, .. } = match told.decoder.decode(message.data) {
+        let Content { header, body, members } = match told.decoder.decode(message.data) {
             Ok(content) => content,
             Err(error) => return topic.malformed(point, error),
         };
@@ -164,18 +170,17 @@ impl Visit for Collector {
             }
             Body::Transforms(transforms) => self.tf.message(told.topic, point, told.writer, &transforms),
             Body::ChildFrame(child) => topic.child(point, &child),
-            Body::Odometry(odometry) => {
-                topic.child(point, &odometry.child);
-                topic.contents.odometry(point, &odometry);
-            }
-            Body::Imu(imu) => topic.contents.imu(point, &imu),
-            Body::Fix(fix) => topic.contents.fix(point, &fix),
-            Body::Pose(pose) => topic.contents.pose(point, &pose),
-            Body::Twist(twist) => topic.contents.twist(point, &twist),
             Body::Frames(names) => topic.named(point, &names),
             Body::Description(text) => self.descriptions.push(point, &topic.name, &text),
-            Body::Nothing | Body::Clock(_) | Body::Orientation(_) | Body::Vector(_) | Body::Path(_) | Body::Nmea(_) => {
+            body => {
+                if let Body::Odometry(odometry) = &body {
+                    topic.child(point, &odometry.child);
+                }
+                topic.contents.body(point, &body);
             }
+        }
+        for member in &members {
+            topic.members.push(point, member, &mut self.room_for_members);
         }
     }
 
@@ -345,7 +350,12 @@ impl Collector {
         }
         unread::say(&self.topics, source);
         let refused_names: u64 = self.topics.iter().map(Topic::refused_names).sum();
+        let refused_members: u64 = self.topics.iter().map(|topic| topic.members.refused).sum();
         let left_out = [
+            (
+                refused_members,
+                format!("fields of messages beyond the first {MAX_MEMBERS} that say what a standard type would"),
+            ),
             (
                 self.refused_channels,
                 format!("channels beyond the first {MAX_TOPICS} topics, or with very long names"),

@@ -16,14 +16,37 @@ pub(super) struct Point {
     pub(super) transform: Option<u32>,
 }
 
+/// What a point is of: a topic, or a member of its messages.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct On<'a> {
+    pub(super) topic: &'a str,
+    pub(super) field: Option<&'a str>,
+}
+
+impl<'a> From<&'a str> for On<'a> {
+    fn from(topic: &'a str) -> Self {
+        Self { topic, field: None }
+    }
+}
+
+impl<'a> From<&'a String> for On<'a> {
+    fn from(topic: &'a String) -> Self {
+        Self::from(topic.as_str())
+    }
+}
+
 impl Point {
-    pub(super) fn on(self, topic: &str) -> MessageRef {
+    pub(super) fn on<'a>(self, on: impl Into<On<'a>>) -> MessageRef {
+        let On { topic, field } = on.into();
+        let field = field.map(str::to_owned);
         MessageRef {
             topic: topic.to_owned(),
             index: self.index,
             stamp_ns: self.stamp_ns,
             log_ns: self.log_ns,
-            field: self.transform.map(|index| format!("transforms[{index}]")),
+            field: self
+                .transform
+                .map_or(field, |index| Some(format!("transforms[{index}]"))),
         }
     }
 }

@@ -41,11 +41,21 @@ pub(super) struct Sample<const N: usize> {
     pub(super) values: [f64; N],
 }
 
+impl<const N: usize> Sample<N> {
+    /// `L` numbers from the `at`-th on.
+    pub(super) fn part<const L: usize>(&self, at: usize) -> [f64; L] {
+        let rest = self.values.get(at..).and_then(|rest| rest.first_chunk());
+        rest.copied().unwrap_or([f64::NAN; L])
+    }
+}
+
 /// Takes in `N` numbers a message, in recording order. `Q` is where among them a quaternion begins, which has two signs;
 /// `N` where there is none.
 #[derive(Clone, Debug)]
 pub(super) struct Rows<const N: usize, const Q: usize> {
     room: Room,
+    /// Whether a row is no mean: later messages only fill in what earlier ones left NaN.
+    fills: bool,
     count: u64,
     /// The messages of the row that is being made.
     open: Option<Open<N>>,
@@ -77,12 +87,22 @@ impl<const N: usize, const Q: usize> Rows<N, Q> {
     pub(super) fn new(room: Room) -> Self {
         Self {
             room,
+            fills: false,
             count: 0,
             open: None,
             stretch: 0,
             stride: 1,
             made: 0,
             blocks: Vec::new(),
+        }
+    }
+
+    /// Rows that are no means: messages that follow each other closely say different things, and a row is what they say
+    /// together.
+    pub(super) fn filled(room: Room) -> Self {
+        Self {
+            fills: true,
+            ..Self::new(room)
         }
     }
 
@@ -112,7 +132,11 @@ impl<const N: usize, const Q: usize> Rows<N, Q> {
                 ];
                 let since = if sample.stamp_ns == 0 { by_log } else { since };
                 if (0..ROW_NS).contains(&since) {
-                    open.add(&mut sample, Q);
+                    if self.fills {
+                        open.fill(&sample);
+                    } else {
+                        open.add(&mut sample, Q);
+                    }
                     return;
                 }
                 self.close();
@@ -181,6 +205,16 @@ impl<const N: usize> Open<N> {
             logs: sample.log_ns.into(),
             count: 1,
         }
+    }
+
+    /// Takes from a message what is still missing; the row keeps its time.
+    fn fill(&mut self, sample: &Sample<N>) {
+        for (slot, value) in self.first.values.iter_mut().zip(&sample.values) {
+            if slot.is_nan() {
+                *slot = *value;
+            }
+        }
+        self.last = *sample;
     }
 
     /// Adds a message; the quaternion at `quaternion` takes the sign of the first one.
@@ -260,6 +294,19 @@ mod tests {
         rows.push(at(0), [0.0, 0.0, 0.6, 0.8]);
         rows.push(at(10), [0.0, 0.0, -0.6, -0.8]);
         assert_eq!(stretches(rows), [[(5, [0.0, 0.0, 0.6, 0.8])]]);
+    }
+
+    #[test]
+    fn messages_that_say_different_things_fill_one_row() {
+        const X: f64 = f64::NAN;
+        let mut rows: Rows<4, 4> = Rows::filled(Room::of(0));
+        rows.push(at(0), [1.0, X, X, X]);
+        rows.push(at(10), [9.0, 2.0, X, X]);
+        rows.push(at(20), [X, X, 3.0, X]);
+        rows.push(at(100), [4.0, X, X, X]);
+        let bits = |values: [f64; 4]| values.map(|value| if value.is_nan() { -1.0 } else { value });
+        let rows: Vec<_> = stretches(rows)[0].iter().map(|row| (row.0, bits(row.1))).collect();
+        assert_eq!(rows, [(0, [1.0, 2.0, 3.0, -1.0]), (100, [4.0, -1.0, -1.0, -1.0])]);
     }
 
     #[test]

@@ -1,18 +1,19 @@
 //! What is gathered of one topic: counts, log times, header frames, stamps.
 
 use std::borrow::Cow;
-use std::collections::BTreeMap;
 
 use crate::read::bag::{Channel, Message};
 use crate::read::messages::DecodeError;
 use crate::read::messages::decoder::Decoder;
 use crate::read::messages::header::Header;
 use crate::source::{Place, SourceId};
-use crate::world::bag::{HeaderFrame, TopicEvidence};
+use crate::world::bag::TopicEvidence;
 use crate::world::{FrameId, FrameRole, FrameUse};
 
 use super::content::Contents;
-use super::point::Point;
+use super::members::Members;
+use super::names::Names;
+use super::point::{On, Point};
 use super::series::Room;
 use super::stamps::Stamps;
 use super::thin::Share;
@@ -45,6 +46,8 @@ pub(super) struct Topic {
     stamps: Stamps,
     /// What the messages say beyond their header.
     pub(super) contents: Contents,
+    /// What stands inside them.
+    pub(super) members: Members,
 }
 
 impl Topic {
@@ -69,6 +72,7 @@ impl Topic {
             children: Names::new(share),
             stamps: Stamps::new(share),
             contents: Contents::new(share, Room::of(rank)),
+            members: Members::new(rank),
         }
     }
 
@@ -103,6 +107,7 @@ impl Topic {
     pub(super) fn seam(&mut self) {
         self.stamps.seam();
         self.contents.seam();
+        self.members.seam();
     }
 
     /// Takes in the child frame of an odometry message.
@@ -155,21 +160,33 @@ impl Topic {
         Some((self.malformed, *point, error))
     }
 
-    /// The frames named by the topic; the empty id is not a name.
-    pub(super) fn frame_uses(&self, source: SourceId) -> impl Iterator<Item = FrameUse> {
-        let of = move |names: &'_ Names, role| -> Vec<FrameUse> {
-            let named = names.known.iter().filter(|(name, _)| !name.is_empty());
-            named
-                .map(|(name, (count, first))| FrameUse {
-                    frame: FrameId::new(name.as_str()),
-                    role,
-                    place: Place::message(source, first.on(&self.name)),
-                    count: *count,
-                })
-                .collect()
+    /// The frames named by the topic, and inside its messages where the topic does not; the empty id is not a name.
+    pub(super) fn frame_uses(&self, source: SourceId) -> Vec<FrameUse> {
+        let use_of = |role, on: On<'_>, name: &str, (count, first): (u64, Point)| FrameUse {
+            frame: FrameId::new(name),
+            role,
+            place: Place::message(source, first.on(on)),
+            count,
         };
-        let headers = of(&self.frames, FrameRole::Header);
-        headers.into_iter().chain(of(&self.children, FrameRole::OdometryChild))
+        let roles = [FrameRole::Header, FrameRole::OdometryChild];
+        let own = [&self.frames, &self.children];
+        let mut uses = Vec::new();
+        for (names, role) in own.into_iter().zip(roles) {
+            let named = names.known.iter().filter(|(name, _)| !name.is_empty());
+            uses.extend(named.map(|(name, used)| use_of(role, (&self.name).into(), name, *used)));
+        }
+        for (field, inside) in self.members.names() {
+            let on = On {
+                topic: &self.name,
+                field: Some(field),
+            };
+            for ((names, role), own) in inside.into_iter().zip(roles).zip(own) {
+                let is_new = |name: &str| !name.is_empty() && !own.known.contains_key(name);
+                let named = names.known.iter().filter(|(name, _)| is_new(name));
+                uses.extend(named.map(|(name, used)| use_of(role, on, name, *used)));
+            }
+        }
+        uses
     }
 
     pub(super) fn finish(self, writers: &Writers) -> TopicEvidence {
@@ -186,46 +203,12 @@ impl Topic {
             unread: self.unread,
             malformed: self.malformed,
             first_malformed: self.first_malformed.map(|(point, error)| (point.on(&name), error)),
-            header_frames: self.frames.finish(&name),
-            child_frames: self.children.finish(&name),
+            header_frames: self.frames.finish((&name).into()),
+            child_frames: self.children.finish((&name).into()),
             stamps: self.stamps.finish(&name),
-            content: self.contents.finish(&name),
+            content: self.contents.finish((&name).into()),
+            members: self.members.finish(&name),
             topic: name,
         }
-    }
-}
-
-/// Frame names with their count and first message, bounded.
-struct Names {
-    bound: usize,
-    known: BTreeMap<String, (u64, Point)>,
-    refused: u64,
-}
-
-impl Names {
-    fn new(share: Share) -> Self {
-        Self {
-            bound: share.names,
-            known: BTreeMap::new(),
-            refused: 0,
-        }
-    }
-
-    fn add(&mut self, name: &str, point: Point) {
-        if let Some((count, _)) = self.known.get_mut(name) {
-            *count += 1;
-        } else if self.known.len() < self.bound {
-            self.known.insert(name.to_owned(), (1, point));
-        } else {
-            self.refused += 1;
-        }
-    }
-
-    fn finish(self, topic: &str) -> BTreeMap<FrameId, HeaderFrame> {
-        let of = |(name, (count, first)): (String, (u64, Point))| {
-            let first = first.on(topic);
-            (FrameId::new(name), HeaderFrame { count, first })
-        };
-        self.known.into_iter().map(of).collect()
     }
 }

@@ -46,9 +46,33 @@ pub(super) fn judge(world: &World, rules: &[Enabled], label: Option<&str>) -> Ve
         if rule.entry.needs.iter().any(|need| need.is_of_bags()) {
             add_share(world, &mut out);
         }
+        doubt_guesses(world, &mut out);
         take(out, rule, label, crash, &mut verdict);
     }
     verdict
+}
+
+/// What rests on fields that are told by their names alone is a hint, whichever rule it is of.
+fn doubt_guesses(world: &World, out: &mut Judge) {
+    for finding in &mut out.findings {
+        let guessed = finding
+            .places
+            .iter()
+            .filter_map(|label| world.guessed_fields(&label.place));
+        let Some((topic, fields)) = guessed.last() else {
+            continue;
+        };
+        let doubt = format!(
+            "that the fields `{fields}` of `{topic}` are what their names say is a guess (`fields: confirmed` in frames-lint.yaml \
+             settles it)"
+        );
+        finding.help = if finding.help.is_empty() {
+            doubt
+        } else {
+            format!("{}; {doubt}", finding.help)
+        };
+        finding.confidence = Confidence::Hint;
+    }
 }
 
 fn not_asked(world: &World, missing: &[&str], out: &mut Judge) {

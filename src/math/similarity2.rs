@@ -8,6 +8,8 @@
 
 use nalgebra::{Complex, Matrix2, Vector2};
 
+use super::circular::wrapped;
+
 /// Whether a fitted map keeps the sense of rotation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Sense {
@@ -119,6 +121,41 @@ pub fn fit_similarities(source_m: &[Vector2<f64>], target_m: &[Vector2<f64>]) ->
         improper: fit(Sense::Improper, mirror),
         count: source_m.len(),
     })
+}
+
+/// Standard deviations of the turn (radians) and of the scale that [`fit_similarities`] finds.
+///
+/// By the jackknife over `blocks` of neighbouring points (Kunsch, The jackknife and the bootstrap for general stationary
+/// observations, Ann. Statist. 17, 1989): noise may be correlated over less than a block, drift over more is seen as
+/// scatter of the blocks. `None` for fewer than three blocks, or where a fit without one of them has no answer.
+pub fn deviations(source_m: &[Vector2<f64>], target_m: &[Vector2<f64>], blocks: usize) -> Option<(f64, f64)> {
+    let n = source_m.len();
+    if blocks < 3 || n < 2 * blocks || target_m.len() != n {
+        return None;
+    }
+    let whole = fit_similarities(source_m, target_m)?.proper;
+    let (mut angle, mut scale) = (Vec::new(), Vec::new());
+    for block in 0..blocks {
+        let (from, to) = (block * n / blocks, (block + 1) * n / blocks);
+        let without = |points: &[Vector2<f64>]| {
+            [points.get(..from), points.get(to..)]
+                .into_iter()
+                .flatten()
+                .flatten()
+                .copied()
+                .collect::<Vec<_>>()
+        };
+        let fit = fit_similarities(&without(source_m), &without(target_m))?.proper;
+        angle.push(wrapped(fit.angle_rad - whole.angle_rad));
+        scale.push(fit.scale - whole.scale);
+    }
+    let deviation = |values: &[f64]| {
+        let m = blocks as f64;
+        let mean = values.iter().sum::<f64>() / m;
+        let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+        (squares * (m - 1.0) / m).sqrt()
+    };
+    Some((deviation(&angle), deviation(&scale)))
 }
 
 /// How far a set of points is spread, along its long and its short axis.

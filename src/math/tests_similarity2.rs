@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 use nalgebra::{Matrix2, Vector2};
 
 use super::circular::difference;
-use super::similarity2::{Sense, Similarity2, fit_similarities, path_length, spread};
+use super::similarity2::{Sense, Similarity2, deviations, fit_similarities, path_length, spread};
 use super::tests_support::Rng;
 
 fn v(x: f64, y: f64) -> Vector2<f64> {
@@ -148,4 +148,40 @@ fn the_spread_of_an_ellipse_is_its_half_axes_over_root_two() {
     assert!((s.major_axis_rad - 0.6).abs() < 1e-6);
     assert!((path_length(&[v(0.0, 0.0), v(3.0, 4.0), v(3.0, 3.0)]) - 6.0).abs() < 1e-12);
     assert!(spread(&[]).is_none() && path_length(&[]) == 0.0);
+}
+
+#[test]
+fn the_jackknife_finds_the_deviation_of_white_noise_and_of_drift() {
+    // With noise of sigma in each coordinate the turn and the relative scale have sigma / sqrt(sum |a - mean|^2).
+    let source: Vec<_> = (0..800)
+        .map(|i| f64::from(i) * 0.02)
+        .map(|t| v(100.0 * t.cos(), 60.0 * t.sin()))
+        .collect();
+    let mean = source.iter().sum::<Vector2<f64>>() / 800.0;
+    let squares: f64 = source.iter().map(|a| (a - mean).norm_squared()).sum();
+    let mut rng = Rng::new(7);
+    let mut noisy = |sigma: f64| -> Vec<Vector2<f64>> {
+        let noise = |a: &Vector2<f64>| a + sigma * v(rng.normal(), rng.normal());
+        source.iter().map(noise).collect()
+    };
+    let (mut angle, mut scale) = (0.0, 0.0);
+    for _ in 0..50 {
+        let (a, s) = deviations(&source, &noisy(0.3), 8).unwrap();
+        angle += a * a / 50.0;
+        scale += s * s / 50.0;
+    }
+    let expected = 0.3 / squares.sqrt();
+    assert!((angle.sqrt() / expected - 1.0).abs() < 0.2, "{angle} {expected}");
+    assert!((scale.sqrt() / expected - 1.0).abs() < 0.2, "{scale} {expected}");
+    // A second half that is turned by a hundredth of a radian: the blocks do not agree.
+    let turned = |(i, a): (usize, &Vector2<f64>)| {
+        if i < 400 {
+            *a
+        } else {
+            v(a.x - 0.01 * a.y, a.y + 0.01 * a.x)
+        }
+    };
+    let drifting: Vec<_> = source.iter().enumerate().map(turned).collect();
+    assert!(deviations(&source, &drifting, 8).unwrap().0 > 1e-3);
+    assert!(deviations(&source, &source, 2).is_none() && deviations(&source[..9], &source[..9], 8).is_none());
 }

@@ -53,6 +53,11 @@ pub trait Rule {
     fn judge(world: &World, limits: &Self::Limits, out: &mut Judge);
 }
 
+/// The limits of another rule, as its page has them.
+pub(crate) fn limits_of<R: Rule>() -> Option<R::Limits> {
+    Front::parse_limits(R::PAGE).ok()?.limits().ok()
+}
+
 /// How a recording is sampled for a rule, before anything is known of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Evidence {
@@ -173,18 +178,36 @@ pub static RULES: &[Entry] = &[
     entry::<axes::accel_vs_speed::AccelVsSpeed>(),
     entry::<axes::gnss_vs_odom_handedness::GnssVsOdomHandedness>(),
     entry::<axes::odom_twist_frame::OdomTwistFrame>(),
+    entry::<axes::base_frame_flu::BaseFrameFlu>(),
+    entry::<axes::map_z_up::MapZUp>(),
     entry::<quat::quaternion_convention::QuaternionConvention>(),
     entry::<quat::quaternion_order_static::QuaternionOrderStatic>(),
+    entry::<quat::euler_sequence::EulerSequence>(),
+    entry::<quat::left_vs_right_multiplication::LeftVsRightMultiplication>(),
     entry::<geo::navsatfix_sanity::NavsatfixSanity>(),
+    entry::<geo::ecef_enu_rotation::EcefEnuRotation>(),
+    entry::<geo::coordinate_kind::CoordinateKind>(),
+    entry::<geo::grid_convergence_scale::GridConvergenceScale>(),
+    entry::<geo::tangent_plane_range::TangentPlaneRange>(),
+    entry::<geo::altitude_datum::AltitudeDatum>(),
+    entry::<geo::origin_consistency::OriginConsistency>(),
     entry::<time::epoch_offset::EpochOffset>(),
     entry::<time::stamp_vs_log::StampVsLog>(),
     entry::<time::stamp_monotonic::StampMonotonic>(),
     entry::<time::clock_domain::ClockDomain>(),
+    entry::<time::sensor_time_offset::SensorTimeOffset>(),
     entry::<time::tf_vs_sensor_time::TfVsSensorTime>(),
     entry::<time::leap_table_expiry::LeapTableExpiry>(),
+    entry::<sensor::imu_shares_lidar_frame::ImuSharesLidarFrame>(),
+    entry::<sensor::ins_profile::InsProfile>(),
     entry::<sensor::mavros_frames::MavrosFrames>(),
+    entry::<sensor::compass_in_quaternion::CompassInQuaternion>(),
+    entry::<sensor::left_handed_simulator::LeftHandedSimulator>(),
     entry::<cov::cov_psd::CovPsd>(),
+    entry::<cov::cov_order::CovOrder>(),
     entry::<cov::cov_unknown_marking::CovUnknownMarking>(),
+    entry::<cov::cov_frame::CovFrame>(),
+    entry::<cov::cov_units::CovUnits>(),
     entry::<auth::multiple_authorities::MultipleAuthorities>(),
     entry::<auth::calibration_artifact_id::CalibrationArtifactId>(),
     entry::<auth::adhoc_static_transform::AdhocStaticTransform>(),

@@ -134,6 +134,25 @@ pub(crate) fn is_moving_part(frame: &FrameId) -> bool {
     has_word(frame, MOVING)
 }
 
+/// Whether a topic says by its name what ought to happen, not what does.
+pub(crate) fn is_wish(topic: &str) -> bool {
+    const WISHES: &[&str] = &[
+        "cmd",
+        "command",
+        "commanded",
+        "setpoint",
+        "goal",
+        "target",
+        "desired",
+        "reference",
+        "plan",
+        "path",
+        "trajectory",
+    ];
+    let words = FrameId::new(topic).tokens();
+    words.iter().any(|word| WISHES.contains(&word.as_str()))
+}
+
 /// The words of a name before `optical` or `optical_frame`, without an ending; `None` where the name does not end so.
 pub(crate) fn optical_stem(frame: &FrameId) -> Option<Vec<String>> {
     let mut words = frame.tokens();

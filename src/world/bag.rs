@@ -92,9 +92,88 @@ pub struct TopicEvidence {
     pub stamps: StampEvidence,
     /// What the messages say beyond their header.
     pub content: ContentEvidence,
+    /// What stands inside messages that are of no standard type themselves and says what a standard type would: by field
+    /// (`imu`), or the fields it is made of (`lat, lon, alt`).
+    #[serde(default)]
+    pub members: BTreeMap<String, MemberEvidence>,
+}
+
+/// A part of the messages of a topic that says what a message of a standard type would.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct MemberEvidence {
+    /// Whether only the names of plain fields say what it is, not a type: it may be a target, or where another vehicle is.
+    pub guessed: bool,
+    /// `header.frame_id` values: its own, or the message's where its own is empty.
+    pub header_frames: BTreeMap<FrameId, HeaderFrame>,
+    /// `child_frame_id` values of odometry.
+    pub child_frames: BTreeMap<FrameId, HeaderFrame>,
+    /// First message that carries it.
+    pub first: Option<MessageRef>,
+    /// What it says beyond its header.
+    pub content: ContentEvidence,
+}
+
+/// What a topic's messages say beyond their header: themselves, or a member of them.
+#[derive(Clone, Copy, Debug)]
+pub struct Said<'e> {
+    /// The topic.
+    pub topic: &'e TopicEvidence,
+    /// The member's field.
+    pub field: Option<&'e str>,
+    /// Whether only the names of plain fields say what it is.
+    pub guessed: bool,
+    /// `header.frame_id` values.
+    pub header_frames: &'e BTreeMap<FrameId, HeaderFrame>,
+    /// `child_frame_id` values.
+    pub child_frames: &'e BTreeMap<FrameId, HeaderFrame>,
+    /// First message.
+    pub first: Option<&'e MessageRef>,
+    /// What it says.
+    pub content: &'e ContentEvidence,
+}
+
+impl Said<'_> {
+    /// What reports call it: ``topic `/imu` ``, ``topic `/imu` (field `imu`)``.
+    pub fn subject(&self) -> String {
+        match self.field {
+            None => format!("topic `{}`", self.topic.topic),
+            Some(field) => format!("topic `{}` (field `{field}`)", self.topic.topic),
+        }
+    }
 }
 
 impl TopicEvidence {
+    /// The lower-case words of everything that is named around it: topic, type, frames and writers.
+    pub fn words(&self) -> Vec<String> {
+        let names = [self.topic.as_str(), self.message_type.as_str()].into_iter();
+        let names = names.chain(self.header_frames.keys().map(FrameId::as_str));
+        let names = names.chain(self.writers.keys().map(String::as_str));
+        names.flat_map(|name| FrameId::new(name).tokens()).collect()
+    }
+
+    /// What its messages say themselves, and every member of them.
+    pub fn said(&self) -> impl Iterator<Item = Said<'_>> {
+        let whole = Said {
+            topic: self,
+            field: None,
+            guessed: false,
+            header_frames: &self.header_frames,
+            child_frames: &self.child_frames,
+            first: self.stamps.first.as_ref(),
+            content: &self.content,
+        };
+        let members = self.members.iter().map(|(field, member)| Said {
+            topic: self,
+            field: Some(field),
+            guessed: member.guessed,
+            header_frames: &member.header_frames,
+            child_frames: &member.child_frames,
+            first: member.first.as_ref(),
+            content: &member.content,
+        });
+        std::iter::once(whole).chain(members)
+    }
+
     /// Whether the recording holds messages of the topic that were not read.
     pub fn has_more(&self) -> bool {
         self.total.is_some_and(|total| total > self.count)

@@ -13,6 +13,7 @@ pub mod frame;
 pub mod graph;
 pub mod motion;
 pub mod number;
+pub mod origin;
 pub mod qos;
 pub mod reference;
 pub mod robot;
@@ -24,7 +25,7 @@ use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
 
-use crate::source::{Source, SourceId};
+use crate::source::{At, Place, Source, SourceId};
 
 use derived::Derived;
 
@@ -34,6 +35,7 @@ pub use claim::{Claim, ClaimKind, Literal, Pose, Spelling};
 pub use conventions::Conventions;
 pub use frame::{FrameId, FrameRole, FrameUse};
 pub use graph::FrameGraph;
+pub use origin::EarthOrigin;
 pub use reference::{FileReference, ReferenceState};
 pub use robot::Robot;
 
@@ -62,6 +64,9 @@ pub struct World {
     /// What the user declares of topics, frames and files.
     #[serde(skip)]
     pub conventions: Arc<Conventions>,
+    /// Where files say that the origin of a local frame lies on the Earth.
+    #[serde(default)]
+    pub origins: Vec<EarthOrigin>,
     #[serde(skip)]
     graph: OnceLock<FrameGraph>,
     #[serde(skip)]
@@ -83,6 +88,8 @@ pub struct Facts {
     pub chains: Vec<DeclaredChain>,
     /// Calibration files that other files name.
     pub references: Vec<FileReference>,
+    /// Where a file says that the origin of a local frame lies on the Earth.
+    pub origins: Vec<EarthOrigin>,
 }
 
 impl World {
@@ -96,6 +103,23 @@ impl World {
         self.source(id).map_or("?", |source| source.path.as_str())
     }
 
+    /// The topic and the fields of it that a place points at, where only their names say what they are, and the
+    /// configuration does not confirm it.
+    pub fn guessed_fields<'p>(&self, place: &'p Place) -> Option<(&'p str, &'p str)> {
+        let At::Message(message) = &place.at else { return None };
+        let fields = message.field.as_deref()?;
+        let bag = self.bags.iter().find(|bag| bag.source == place.source)?;
+        let member = bag.topics.get(&message.topic)?.members.get(fields)?;
+        let frames: Vec<&FrameId> = member.header_frames.keys().collect();
+        let declared = self.conventions.of(&conventions::Subject {
+            file: self.path(place.source),
+            topic: Some(&message.topic),
+            frames: &frames,
+        });
+        let is_confirmed = declared.is_some_and(|declared| declared.convention.fields.is_some());
+        (member.guessed && !is_confirmed).then_some((message.topic.as_str(), fields))
+    }
+
     /// Adds what a reader found.
     pub fn absorb(&mut self, facts: Facts) {
         self.claims.extend(facts.claims);
@@ -104,6 +128,7 @@ impl World {
         self.bags.extend(facts.bags);
         self.chains.extend(facts.chains);
         self.references.extend(facts.references);
+        self.origins.extend(facts.origins);
         self.graph = OnceLock::new();
         self.derived = Derived::default();
     }

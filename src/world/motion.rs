@@ -114,6 +114,72 @@ pub struct FixRow {
     pub status: i8,
 }
 
+/// An orientation on a topic of its own.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct OrientationRow {
+    /// Header stamp, nanoseconds; zero where there is none.
+    pub stamp_ns: i64,
+    /// Log time, nanoseconds.
+    pub log_ns: i64,
+    /// `x y z w` slots as published, not normalised.
+    #[serde(with = "super::number::array")]
+    pub orientation: [f64; 4],
+}
+
+/// A vector on a topic of its own: what it measures, the message does not say.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct VectorRow {
+    /// Header stamp, nanoseconds; zero where there is none.
+    pub stamp_ns: i64,
+    /// Log time, nanoseconds.
+    pub log_ns: i64,
+    /// As published.
+    #[serde(with = "super::number::array")]
+    pub vector: [f64; 3],
+}
+
+/// What the sentences of NMEA 0183 that came together say; NaN where none of them says it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct NmeaRow {
+    /// Header stamp, nanoseconds; zero where there is none.
+    pub stamp_ns: i64,
+    /// Log time, nanoseconds.
+    pub log_ns: i64,
+    /// UTC, seconds of the day.
+    #[serde(with = "super::number")]
+    pub time_s: f64,
+    /// Degrees; NaN, too, where the sentence says that it has no fix.
+    #[serde(with = "super::number")]
+    pub latitude_deg: f64,
+    /// Degrees.
+    #[serde(with = "super::number")]
+    pub longitude_deg: f64,
+    /// Metres above mean sea level.
+    #[serde(with = "super::number")]
+    pub altitude_m: f64,
+    /// Mean sea level above the ellipsoid, metres, by the receiver.
+    #[serde(with = "super::number")]
+    pub geoid_separation_m: f64,
+    /// Speed over ground, m/s.
+    #[serde(with = "super::number")]
+    pub speed_m_s: f64,
+    /// Course over ground, degrees clockwise from true north.
+    #[serde(with = "super::number")]
+    pub course_deg: f64,
+    /// Degrees clockwise from true north.
+    #[serde(with = "super::number")]
+    pub true_heading_deg: f64,
+    /// Degrees clockwise from magnetic north.
+    #[serde(with = "super::number")]
+    pub magnetic_heading_deg: f64,
+    /// Magnetic north as seen from true north, degrees, east positive.
+    #[serde(with = "super::number")]
+    pub variation_deg: f64,
+    /// As GGA counts: 0 no fix, 1 GNSS, 2 differential, 3 precise, 4 RTK, 5 RTK float, 6 dead reckoning, 7 typed in, 8
+    /// simulated.
+    pub quality: Option<u8>,
+}
+
 macro_rules! rows {
     ($($row:ty),*) => {$(
         impl Row for $row {
@@ -128,17 +194,34 @@ macro_rules! rows {
     )*};
 }
 
-rows!(InertialRow, PoseRow, TwistRow, FixRow);
+rows!(
+    InertialRow,
+    PoseRow,
+    TwistRow,
+    FixRow,
+    OrientationRow,
+    VectorRow,
+    NmeaRow
+);
 
-/// What one topic says of motion.
+/// What one topic, or a member of its messages, says of motion.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MotionEvidence {
     /// Inertial measurements.
     pub inertial: Option<Series<InertialRow>>,
     /// Poses: odometry, poses, paths.
     pub poses: Option<Series<PoseRow>>,
-    /// Velocities.
+    /// Velocities. Beside fixes they are the receiver's: east, north, up, without a turning velocity (NaN).
     pub twists: Option<Series<TwistRow>>,
     /// Satellite fixes.
     pub fixes: Option<Series<FixRow>>,
+    /// Orientations.
+    #[serde(default)]
+    pub orientations: Option<Series<OrientationRow>>,
+    /// Vectors.
+    #[serde(default)]
+    pub vectors: Option<Series<VectorRow>>,
+    /// Sentences of NMEA 0183. A row is what those within [`ROW_NS`] say together, the first of each kind; no means.
+    #[serde(default)]
+    pub nmea: Option<Series<NmeaRow>>,
 }

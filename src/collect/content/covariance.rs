@@ -6,7 +6,7 @@ use nalgebra::{SMatrix, SymmetricEigen};
 
 use crate::world::content::{CovarianceAt, CovarianceEvidence};
 
-use super::super::point::Point;
+use super::super::point::{On, Point};
 use super::super::thin::{Share, Thinned};
 
 /// Takes in `N`×`N` matrices, `L = N²` numbers each, row-major.
@@ -157,23 +157,23 @@ impl<const N: usize, const L: usize> Covariances<N, L> {
         }
     }
 
-    pub(super) fn finish(mut self, topic: &str) -> CovarianceEvidence {
+    pub(super) fn finish(mut self, on: On<'_>) -> CovarianceEvidence {
         if let Some(current) = self.current.take() {
             self.later.push(current);
         }
-        let on = |kept: Kept<L>| CovarianceAt {
-            at: kept.point.on(topic),
+        let at = |kept: Kept<L>| CovarianceAt {
+            at: kept.point.on(on),
             count: kept.count.max(1),
             values: kept.values.to_vec(),
         };
         CovarianceEvidence {
             count: self.count,
-            samples: self.first.into_iter().chain(self.later.finish()).map(on).collect(),
-            non_finite: (self.non_finite.0, self.non_finite.1.map(on)),
+            samples: self.first.into_iter().chain(self.later.finish()).map(at).collect(),
+            non_finite: (self.non_finite.0, self.non_finite.1.map(at)),
             all_zero: self.all_zero,
             minus_one: self.minus_one,
-            most_asymmetric: self.most_asymmetric.map(|(asymmetry, kept)| (asymmetry, on(kept))),
-            least_positive: self.least_positive.map(|(least, kept)| (least, on(kept))),
+            most_asymmetric: self.most_asymmetric.map(|(asymmetry, kept)| (asymmetry, at(kept))),
+            least_positive: self.least_positive.map(|(least, kept)| (least, at(kept))),
         }
     }
 }

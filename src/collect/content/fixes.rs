@@ -3,7 +3,7 @@
 use crate::read::messages::content::Fix;
 use crate::world::content::{FixAt, FixEvidence};
 
-use super::super::point::Point;
+use super::super::point::{On, Point};
 use super::super::thin::{Share, Thinned};
 
 /// Takes in fixes in recording order.
@@ -73,19 +73,19 @@ impl Fixes {
         }
     }
 
-    pub(super) fn finish(self, topic: &str) -> FixEvidence {
-        let on = |kept: Kept| FixAt {
-            at: kept.point.on(topic),
+    pub(super) fn finish(self, on: On<'_>) -> FixEvidence {
+        let at = |kept: Kept| FixAt {
+            at: kept.point.on(on),
             latitude_deg: kept.latitude_deg,
             longitude_deg: kept.longitude_deg,
             altitude_m: kept.altitude_m,
             status: kept.status,
         };
-        let counted = |counted: Counted| (counted.0, counted.1.into_iter().map(on).collect());
+        let counted = |counted: Counted| (counted.0, counted.1.into_iter().map(at).collect());
         FixEvidence {
             count: self.count,
             no_fix: self.no_fix,
-            samples: self.samples.finish().into_iter().map(on).collect(),
+            samples: self.samples.finish().into_iter().map(at).collect(),
             non_finite: counted(self.non_finite),
             out_of_range: counted(self.out_of_range),
             null_island: counted(self.null_island),

@@ -3,7 +3,7 @@
 use crate::read::messages::content::Imu;
 use crate::world::content::ImuEvidence;
 
-use super::super::point::Point;
+use super::super::point::{On, Point};
 
 /// Between messages further apart than this nobody knows how the body turned, nanoseconds.
 const LONGEST_STEP_NS: i64 = 1_000_000_000;
@@ -53,14 +53,14 @@ impl Inertial {
         }
     }
 
-    pub(super) fn finish(self, topic: &str) -> ImuEvidence {
+    pub(super) fn finish(self, on: On<'_>) -> ImuEvidence {
         let (sum, count) = self.squares;
         ImuEvidence {
             count: self.count,
             identity: self.identity,
             zero: self.zero,
             same_as_first: self.same_as_first,
-            first: self.first.map(|(point, _)| point.on(topic)),
+            first: self.first.map(|(point, _)| point.on(on)),
             angular_velocity_rms: if count == 0 {
                 f64::NAN
             } else {

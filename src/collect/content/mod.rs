@@ -5,14 +5,15 @@ mod fixes;
 mod imu;
 pub(super) mod motion;
 mod odometry;
+mod path;
 pub(super) mod steps;
 
 use std::collections::BTreeMap;
 
-use crate::read::messages::content::{Fix, Imu, Odometry, Pose, Twist};
+use crate::read::messages::content::{Body, Fix, Imu, Odometry, Pose, Twist};
 use crate::world::content::{ContentEvidence, CovarianceEvidence};
 
-use super::point::Point;
+use super::point::{On, Point};
 use super::series::Room;
 use super::thin::Share;
 use covariance::Covariances;
@@ -60,7 +61,28 @@ impl Contents {
         self.motion.seam();
     }
 
-    pub(super) fn odometry(&mut self, point: Point, odometry: &Odometry<'_>) {
+    /// Takes in what a message, or a member of it, says.
+    pub(super) fn body(&mut self, point: Point, body: &Body<'_>) {
+        match body {
+            Body::Odometry(odometry) => self.odometry(point, odometry),
+            Body::Imu(imu) => self.imu(point, imu),
+            Body::Fix(fix) => self.fix(point, fix),
+            Body::Nmea(nmea) => self.motion.nmea(point, nmea),
+            Body::Pose(pose) => self.pose(point, pose),
+            Body::Path(poses) => self.motion.path(point, poses),
+            Body::Orientation(orientation) => self.motion.orientation(point, *orientation),
+            Body::Vector(vector) => self.motion.vector(point, *vector),
+            Body::Twist(twist) => self.twist(point, twist),
+            Body::Nothing
+            | Body::ChildFrame(_)
+            | Body::Transforms(_)
+            | Body::Description(_)
+            | Body::Frames(_)
+            | Body::Clock(_) => {}
+        }
+    }
+
+    fn odometry(&mut self, point: Point, odometry: &Odometry<'_>) {
         let share = self.share;
         self.odometry
             .get_or_insert_with(|| Box::new(Odometries::new(share)))
@@ -70,7 +92,7 @@ impl Contents {
         self.six("twist.covariance", point, &odometry.twist_covariance);
     }
 
-    pub(super) fn imu(&mut self, point: Point, imu: &Imu) {
+    fn imu(&mut self, point: Point, imu: &Imu) {
         self.imu.get_or_insert_default().push(point, imu);
         self.motion.imu(point, imu);
         self.three("orientation_covariance", point, &imu.orientation_covariance);
@@ -82,7 +104,7 @@ impl Contents {
         );
     }
 
-    pub(super) fn fix(&mut self, point: Point, fix: &Fix) {
+    fn fix(&mut self, point: Point, fix: &Fix) {
         let share = self.share;
         self.fixes
             .get_or_insert_with(|| Box::new(Fixes::new(share)))
@@ -91,14 +113,14 @@ impl Contents {
         self.three("position_covariance", point, &fix.covariance);
     }
 
-    pub(super) fn pose(&mut self, point: Point, pose: &Pose) {
+    fn pose(&mut self, point: Point, pose: &Pose) {
         self.motion.pose(point, pose.position, pose.orientation);
         if let Some(covariance) = &pose.covariance {
             self.six("pose.covariance", point, covariance);
         }
     }
 
-    pub(super) fn twist(&mut self, point: Point, twist: &Twist) {
+    fn twist(&mut self, point: Point, twist: &Twist) {
         self.motion.twist(point, twist);
         if let Some(covariance) = &twist.covariance {
             self.six("twist.covariance", point, covariance);
@@ -121,24 +143,24 @@ impl Contents {
             .push(point, values);
     }
 
-    pub(super) fn finish(self, topic: &str) -> ContentEvidence {
+    pub(super) fn finish(self, on: On<'_>) -> ContentEvidence {
         let six = self
             .six
             .into_iter()
-            .map(|(field, matrices)| (field, matrices.finish(topic)));
+            .map(|(field, matrices)| (field, matrices.finish(on)));
         let three = self
             .three
             .into_iter()
-            .map(|(field, matrices)| (field, matrices.finish(topic)));
+            .map(|(field, matrices)| (field, matrices.finish(on)));
         let covariances: BTreeMap<String, CovarianceEvidence> = six
             .chain(three)
             .map(|(field, evidence)| (field.to_owned(), evidence))
             .collect();
         ContentEvidence {
-            fixes: self.fixes.map(|fixes| fixes.finish(topic)),
+            fixes: self.fixes.map(|fixes| fixes.finish(on)),
             covariances,
-            imu: self.imu.map(|imu| imu.finish(topic)),
-            odometry: self.odometry.map(|odometry| odometry.finish(topic)),
+            imu: self.imu.map(|imu| imu.finish(on)),
+            odometry: self.odometry.map(|odometry| odometry.finish(on)),
             motion: self.motion.finish(),
         }
     }

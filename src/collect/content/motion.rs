@@ -1,11 +1,13 @@
 //! Motion, row by row: which numbers of which messages are kept, and as what.
 
-use crate::read::messages::content::{Fix, Imu, Odometry, Twist};
-use crate::world::motion::{FixRow, InertialRow, MotionEvidence, PoseRow, Series, TwistRow};
-use crate::world::{Pose, motion};
+use crate::read::messages::content::{Fix, Imu, Nmea, Odometry, Pose, Twist};
+use crate::world::motion::{
+    self, FixRow, InertialRow, MotionEvidence, NmeaRow, OrientationRow, PoseRow, Series, TwistRow, VectorRow,
+};
 
 use super::super::point::Point;
 use super::super::series::{Room, Rows, Sample};
+use super::path::Path;
 
 /// Poses without a velocity: position, orientation.
 pub(in super::super) type Poses = Rows<7, 3>;
@@ -14,18 +16,43 @@ pub(in super::super) type Poses = Rows<7, 3>;
 pub(super) struct Motion {
     room: Room,
     /// Orientation, angular velocity, acceleration.
-    inertial: Option<Box<Rows<10, 0>>>,
+    inertial: Lazy<10, 0>,
     /// Position, orientation, velocity, angular velocity.
-    odometry: Option<Box<Rows<13, 3>>>,
-    poses: Option<Box<Poses>>,
+    odometry: Lazy<13, 3>,
+    poses: Lazy<7, 3>,
+    path: Option<Box<Path>>,
     /// Velocity, angular velocity.
-    twists: Option<Box<Rows<6, 6>>>,
+    twists: Lazy<6, 6>,
     /// Latitude, longitude, altitude, three variances, status.
-    fixes: Option<Box<Rows<7, 7>>>,
+    fixes: Lazy<7, 7>,
+    orientations: Lazy<4, 0>,
+    vectors: Lazy<3, 3>,
+    /// In the order of [`NmeaRow`].
+    nmea: Lazy<11, 11>,
+}
+
+/// Rows for which nothing is set aside before the first.
+struct Lazy<const N: usize, const Q: usize>(Option<Box<Rows<N, Q>>>);
+
+impl<const N: usize, const Q: usize> Lazy<N, Q> {
+    fn push(&mut self, room: Room, point: Point, parts: &[&[f64]]) {
+        let rows = self.0.get_or_insert_with(|| Box::new(Rows::new(room)));
+        rows.push(point, joined(parts));
+    }
+
+    fn seam(&mut self) {
+        if let Some(rows) = &mut self.0 {
+            rows.seam();
+        }
+    }
+
+    fn finish<T>(self, row: impl Fn(Sample<N>) -> T) -> Option<Series<T>> {
+        self.0.and_then(|rows| rows.finish(row))
+    }
 }
 
 /// The numbers that follow each other in `parts`.
-fn joined<const N: usize>(parts: &[&[f64]]) -> [f64; N] {
+pub(super) fn joined<const N: usize>(parts: &[&[f64]]) -> [f64; N] {
     let mut values = [0.0; N];
     for (slot, value) in values.iter_mut().zip(parts.iter().copied().flatten()) {
         *slot = *value;
@@ -33,41 +60,37 @@ fn joined<const N: usize>(parts: &[&[f64]]) -> [f64; N] {
     values
 }
 
-/// `L` numbers from the `at`-th on.
-fn part<const N: usize, const L: usize>(values: &[f64; N], at: usize) -> [f64; L] {
-    let rest = values.get(at..).and_then(|rest| rest.first_chunk());
-    rest.copied().unwrap_or([f64::NAN; L])
-}
-
 impl Motion {
     pub(super) fn new(room: Room) -> Self {
         Self {
             room,
-            inertial: None,
-            odometry: None,
-            poses: None,
-            twists: None,
-            fixes: None,
+            inertial: Lazy(None),
+            odometry: Lazy(None),
+            poses: Lazy(None),
+            path: None,
+            twists: Lazy(None),
+            fixes: Lazy(None),
+            orientations: Lazy(None),
+            vectors: Lazy(None),
+            nmea: Lazy(None),
         }
     }
 
-    /// Messages were left out here.
+    /// Messages were left out here. A path tells what was missed.
     pub(super) fn seam(&mut self) {
-        fn end<const N: usize, const Q: usize>(rows: &mut Option<Box<Rows<N, Q>>>) {
-            if let Some(rows) = rows {
-                rows.seam();
-            }
-        }
-        end(&mut self.inertial);
-        end(&mut self.odometry);
-        end(&mut self.poses);
-        end(&mut self.twists);
-        end(&mut self.fixes);
+        self.inertial.seam();
+        self.odometry.seam();
+        self.poses.seam();
+        self.twists.seam();
+        self.fixes.seam();
+        self.orientations.seam();
+        self.vectors.seam();
+        self.nmea.seam();
     }
 
     pub(super) fn imu(&mut self, point: Point, imu: &Imu) {
-        let values = joined(&[&imu.orientation, &imu.angular_velocity, &imu.linear_acceleration]);
-        push(&mut self.inertial, self.room, point, values);
+        let parts: [&[f64]; 3] = [&imu.orientation, &imu.angular_velocity, &imu.linear_acceleration];
+        self.inertial.push(self.room, point, &parts);
     }
 
     pub(super) fn odometry(&mut self, point: Point, odometry: &Odometry<'_>) {
@@ -78,17 +101,31 @@ impl Motion {
             angular,
             ..
         } = odometry;
-        let values = joined(&[position, orientation, linear, angular]);
-        push(&mut self.odometry, self.room, point, values);
+        self.odometry
+            .push(self.room, point, &[position, orientation, linear, angular]);
     }
 
     pub(super) fn pose(&mut self, point: Point, position: [f64; 3], orientation: [f64; 4]) {
-        push(&mut self.poses, self.room, point, joined(&[&position, &orientation]));
+        self.poses.push(self.room, point, &[&position, &orientation]);
+    }
+
+    pub(super) fn path(&mut self, point: Point, poses: &[(i64, Pose)]) {
+        let room = self.room;
+        self.path
+            .get_or_insert_with(|| Box::new(Path::new(room)))
+            .push(point, poses);
     }
 
     pub(super) fn twist(&mut self, point: Point, twist: &Twist) {
-        let values = joined(&[&twist.linear, &twist.angular]);
-        push(&mut self.twists, self.room, point, values);
+        self.twists.push(self.room, point, &[&twist.linear, &twist.angular]);
+    }
+
+    pub(super) fn orientation(&mut self, point: Point, orientation: [f64; 4]) {
+        self.orientations.push(self.room, point, &[&orientation]);
+    }
+
+    pub(super) fn vector(&mut self, point: Point, vector: [f64; 3]) {
+        self.vectors.push(self.room, point, &[&vector]);
     }
 
     /// Takes in a fix; one that says that there is no fix, or has no finite position, is none.
@@ -98,125 +135,150 @@ impl Motion {
         }
         let [east, _, _, _, north, _, _, _, up] = fix.covariance;
         let position = [fix.latitude, fix.longitude, fix.altitude];
-        let values = joined(&[&position, &[east, north, up], &[f64::from(fix.status)]]);
-        push(&mut self.fixes, self.room, point, values);
+        let parts: [&[f64]; 3] = [&position, &[east, north, up], &[f64::from(fix.status)]];
+        self.fixes.push(self.room, point, &parts);
+        if let Some(velocity) = fix.velocity {
+            self.twists.push(self.room, point, &[&velocity, &[f64::NAN; 3]]);
+        }
+    }
+
+    /// Takes in a sentence. What it says of a place without a fix is none.
+    pub(super) fn nmea(&mut self, point: Point, nmea: &Nmea) {
+        let or_nan = |value: Option<f64>| value.unwrap_or(f64::NAN);
+        let position = nmea.position.filter(|_| nmea.quality != Some(0));
+        let [latitude, longitude] = position.unwrap_or([f64::NAN; 2]);
+        let height = |value: Option<f64>| or_nan(value.filter(|_| position.is_some()));
+        let values = [
+            or_nan(nmea.time_s),
+            latitude,
+            longitude,
+            height(nmea.altitude_m),
+            height(nmea.geoid_separation_m),
+            or_nan(nmea.speed_m_s),
+            or_nan(nmea.course_deg),
+            or_nan(nmea.true_heading_deg),
+            or_nan(nmea.magnetic_heading_deg),
+            or_nan(nmea.variation_deg),
+            or_nan(nmea.quality.map(f64::from)),
+        ];
+        let room = self.room;
+        let rows = self.nmea.0.get_or_insert_with(|| Box::new(Rows::filled(room)));
+        rows.push(point, values);
     }
 
     pub(super) fn finish(self) -> MotionEvidence {
-        let odometry = self.odometry.and_then(|rows| rows.finish(odometry_row));
+        let odometry = self.odometry.finish(|row| PoseRow {
+            twist: Some(motion::Twist {
+                linear: row.part(7),
+                angular: row.part(10),
+            }),
+            ..pose_row(&row)
+        });
+        let poses = self.poses.finish(|row| pose_row(&row));
         MotionEvidence {
-            inertial: self.inertial.and_then(|rows| rows.finish(inertial_row)),
-            poses: odometry.or_else(|| self.poses.and_then(|rows| finish_poses(*rows))),
-            twists: self.twists.and_then(|rows| rows.finish(twist_row)),
-            fixes: self.fixes.and_then(|rows| rows.finish(fix_row)),
+            inertial: self.inertial.finish(|row| InertialRow {
+                stamp_ns: row.stamp_ns,
+                log_ns: row.log_ns,
+                orientation: row.part(0),
+                angular_velocity: row.part(4),
+                linear_acceleration: row.part(7),
+            }),
+            poses: odometry.or(poses).or_else(|| self.path?.finish()),
+            twists: self.twists.finish(|row| TwistRow {
+                stamp_ns: row.stamp_ns,
+                log_ns: row.log_ns,
+                twist: motion::Twist {
+                    linear: row.part(0),
+                    angular: row.part(3),
+                },
+            }),
+            fixes: self.fixes.finish(fix_row),
+            orientations: self.orientations.finish(|row| OrientationRow {
+                stamp_ns: row.stamp_ns,
+                log_ns: row.log_ns,
+                orientation: row.values,
+            }),
+            vectors: self.vectors.finish(|row| VectorRow {
+                stamp_ns: row.stamp_ns,
+                log_ns: row.log_ns,
+                vector: row.values,
+            }),
+            nmea: self.nmea.finish(nmea_row),
         }
     }
 }
 
-fn push<const N: usize, const Q: usize>(
-    rows: &mut Option<Box<Rows<N, Q>>>,
-    room: Room,
-    point: Point,
-    values: [f64; N],
-) {
-    rows.get_or_insert_with(|| Box::new(Rows::new(room)))
-        .push(point, values);
-}
-
 /// Takes in a valid pose.
-pub(in super::super) fn push_pose(poses: &mut Poses, point: Point, pose: &Pose) {
+pub(in super::super) fn push_pose(poses: &mut Poses, point: Point, pose: &crate::world::Pose) {
     poses.push(point, joined(&[&pose.translation_m, &pose.rotation_xyzw]));
 }
 
 /// The rows of poses without a velocity.
 pub(in super::super) fn finish_poses(poses: Poses) -> Option<Series<PoseRow>> {
-    poses.finish(
-        |Sample {
-             stamp_ns,
-             log_ns,
-             values,
-         }| PoseRow {
-            stamp_ns,
-            log_ns,
-            position: part(&values, 0),
-            orientation: part(&values, 3),
-            twist: None,
-        },
-    )
+    poses.finish(|row| pose_row(&row))
 }
 
-fn inertial_row(
-    Sample {
-        stamp_ns,
-        log_ns,
-        values,
-    }: Sample<10>,
-) -> InertialRow {
-    InertialRow {
-        stamp_ns,
-        log_ns,
-        orientation: part(&values, 0),
-        angular_velocity: part(&values, 4),
-        linear_acceleration: part(&values, 7),
-    }
-}
-
-fn odometry_row(
-    Sample {
-        stamp_ns,
-        log_ns,
-        values,
-    }: Sample<13>,
-) -> PoseRow {
+fn pose_row<const N: usize>(row: &Sample<N>) -> PoseRow {
     PoseRow {
-        stamp_ns,
-        log_ns,
-        position: part(&values, 0),
-        orientation: part(&values, 3),
-        twist: Some(motion::Twist {
-            linear: part(&values, 7),
-            angular: part(&values, 10),
-        }),
+        stamp_ns: row.stamp_ns,
+        log_ns: row.log_ns,
+        position: row.part(0),
+        orientation: row.part(3),
+        twist: None,
     }
 }
 
-fn twist_row(
-    Sample {
-        stamp_ns,
-        log_ns,
-        values,
-    }: Sample<6>,
-) -> TwistRow {
-    TwistRow {
-        stamp_ns,
-        log_ns,
-        twist: motion::Twist {
-            linear: part(&values, 0),
-            angular: part(&values, 3),
-        },
-    }
-}
-
-fn fix_row(
-    Sample {
-        stamp_ns,
-        log_ns,
-        values,
-    }: Sample<7>,
-) -> FixRow {
-    let [latitude_deg, longitude_deg, altitude_m, east, north, up, status] = values;
+fn fix_row(row: Sample<7>) -> FixRow {
+    let [latitude_deg, longitude_deg, altitude_m, east, north, up, status] = row.values;
     #[allow(
         clippy::cast_possible_truncation,
         reason = "a mean of numbers that were an i8 each, not negative"
     )]
     let status = status.floor() as i8;
     FixRow {
-        stamp_ns,
-        log_ns,
+        stamp_ns: row.stamp_ns,
+        log_ns: row.log_ns,
         latitude_deg,
         longitude_deg,
         altitude_m,
         variance_m2: [east, north, up],
         status,
+    }
+}
+
+fn nmea_row(row: Sample<11>) -> NmeaRow {
+    let [
+        time_s,
+        latitude_deg,
+        longitude_deg,
+        altitude_m,
+        geoid_separation_m,
+        speed_m_s,
+        course_deg,
+        true_heading_deg,
+        magnetic_heading_deg,
+        variation_deg,
+        quality,
+    ] = row.values;
+    #[allow(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "NaN, or a number that was an u8"
+    )]
+    let quality = quality.is_finite().then_some(quality as u8);
+    NmeaRow {
+        stamp_ns: row.stamp_ns,
+        log_ns: row.log_ns,
+        time_s,
+        latitude_deg,
+        longitude_deg,
+        altitude_m,
+        geoid_separation_m,
+        speed_m_s,
+        course_deg,
+        true_heading_deg,
+        magnetic_heading_deg,
+        variation_deg,
+        quality,
     }
 }

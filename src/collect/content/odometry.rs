@@ -4,7 +4,7 @@ use crate::read::messages::content::Odometry;
 use crate::world::Pose;
 use crate::world::content::{OdometryEvidence, PoseAt};
 
-use super::super::point::Point;
+use super::super::point::{On, Point};
 use super::super::thin::{Share, Thinned};
 use super::steps::Steps;
 
@@ -40,14 +40,11 @@ impl Odometries {
         enlarge(&mut self.largest_turn_rad_s, odometry.angular);
     }
 
-    pub(super) fn finish(self, topic: &str) -> OdometryEvidence {
-        let at = |(point, pose): (Point, Pose)| PoseAt {
-            at: point.on(topic),
-            pose,
-        };
+    pub(super) fn finish(self, on: On<'_>) -> OdometryEvidence {
+        let at = |(point, pose): (Point, Pose)| PoseAt { at: point.on(on), pose };
         OdometryEvidence {
             samples: self.samples.finish().into_iter().map(at).collect(),
-            steps: self.steps.finish(topic),
+            steps: self.steps.finish(on),
             largest_speed_m_s: self.largest_speed_m_s,
             largest_turn_rad_s: self.largest_turn_rad_s,
         }

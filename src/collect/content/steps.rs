@@ -7,7 +7,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use crate::world::Pose;
 use crate::world::content::{PoseAt, Step, StepAt, StepEvidence};
 
-use super::super::point::Point;
+use super::super::point::{On, Point};
 use super::super::thin::{Reservoir, Share};
 
 /// A step by more than this moves, metres and radians.
@@ -177,16 +177,16 @@ impl Steps {
         )
     }
 
-    pub(in super::super) fn finish(self, topic: &str) -> StepEvidence {
+    pub(in super::super) fn finish(self, on: On<'_>) -> StepEvidence {
         StepEvidence {
             count: self.count,
             moving: self.moving,
             sample: self.sample.finish(),
-            farthest: self.farthest.finish(topic),
-            widest: self.widest.finish(topic),
-            most_surprising: self.most_surprising.finish(topic),
+            farthest: self.farthest.finish(on),
+            widest: self.widest.finish(on),
+            most_surprising: self.most_surprising.finish(on),
             undone: self.undone,
-            first_undone: self.first_undone.map(|between| between.on(topic)),
+            first_undone: self.first_undone.map(|between| between.on(on)),
         }
     }
 }
@@ -212,11 +212,8 @@ fn is_undone(before: &Before, now: &Known) -> bool {
 }
 
 impl Between {
-    fn on(self, topic: &str) -> StepAt {
-        let at = |(point, pose): (Point, Pose)| PoseAt {
-            at: point.on(topic),
-            pose,
-        };
+    fn on(self, on: On<'_>) -> StepAt {
+        let at = |(point, pose): (Point, Pose)| PoseAt { at: point.on(on), pose };
         StepAt {
             step: self.step,
             before: at(self.before),
@@ -259,7 +256,7 @@ impl Top {
         self.kept.insert(place, (key, *between));
     }
 
-    fn finish(self, topic: &str) -> Vec<StepAt> {
-        self.kept.into_iter().map(|(_, between)| between.on(topic)).collect()
+    fn finish(self, on: On<'_>) -> Vec<StepAt> {
+        self.kept.into_iter().map(|(_, between)| between.on(on)).collect()
     }
 }

@@ -1,7 +1,7 @@
 //! The reader of YAML and JSON files that may hold transforms.
 //!
 //! Owns the two entry points and the words on how a file could be read. `repair`, `events` and `document` turn text into nodes,
-//! `names` and `numbers` recognise, `shapes` spells, `walk` and `generic` make claims, `dialect` knows formats.
+//! `names` and `numbers` recognise, `shapes` spells, `origins` and `references` look for what they say, `walk` and `generic` make claims, `dialect` knows formats.
 
 mod dialect;
 pub(crate) mod document;
@@ -9,6 +9,7 @@ pub(crate) mod events;
 mod generic;
 mod names;
 mod numbers;
+mod origins;
 mod references;
 pub(crate) mod repair;
 mod shapes;
@@ -98,6 +99,7 @@ fn read_text(source: &mut Source, text: &str, parse: impl Fn(&str, usize) -> (Do
     let (mut facts, problems) = walk.finish();
     for root in &documents.roots {
         facts.references.extend(references::collect(root, source.id));
+        facts.origins.extend(origins::collect(root, source.id));
     }
     let reached = documents.fault.as_ref().map_or(text.len(), |fault| fault.at);
     source.examined.bytes = reached as u64;
@@ -171,7 +173,9 @@ fn template(text: &str) -> Option<usize> {
 /// The line of words on a source: what was found, what was mended, what stands twice.
 fn describe(source: &mut Source, text: &str, documents: &Documents, mended: &Mended, facts: &Facts) {
     let mut notes = Vec::new();
-    if facts.claims.is_empty() && facts.chains.is_empty() {
+    if !facts.origins.is_empty() && facts.claims.is_empty() {
+        notes.push("an origin on the Earth, and no transforms".to_owned());
+    } else if facts.claims.is_empty() && facts.chains.is_empty() {
         notes.push("no transforms found".to_owned());
     }
     if let Some((line, what)) = mended.first() {

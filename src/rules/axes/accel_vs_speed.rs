@@ -1,15 +1,18 @@
 //! AXES06: the acceleration along the base's axes against the change of speed.
 
+use std::sync::Arc;
+
 use serde::Deserialize;
 
 use crate::rules::motion::{Imu, Motion, Track};
 use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
 use super::causes::{Diagnosis, Push};
-use super::rates::{Rates, Slope};
-use super::sensors::{Look, Sensors, needed};
+use super::rates::{Integrals, Rates, Slope};
+use super::sensors::{Look, Sensors, TRACK, needed};
 
 /// AXES06.
 pub struct AccelVsSpeed;
@@ -33,6 +36,7 @@ pub(super) struct Pushed {
     forward: Slope,
     sideways: Slope,
     track: String,
+    track_at: Place,
 }
 
 impl Rule for AccelVsSpeed {
@@ -96,11 +100,12 @@ fn judge_pushed(imu: &Imu, subject: String, pushed: &Pushed, diagnosis: &Diagnos
         Finding::warning(subject, message, imu.stream.place()).likely(),
         otherwise,
     );
+    let finding = finding.related(pushed.track_at.clone(), TRACK);
     out.fail(measured.into_iter().fold(finding, Finding::measured));
 }
 
 /// Along which axis the first track that tells speeds up.
-pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Look<Pushed> {
+pub(super) fn look(imu: &Imu, integrals: &Integrals, tracks: &[Arc<Track>], limits: &Limits) -> Look<Pushed> {
     needed(tracks)?;
     let force = imu.inertial.force.unwrap_or(0.0);
     // The unit is AXES02's.
@@ -111,7 +116,7 @@ pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Look<Pushed>
     };
     let mut best: Option<Rates> = None;
     for track in tracks {
-        let mut rates = Rates::of(imu, &track.courses(limits.min_speed_m_s));
+        let mut rates = Rates::of(integrals, &track.courses(limits.min_speed_m_s));
         rates.forward.gain *= unit;
         rates.sideways.gain *= unit;
         let Rates { forward, sideways, .. } = rates;
@@ -131,6 +136,7 @@ pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Look<Pushed>
                 forward,
                 sideways,
                 track: track.subject.clone(),
+                track_at: track.place.clone(),
             });
         }
         if best.is_none_or(|best| forward.t().abs() > best.forward.t().abs()) {

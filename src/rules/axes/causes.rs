@@ -4,6 +4,7 @@
 //! point there. Owns the table; must not measure.
 
 use crate::rules::motion::ToldIn;
+use crate::tables::{InsDriver, Known};
 use crate::verdict::Finding;
 
 /// Where the acceleration at rest points in the base.
@@ -51,6 +52,8 @@ pub(crate) enum Turn {
     ReorderedInverse,
     /// About one axis only.
     Partly,
+    /// As its integral once the angles behind it are put together in the order of ROS.
+    Ordered,
     /// It does not.
     Unrelated,
 }
@@ -321,15 +324,28 @@ pub(crate) struct Diagnosis {
     pub(crate) owner: Option<&'static str>,
     /// What the sensor's numbers were told in.
     told_in: ToldIn,
+    /// The driver, where names tell it.
+    driver: Option<Known<InsDriver>>,
 }
 
 impl Diagnosis {
     /// Finds the faults that fit.
-    pub(crate) fn of(seen: Seen, told_in: &ToldIn) -> Self {
+    pub(crate) fn of(mut seen: Seen, told_in: &ToldIn, driver: Option<Known<InsDriver>>) -> Self {
+        if seen.turn == Some(Turn::Ordered) {
+            // QUAT03 reports the order by itself. Wrong roll and pitch tilt the world; whatever else is seen has a cause of
+            // its own.
+            let tilted = seen.world == Some(World::Elsewhere);
+            seen.turn = Some(Turn::Agree);
+            seen.world = seen.world.filter(|_| !tilted);
+            let rest = Self::of(seen, told_in, driver);
+            let owner = rest.owner.or(tilted.then_some("QUAT03"));
+            return Self { owner, ..rest };
+        }
         let told_in = told_in.clone();
         if HEALTHY.fits(seen) {
             return Self {
                 told_in,
+                driver,
                 ..Self::default()
             };
         }
@@ -344,7 +360,26 @@ impl Diagnosis {
         let owner = one
             .filter(shows)
             .or_else(|| ORDER.into_iter().find(shows).filter(|_| !causes.is_empty()));
-        Self { causes, owner, told_in }
+        Self {
+            causes,
+            owner,
+            told_in,
+            driver,
+        }
+    }
+
+    /// Leaves to another rule what looks like a wrong mounting: where the base itself is turned, its sensors look so.
+    pub(crate) fn leave_mounting_to(&mut self, owner: &'static str) {
+        const MOUNTINGS: [&str; 5] = [
+            "upside-down",
+            "on-its-side",
+            "turned-mount",
+            "gravity-sign",
+            "sensor-frd",
+        ];
+        if self.causes.iter().any(|cause| MOUNTINGS.contains(&cause.word)) {
+            self.owner = Some(owner);
+        }
     }
 
     /// Why a rule does not report what it sees: another reports the fault that it is part of.
@@ -390,7 +425,18 @@ impl Diagnosis {
     /// What to do.
     fn help(&self) -> Option<String> {
         let helps: Vec<&str> = self.causes.iter().map(|cause| cause.help).collect();
-        (!helps.is_empty()).then(|| helps.join("; or: "))
+        let help = (!helps.is_empty()).then(|| helps.join("; or: "))?;
+        let is_of_driver = |cause: &&Cause| ["ned-frd", "ned-orientation", "compass-yaw"].contains(&cause.word);
+        let driver = self.driver.filter(|_| self.causes.iter().any(is_of_driver));
+        Some(driver.map_or_else(
+            || help.clone(),
+            |driver| {
+                format!(
+                    "{help}. {} measures in {}: {}",
+                    driver.name, driver.facts.native, driver.facts.setting
+                )
+            },
+        ))
     }
 }
 
@@ -399,7 +445,9 @@ fn shows(seen: Seen, code: &str) -> bool {
     match code {
         "AXES01" => seen.base.is_some_and(|base| base != Base::Up),
         "AXES03" => seen.world.is_some_and(|world| world != World::Up),
-        "QUAT01" => seen.turn.is_some_and(|turn| !HEALTHY.turn.contains(&turn)),
+        "QUAT01" => seen
+            .turn
+            .is_some_and(|turn| turn != Turn::Ordered && !HEALTHY.turn.contains(&turn)),
         "AXES04" => seen.heading == Some(Heading::Against),
         "AXES05" => seen.sense == Some(Sense::Against),
         "AXES06" => seen.push.is_some_and(|push| push != Push::Forward),
@@ -412,7 +460,7 @@ mod tests {
     use super::*;
 
     fn words(seen: Seen) -> (Vec<&'static str>, Option<&'static str>) {
-        let diagnosis = Diagnosis::of(seen, &ToldIn::default());
+        let diagnosis = Diagnosis::of(seen, &ToldIn::default(), None);
         (
             diagnosis.causes.iter().map(|cause| cause.word).collect(),
             diagnosis.owner,
@@ -460,6 +508,23 @@ mod tests {
             ..Seen::default()
         };
         assert_eq!(words(seen), (vec![], None));
+    }
+
+    #[test]
+    fn the_order_of_angles_is_a_fault_beside_the_others() {
+        let seen = Seen {
+            turn: Some(Turn::Ordered),
+            world: Some(World::Elsewhere),
+            ..Seen::default()
+        };
+        assert_eq!(words(seen), (vec![], Some("QUAT03")));
+        let in_ned = Seen {
+            world: Some(World::Down),
+            base: Some(Base::Down),
+            heading: Some(Heading::Against),
+            ..seen
+        };
+        assert_eq!(words(in_ned), (vec!["ned-frd"], Some("AXES03")));
     }
 
     #[test]

@@ -10,6 +10,7 @@ use crate::world::World;
 use crate::world::motion::FixRow;
 
 use super::handedness::Votes;
+use super::worlds::Worlds;
 
 /// AXES07.
 pub struct GnssVsOdomHandedness;
@@ -26,7 +27,7 @@ pub struct Limits {
     least_sigma_m: f64,
     pub(super) min_ratio: f64,
     pub(super) max_residual: f64,
-    min_agreement: f64,
+    pub(super) min_agreement: f64,
 }
 
 impl Rule for GnssVsOdomHandedness {
@@ -36,18 +37,45 @@ impl Rule for GnssVsOdomHandedness {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        for bag in &Motion::of(world).bags {
+        let worlds = Worlds::of(world);
+        for (index, bag) in Motion::of(world).bags.iter().enumerate() {
             for fixes in &bag.fixes {
-                let satellites = Track::of_fixes(fixes);
+                let satellites = fixes.track();
                 for poses in &bag.poses {
                     let subject = format!("{} against {}", poses.subject, fixes.subject);
                     let minor_m = min_minor_m(fixes, limits);
-                    let votes = Votes::of(&satellites, &Track::of_poses(poses), minor_m, limits);
-                    judge_votes(&subject, poses, fixes, &votes, minor_m, limits, out);
+                    let votes = Votes::of(&satellites, &poses.track(), minor_m, limits);
+                    let is_mirrored = votes.majority(limits) == Some(true);
+                    if is_mirrored && bag.simulator.is_some() {
+                        let why = "it is mirrored, and the poses are a simulator's: SENSOR09 reports it";
+                        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                    } else if is_mirrored && worlds.is_down(index, poses.frame.as_ref()) {
+                        let why = "mirrored: part of what AXES14 reports of the frame, whose z points down";
+                        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                    } else {
+                        judge_votes(&subject, poses, fixes, &votes, minor_m, limits, out);
+                    }
                 }
             }
         }
     }
+}
+
+/// What one pair of tracks says.
+pub(crate) struct Hand {
+    /// Whether it is mirrored.
+    pub(crate) is_mirrored: bool,
+    /// Share of the windows that agree.
+    pub(crate) measured: Measured,
+}
+
+/// Whether a track is the mirror image of the satellites'; `None` where the two do not tell.
+pub(crate) fn hand(fixes: &Stream<FixRow>, track: &Track, limits: &Limits) -> Option<Hand> {
+    let votes = Votes::of(&fixes.track(), track, min_minor_m(fixes, limits), limits);
+    Some(Hand {
+        is_mirrored: votes.majority(limits)?,
+        measured: Measured::new("agreement of windows", votes.agreement(), "1").limit(limits.min_agreement),
+    })
 }
 
 /// How far odometry must spread to be told from its mirror image under this receiver's noise.
@@ -87,21 +115,21 @@ fn judge_votes<R, S>(
         );
         return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
     }
-    let agreement = turned.max(mirrored) as f64 / all.max(1) as f64;
-    if all == 0 || 2.0 * agreement - 1.0 < limits.min_agreement {
+    let agreement = votes.agreement();
+    let Some(is_mirrored) = votes.majority(limits) else {
         let why = format!(
             "of {} windows {turned} say turned and {mirrored} mirrored: the tracks differ by more than that",
             votes.windows
         );
         return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
-    }
+    };
     let [rms_turned, rms_mirrored] = votes.rms_m;
     let measured = [
         Measured::new("residual, turned", rms_turned, "m").samples(all as u64),
         Measured::new("residual, mirrored", rms_mirrored, "m").samples(all as u64),
         Measured::new("agreement of windows", agreement, "1").limit(limits.min_agreement),
     ];
-    if turned > mirrored {
+    if !is_mirrored {
         return out.pass(subject, measured);
     }
     let (from, to) = votes.span_s.unwrap_or_default();

@@ -1,15 +1,19 @@
 //! AXES05: the gyro's yaw rate against the turning of the track.
 
+use std::sync::Arc;
+
 use serde::Deserialize;
 
 use crate::rules::motion::{Imu, Motion, Track};
 use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::source::Place;
+use crate::tables::{Known, Simulator};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
-use super::causes::{Diagnosis, Sense};
-use super::rates::{Rates, Slope};
-use super::sensors::{Look, Sensors, needed};
+use super::causes::{Base, Diagnosis, Sense};
+use super::rates::{Integrals, Rates, Slope};
+use super::sensors::{Look, Sensor, Sensors, TRACK, needed};
 
 /// AXES05.
 pub struct GyroVsTurnSign;
@@ -30,6 +34,31 @@ pub(super) struct Turned {
     pub(super) class: Sense,
     slope: Slope,
     pub(super) track: String,
+    track_at: Place,
+    is_geodetic: bool,
+}
+
+impl Turned {
+    /// Whether an upright gyro turns against poses that a simulator may have given the other hand.
+    fn is_by_a_simulator(&self, simulator: Option<Known<Simulator>>, sensor: &Sensor) -> bool {
+        simulator.is_some() && self.class == Sense::Against && !self.is_geodetic && sensor.stands() == Some(Base::Up)
+    }
+}
+
+impl Limits {
+    /// Whether a slope is one.
+    fn tells(&self, slope: &Slope) -> bool {
+        slope.excitation >= self.min_rate
+            && slope.seconds() >= self.min_s
+            && slope.t().abs() >= self.min_t
+            && slope.correlation.abs() >= self.min_correlation
+    }
+}
+
+/// Yaw rate over the turning of one track; `None` where the two do not tell.
+pub(crate) fn gain(imu: &Imu, track: &Track, limits: &Limits) -> Option<f64> {
+    let slope = Rates::of(&Integrals::of(imu), &track.courses(limits.speed_m_s)).turning;
+    limits.tells(&slope).then_some(slope.gain)
 }
 
 impl Rule for GyroVsTurnSign {
@@ -43,6 +72,10 @@ impl Rule for GyroVsTurnSign {
         for (imu, sensor) in sensors.each(&motion) {
             let subject = format!("yaw rate of {}", imu.stream.subject);
             match &sensor.sense {
+                Ok(turned) if turned.is_by_a_simulator(motion.simulator_of(imu), sensor) => {
+                    let why = "it turns against the poses of a simulator, which SENSOR09 judges";
+                    out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                }
                 Ok(turned) => judge_turned(imu, subject, turned, &sensor.diagnosis, limits, out),
                 Err((why, reason)) => out.not_evaluated(subject, *why, reason),
             }
@@ -80,25 +113,24 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
     let otherwise = "counter-clockwise turns are positive about z up (REP-103): negate y and z of a gyro in FRD axes, or tell TF how the \
          sensor is mounted";
     let finding = diagnosis.explain(Finding::error(subject, message, imu.stream.place()).likely(), otherwise);
+    let finding = finding.related(turned.track_at.clone(), TRACK);
     out.fail(measured.into_iter().fold(finding, Finding::measured));
 }
 
 /// How the gyro turns against the first track that tells.
-pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Look<Turned> {
+pub(super) fn look(integrals: &Integrals, tracks: &[Arc<Track>], limits: &Limits) -> Look<Turned> {
     needed(tracks)?;
     let mut best: Option<Slope> = None;
     for track in tracks {
-        let slope = Rates::of(imu, &track.courses(limits.speed_m_s)).turning;
-        let tells = slope.excitation >= limits.min_rate
-            && slope.seconds() >= limits.min_s
-            && slope.t().abs() >= limits.min_t
-            && slope.correlation.abs() >= limits.min_correlation;
-        if tells {
+        let slope = Rates::of(integrals, &track.courses(limits.speed_m_s)).turning;
+        if limits.tells(&slope) {
             let class = if slope.gain > 0.0 { Sense::With } else { Sense::Against };
             return Ok(Turned {
                 class,
                 slope,
                 track: track.subject.clone(),
+                is_geodetic: track.is_geodetic,
+                track_at: track.place.clone(),
             });
         }
         if best.is_none_or(|best| slope.t().abs() > best.t().abs()) {

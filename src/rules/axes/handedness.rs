@@ -9,6 +9,9 @@ use crate::rules::motion::Track;
 
 use super::gnss_vs_odom_handedness::Limits;
 
+/// From one look at a window that grows to the next, seconds.
+const LOOK_EVERY_S: f64 = 1.0;
+
 /// What the windows say.
 #[derive(Debug, Default)]
 pub(super) struct Votes {
@@ -38,11 +41,15 @@ impl Votes {
     pub(super) fn of(satellites: &Track, odometry: &Track, min_minor_m: f64, limits: &Limits) -> Self {
         let mut found = Self::default();
         let mut rms: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
+        let mut at = odometry.follow();
         for stretch in &satellites.stretches {
             let mut window: Vec<Both> = Vec::new();
+            // A longer window is looked at from time to time, or the cost would grow with its square.
+            let mut next_s = limits.window_s;
             for (t_s, satellite) in stretch {
-                let Some(place) = odometry.at(*t_s) else {
+                let Some(place) = at(*t_s) else {
                     window.clear();
+                    next_s = limits.window_s;
                     continue;
                 };
                 window.push(Both {
@@ -51,18 +58,32 @@ impl Votes {
                     satellites: Vector3::xy(satellite),
                 });
                 let lasts = window.first().map_or(0.0, |first| t_s - first.t_s);
-                if lasts < limits.window_s {
+                if lasts < next_s && lasts < limits.longest_window_s {
                     continue;
                 }
+                next_s = lasts + LOOK_EVERY_S;
                 let told = found.look(&window, min_minor_m, &mut rms, limits);
                 if told || lasts >= limits.longest_window_s {
                     window.clear();
+                    next_s = limits.window_s;
                 }
             }
             found.look(&window, min_minor_m, &mut rms, limits);
         }
         found.rms_m = rms.map(|values| crate::math::stats::median(&values).unwrap_or(f64::NAN));
         found
+    }
+
+    /// Share of the windows that voted for what most of them say.
+    pub(super) fn agreement(&self) -> f64 {
+        let [turned, mirrored] = self.says;
+        turned.max(mirrored) as f64 / (turned + mirrored).max(1) as f64
+    }
+
+    /// Whether the odometry is mirrored, where enough windows agree.
+    pub(super) fn majority(&self, limits: &Limits) -> Option<bool> {
+        let [turned, mirrored] = self.says;
+        (turned + mirrored > 0 && 2.0 * self.agreement() - 1.0 >= limits.min_agreement).then_some(mirrored > turned)
     }
 
     /// Whether the window spreads enough to tell; counts its vote.

@@ -2,18 +2,14 @@
 //!
 //! Must not judge.
 
-use nalgebra::{UnitQuaternion, Vector3};
-
 use crate::math::circular::{circular_mean, wrapped};
-use crate::math::readings::Reading;
-use crate::rules::motion::{Course, Stream, around, span_rad};
-use crate::world::motion::InertialRow;
+use crate::rules::motion::{Course, Span, Yaws, span_rad};
 
 use super::heading_convention::Limits;
 
 /// Which way a yaw turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Sense {
+pub(crate) enum Sense {
     /// Counter-clockwise, seen from above: REP-103.
     Left,
     /// Clockwise: a compass, or z down.
@@ -22,23 +18,23 @@ pub(super) enum Sense {
 
 /// A yaw against a course.
 #[derive(Debug, Default)]
-pub(super) struct Heading {
+pub(crate) struct Heading {
     /// Windows with a turn that were judged.
-    pub(super) windows: usize,
+    pub(crate) windows: usize,
     /// Windows in which the yaw turns with the course, and against it.
-    pub(super) votes: [usize; 2],
+    pub(crate) votes: [usize; 2],
     /// Courses in the windows that voted.
-    pub(super) samples: usize,
+    pub(crate) samples: usize,
     /// Resultants of `course - yaw` and `course + yaw` over the windows that voted: the mean, weighted by samples.
-    pub(super) resultants: [f64; 2],
+    pub(crate) resultants: [f64; 2],
     /// `yaw - course`, or `yaw + course`, over the windows that voted for the winner, radians, with its resultant.
-    pub(super) offset_rad: f64,
+    pub(crate) offset_rad: f64,
     /// Resultant of that offset over all those windows: 1 where they agree.
-    pub(super) offset_resultant: f64,
+    pub(crate) offset_resultant: f64,
     /// Largest turn of the course within a window, radians.
-    pub(super) widest_rad: f64,
+    pub(crate) widest_rad: f64,
     /// Time of the first and last course that voted, seconds after the recording's start.
-    pub(super) span_s: Option<(f64, f64)>,
+    pub(crate) span_s: Option<(f64, f64)>,
 }
 
 /// A course with the yaw at that time.
@@ -49,32 +45,29 @@ struct Pair {
 
 impl Heading {
     /// Holds the yaw of the base's x axis, by the orientation as published, against the courses.
-    pub(super) fn of(
-        imu: &Stream<InertialRow>,
-        base_from_imu: &UnitQuaternion<f64>,
-        courses: &[Vec<Course>],
-        limits: &Limits,
-    ) -> Self {
-        let yaws = Yaws::of(imu, base_from_imu);
+    pub(crate) fn of(yaws: &Yaws, courses: &[Vec<Course>], limits: &Limits) -> Self {
         let mut heading = Self::default();
         let mut voted: Vec<(Sense, Vec<Pair>)> = Vec::new();
         for run in courses {
             let mut window: Vec<Pair> = Vec::new();
+            let mut span = Span::default();
             for course in run {
                 let Some(yaw_rad) = yaws.at(course.t_s) else {
                     window.clear();
+                    span = Span::default();
                     continue;
                 };
                 window.push(Pair {
                     course: *course,
                     yaw_rad,
                 });
-                let only: Vec<Course> = window.iter().map(|pair| pair.course).collect();
-                let turned = span_rad(&only);
+                let turned = span.add(course);
                 heading.widest_rad = heading.widest_rad.max(turned);
-                let lasts = course.t_s - only.first().map_or(course.t_s, |first| first.t_s);
+                let lasts = course.t_s - window.first().map_or(course.t_s, |first| first.course.t_s);
                 if turned >= limits.window_turn_deg.to_radians() || lasts >= limits.window_s {
                     let window = std::mem::take(&mut window);
+                    span = Span::default();
+                    let only: Vec<Course> = window.iter().map(|pair| pair.course).collect();
                     if turned >= limits.min_turn_deg.to_radians() && way_m(&only) >= limits.min_way_m {
                         heading.windows += 1;
                         voted.extend(vote(&window, limits).map(|sense| (sense, window)));
@@ -113,13 +106,13 @@ impl Heading {
     }
 
     /// The sense that has more votes.
-    pub(super) fn winner(&self) -> Sense {
+    pub(crate) fn winner(&self) -> Sense {
         let [left, right] = self.votes;
         if right > left { Sense::Right } else { Sense::Left }
     }
 
     /// The share of the votes that the winner has; `None` without votes.
-    pub(super) fn agreement(&self) -> Option<f64> {
+    pub(crate) fn agreement(&self) -> Option<f64> {
         let [left, right] = self.votes;
         let all = left + right;
         (all > 0).then(|| left.max(right) as f64 / all as f64)
@@ -157,43 +150,4 @@ fn way_m(courses: &[Course]) -> f64 {
         _ => 0.0,
     };
     courses.windows(2).map(step).sum()
-}
-
-/// Yaw of the base's x axis over time.
-struct Yaws {
-    stretches: Vec<Vec<(f64, f64)>>,
-}
-
-/// Longest step between two orientations that a yaw is interpolated over, seconds.
-const MAX_STEP_S: f64 = 2.5;
-/// The part of the x axis that must lie in the horizontal plane.
-const MIN_HORIZONTAL: f64 = 0.5;
-
-impl Yaws {
-    fn of(imu: &Stream<InertialRow>, base_from_imu: &UnitQuaternion<f64>) -> Self {
-        let yaw = |row: &InertialRow| {
-            let world_from_imu = Reading::Xyzw.world_from_body(row.orientation)?;
-            let forward = world_from_imu * (base_from_imu.inverse() * Vector3::x());
-            (forward.xy().norm() >= MIN_HORIZONTAL).then(|| forward.y.atan2(forward.x))
-        };
-        let stretches = imu.stretches.iter();
-        Self {
-            stretches: stretches
-                .map(|rows| {
-                    rows.iter()
-                        .filter_map(|timed| Some((timed.t_s, yaw(&timed.row)?)))
-                        .collect()
-                })
-                .collect(),
-        }
-    }
-
-    fn at(&self, t_s: f64) -> Option<f64> {
-        let covers = |yaws: &&Vec<(f64, f64)>| {
-            yaws.first().is_some_and(|first| first.0 <= t_s) && yaws.last().is_some_and(|last| last.0 >= t_s)
-        };
-        let yaws = self.stretches.iter().find(covers)?;
-        let ([(t0, a), (t1, b)], share) = around(yaws, t_s)?;
-        (t1 - t0 <= MAX_STEP_S).then(|| a + wrapped(b - a) * share)
-    }
 }

@@ -1,15 +1,19 @@
 //! AXES04: which way the yaw of an orientation turns, and where its zero is.
 
+use std::sync::Arc;
+
 use serde::Deserialize;
 
-use crate::rules::motion::{Imu, Motion, Track};
+use crate::rules::motion::{Imu, Motion, Track, Yaws};
 use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::source::Place;
+use crate::tables::Offset;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
 use super::causes::{self, Diagnosis};
 use super::heading::{Heading, Sense};
-use super::sensors::{Look, Sensors, needed};
+use super::sensors::{Look, Sensors, TRACK, needed};
 
 /// AXES04.
 pub struct HeadingConvention;
@@ -18,14 +22,14 @@ pub struct HeadingConvention;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
-    min_speed_m_s: f64,
+    pub(crate) min_speed_m_s: f64,
     pub(super) window_s: f64,
     pub(super) window_turn_deg: f64,
-    pub(super) min_turn_deg: f64,
+    pub(crate) min_turn_deg: f64,
     pub(super) min_way_m: f64,
-    pub(super) min_resultant: f64,
-    pub(super) variance_ratio: f64,
-    min_agreement: f64,
+    pub(crate) min_resultant: f64,
+    pub(crate) variance_ratio: f64,
+    pub(crate) min_agreement: f64,
     max_offset_deg: f64,
     max_spread_deg: f64,
 }
@@ -41,6 +45,10 @@ impl Rule for HeadingConvention {
         for (imu, sensor) in sensors.each(&motion) {
             let subject = format!("yaw of {}", imu.stream.subject);
             match &sensor.heading {
+                Ok(_) if sensor.offset.is_some() => {
+                    let why = "its offset from the course is what SENSOR06 reports of its driver";
+                    out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                }
                 Ok(decided) => judge_decided(imu, &subject, decided, &sensor.diagnosis, limits, out),
                 Err((why, reason)) => out.not_evaluated(subject, *why, reason),
             }
@@ -77,7 +85,10 @@ fn judge_decided(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagno
             let why = diagnosis.reported_elsewhere("AXES04", &seen).unwrap_or_default();
             out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         }
-        Some(finding) => out.fail(measured.into_iter().fold(finding, Finding::measured)),
+        Some(finding) => {
+            let finding = finding.related(decided.track_at.clone(), TRACK);
+            out.fail(measured.into_iter().fold(finding, Finding::measured));
+        }
         None => out.pass(subject, measured),
     }
 }
@@ -86,6 +97,7 @@ fn judge_decided(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagno
 pub(super) struct Decided {
     /// What reports call the track.
     pub(super) track: String,
+    track_at: Place,
     /// Whether the track knows where east is.
     is_geodetic: bool,
     heading: Heading,
@@ -98,21 +110,53 @@ impl Decided {
             Sense::Right => causes::Heading::Against,
         }
     }
+
+    /// Yaw minus course, radians; or why it says nothing of east.
+    pub(super) fn offset_rad(&self) -> Look<f64> {
+        if self.is_geodetic {
+            Ok(self.heading.offset_rad)
+        } else {
+            let why = format!("{} does not know where east is", self.track);
+            Err((NotEvaluated::MissingInput, why))
+        }
+    }
+
+    /// Yaw minus course, degrees, where it is steady, and too large for a mounting.
+    fn large_offset_deg(&self, limits: &Limits) -> Option<f64> {
+        let is_steady = self.heading.offset_resultant >= limits.min_resultant;
+        let offset = self.offset_rad().ok()?.to_degrees();
+        (is_steady && offset.abs() > limits.max_offset_deg).then_some(offset)
+    }
+
+    /// What the driver's profile says of a large offset.
+    pub(super) fn known_offset(&self, imu: &Imu, limits: &Limits) -> Option<&'static Offset> {
+        let offset = self
+            .large_offset_deg(limits)
+            .filter(|_| self.class() == causes::Heading::With)?;
+        let near = |known: &&Offset| apart_deg(offset, known.deg) <= limits.max_spread_deg;
+        imu.driver?.facts.offsets.iter().find(near)
+    }
+}
+
+/// Between two angles, degrees, 0 to 180.
+fn apart_deg(a: f64, b: f64) -> f64 {
+    ((a - b + 540.0).rem_euclid(360.0) - 180.0).abs()
 }
 
 /// How the yaw turns against the first track that tells. Satellites come first: odometry is often made of this very yaw.
-pub(super) fn look(imu: &Imu, tracks: &[Track], limits: &Limits) -> Look<Decided> {
+pub(super) fn look(imu: &Imu, tracks: &[Arc<Track>], limits: &Limits) -> Look<Decided> {
     if let Some(why) = imu.no_orientation {
         return Err((NotEvaluated::NotApplicable, why.to_owned()));
     }
     needed(tracks)?;
     let mut undecided_by = Vec::new();
+    let yaws = Yaws::of(&imu.stream, &imu.base_from_imu());
     for track in tracks {
-        let courses = track.courses(limits.min_speed_m_s);
-        let heading = Heading::of(&imu.stream, &imu.base_from_imu(), &courses, limits);
+        let heading = Heading::of(&yaws, &track.courses(limits.min_speed_m_s), limits);
         if heading.agreement().is_some_and(|share| share >= limits.min_agreement) {
             return Ok(Decided {
                 track: track.subject.clone(),
+                track_at: track.place.clone(),
                 is_geodetic: track.is_geodetic,
                 heading,
             });
@@ -166,22 +210,16 @@ fn clockwise(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagnosis,
     let finding = Finding::error(subject, message, imu.stream.place())
         .likely()
         .relation("clockwise-yaw");
-    let finding = diagnosis.explain(finding, otherwise);
+    let finding = diagnosis
+        .explain(finding, otherwise)
+        .related(decided.track_at.clone(), TRACK);
     measured.into_iter().fold(finding, Finding::measured)
 }
 
 /// A zero that is far from east, where the track knows east.
 fn offset_finding(imu: &Imu, subject: &str, decided: &Decided, limits: &Limits) -> Option<Finding> {
-    let heading = &decided.heading;
-    let offset = heading.offset_rad.to_degrees();
-    let is_steady = heading.offset_resultant >= limits.min_resultant;
-    if !decided.is_geodetic || !is_steady || offset.abs() <= limits.max_offset_deg {
-        return None;
-    }
-    let near = |degrees: f64| {
-        let rest = (offset - degrees + 540.0).rem_euclid(360.0) - 180.0;
-        rest.abs() <= limits.max_spread_deg
-    };
+    let offset = decided.large_offset_deg(limits)?;
+    let near = |degrees: f64| apart_deg(offset, degrees) <= limits.max_spread_deg;
     let what = if near(90.0) {
         "as of a sensor turned to the left and not said"
     } else if near(-90.0) {

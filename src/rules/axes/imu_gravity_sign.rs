@@ -33,7 +33,7 @@ pub(super) struct Up {
     /// Angle between the acceleration and the base's z axis, radians.
     angle_rad: f64,
     /// Direction of the acceleration in the base.
-    direction: Vector3<f64>,
+    pub(super) direction: Vector3<f64>,
     /// Whether it was measured at rest; else over a drive.
     at_rest: bool,
     seconds: f64,

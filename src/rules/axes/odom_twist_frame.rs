@@ -2,7 +2,9 @@
 
 use serde::Deserialize;
 
+use crate::page::Front;
 use crate::rules::motion::{Motion, Stream};
+use crate::rules::quat::level_order::is_reordered;
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
@@ -38,12 +40,31 @@ impl Rule for OdomTwistFrame {
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         for bag in &Motion::of(world).bags {
             for stream in bag.poses.iter().filter(|stream| has_twist(stream)) {
+                if is_reordered(stream) {
+                    let subject = format!("velocity of {}", stream.subject);
+                    let why = "the orientation stands in the order w x y z, which QUAT02 reports";
+                    out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                    continue;
+                }
                 let twists = Twists::of(stream, limits);
                 judge_linear(stream, &twists, limits, out);
                 judge_turning(stream, &twists.turning, limits, out);
             }
         }
     }
+}
+
+/// Whether the velocity is told in the header's frame, by the limits of this rule's page.
+pub(crate) fn is_in_world(stream: &Stream<PoseRow>) -> bool {
+    let limits = Front::parse(OdomTwistFrame::PAGE)
+        .ok()
+        .and_then(|page| page.limits().ok());
+    limits.is_some_and(|limits: Limits| {
+        let twists = Twists::of(stream, &limits);
+        let best = twists.residuals.first();
+        twists.distance_m >= limits.min_distance_m
+            && best.is_some_and(|best| best.0 == Reading::World && best.1 <= limits.max_residual)
+    })
 }
 
 fn has_twist(stream: &Stream<PoseRow>) -> bool {

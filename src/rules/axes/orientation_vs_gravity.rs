@@ -36,6 +36,13 @@ pub(super) struct Above {
     rows: usize,
 }
 
+impl Above {
+    /// Angle between the acceleration and the world's up, radians.
+    pub(super) fn off_up_rad(&self) -> f64 {
+        self.force.from_up_rad
+    }
+}
+
 impl Rule for OrientationVsGravity {
     const PAGE: &'static str = include_str!("../../../rules/axes/orientation-vs-gravity.md");
     const NEEDS: &'static [Need] = &[Need::Bag];

@@ -5,14 +5,14 @@
 use nalgebra::Vector3;
 
 use crate::math::circular::wrapped;
-use crate::rules::motion::{Course, Imu, around};
+use crate::rules::motion::{Course, Follower, Imu};
 
 /// Half the time that a course is taken over, seconds.
 const HALF_S: f64 = 1.0;
 /// From one pair to the next, seconds, as courses come.
 const STEP_S: f64 = 0.5;
 /// Points that a mean is taken from.
-const PARTS: i32 = 5;
+const PARTS: usize = 5;
 /// Longest step between two rows that is integrated over, seconds.
 const MAX_STEP_S: f64 = 0.5;
 
@@ -88,14 +88,16 @@ pub(super) struct Rates {
 
 impl Rates {
     /// Holds the sensor's integrals against the courses.
-    pub(super) fn of(imu: &Imu, courses: &[Vec<Course>]) -> Self {
-        let integrals = Integrals::of(imu);
+    pub(super) fn of(integrals: &Integrals, courses: &[Vec<Course>]) -> Self {
+        let mut smooth = integrals.follow();
         let (mut turning, mut forward, mut sideways) = (Vec::new(), Vec::new(), Vec::new());
         for run in courses {
-            for three in run.windows(3) {
-                let [before, _, after] = three else { continue };
-                let ends = [before.t_s, after.t_s].map(|t_s| integrals.smooth(t_s));
-                let [Some(from), Some(to)] = ends else { continue };
+            let smoothed: Vec<(&Course, Option<Vector3<f64>>)> =
+                run.iter().map(|course| (course, smooth(course.t_s))).collect();
+            for three in smoothed.windows(3) {
+                let [(before, Some(from)), _, (after, Some(to))] = three else {
+                    continue;
+                };
                 let changed = to - from;
                 turning.push((wrapped(after.angle_rad - before.angle_rad), changed.x));
                 let faster = after.speed_m_s - before.speed_m_s;
@@ -112,12 +114,12 @@ impl Rates {
 }
 
 /// Integrals over time of the rate about the base's z axis, and of the force along its x and y axes.
-struct Integrals {
+pub(super) struct Integrals {
     stretches: Vec<Vec<(f64, Vector3<f64>)>>,
 }
 
 impl Integrals {
-    fn of(imu: &Imu) -> Self {
+    pub(super) fn of(imu: &Imu) -> Self {
         let base_from_imu = imu.base_from_imu();
         let mut stretches = Vec::new();
         for rows in &imu.stream.stretches {
@@ -148,21 +150,24 @@ impl Integrals {
         Self { stretches }
     }
 
-    /// The mean over two seconds about a time.
-    fn smooth(&self, t_s: f64) -> Option<Vector3<f64>> {
-        let covers = |run: &&Vec<(f64, Vector3<f64>)>| {
-            run.first().is_some_and(|first| first.0 <= t_s - HALF_S)
-                && run.last().is_some_and(|last| last.0 >= t_s + HALF_S)
-        };
-        let run = self.stretches.iter().find(covers)?;
-        let at = |t_s: f64| {
-            let ([(_, a), (_, b)], share) = around(run, t_s)?;
-            Some(a + (b - a) * share)
-        };
-        let mut sum = Vector3::zeros();
-        for part in 0..PARTS {
-            sum += at(t_s - HALF_S + 2.0 * HALF_S * f64::from(part) / f64::from(PARTS - 1))?;
+    /// Means over two seconds about times that mostly grow.
+    fn follow(&self) -> impl FnMut(f64) -> Option<Vector3<f64>> + '_ {
+        let mut parts: Vec<_> = self
+            .stretches
+            .iter()
+            .map(|run| (run, [(); PARTS].map(|()| Follower::new(run))))
+            .collect();
+        move |t_s| {
+            let covers = |run: &[(f64, Vector3<f64>)]| {
+                run.first().is_some_and(|first| first.0 <= t_s - HALF_S)
+                    && run.last().is_some_and(|last| last.0 >= t_s + HALF_S)
+            };
+            let (_, followers) = parts.iter_mut().find(|(run, _)| covers(run))?;
+            let mut sum = Vector3::zeros();
+            for (part, follower) in (0_u8..).zip(followers) {
+                sum += follower.at(t_s - HALF_S + 2.0 * HALF_S * f64::from(part) / (PARTS - 1) as f64)?;
+            }
+            Some(sum / PARTS as f64)
         }
-        Some(sum / f64::from(PARTS))
     }
 }

@@ -5,22 +5,28 @@
 
 use std::sync::Arc;
 
-use crate::page::Front;
-use crate::rules::Rule;
+use crate::rules::limits_of;
 use crate::rules::motion::{BagMotion, Imu, Motion, Track};
 use crate::rules::quat::quaternion_convention::{self, QuaternionConvention};
+use crate::tables::Offset;
 use crate::verdict::NotEvaluated;
-use crate::world::World;
+use crate::world::{FrameId, World};
 
 use super::accel_vs_speed::{self, AccelVsSpeed, Pushed};
+use super::bases::{self, Base, Bases};
 use super::causes::{self, Diagnosis, Seen};
 use super::gyro_vs_turn_sign::{self, GyroVsTurnSign};
 use super::heading_convention::{self, Decided, HeadingConvention};
 use super::imu_gravity_sign::{self, ImuGravitySign, Up};
 use super::orientation_vs_gravity::{self, Above, OrientationVsGravity};
+use super::rates::Integrals;
+use super::worlds::Worlds;
 
 /// What a rule sees, or why it sees nothing.
 pub(crate) type Look<T> = Result<T, (NotEvaluated, String)>;
+
+/// What the place of a track is in a finding.
+pub(crate) const TRACK: &str = "where it went";
 
 /// One inertial sensor.
 pub(crate) struct Sensor {
@@ -32,6 +38,8 @@ pub(crate) struct Sensor {
     pub(super) push: Look<Pushed>,
     /// The fault that explains them.
     pub(crate) diagnosis: Diagnosis,
+    /// What the driver's profile says of the yaw's offset from the course, where that is large.
+    pub(crate) offset: Option<&'static Offset>,
 }
 
 /// Every inertial sensor, recording by recording, in the order of [`Motion`].
@@ -42,10 +50,23 @@ pub(crate) struct Sensors {
 impl Sensors {
     /// The sensors of a world; looked at once.
     pub(crate) fn of(world: &World) -> Arc<Self> {
-        let motion = Motion::of(world);
+        let (motion, bases, worlds) = (Motion::of(world), Bases::of(world), Worlds::of(world));
         world.derived(|_| Self {
-            bags: motion.bags.iter().map(|bag| sensors(bag).unwrap_or_default()).collect(),
+            bags: motion
+                .bags
+                .iter()
+                .zip(&bases.bags)
+                .enumerate()
+                .map(|(index, (bag, bases))| {
+                    sensors(bag, bases, |frame| worlds.is_down(index, frame)).unwrap_or_default()
+                })
+                .collect(),
         })
+    }
+
+    /// The sensors of one of the recordings.
+    pub(crate) fn of_bag(&self, index: usize) -> &[Sensor] {
+        self.bags.get(index).map_or(&[], Vec::as_slice)
     }
 
     /// Every sensor of the motion with what is seen of it.
@@ -56,7 +77,7 @@ impl Sensors {
 }
 
 /// The tracks, or why nothing can be held against them.
-pub(super) fn needed(tracks: &[Track]) -> Look<()> {
+pub(super) fn needed(tracks: &[Arc<Track>]) -> Look<()> {
     if tracks.is_empty() {
         let why = "no satellite fixes, odometry or poses show where it went".to_owned();
         return Err((NotEvaluated::MissingInput, why));
@@ -64,37 +85,62 @@ pub(super) fn needed(tracks: &[Track]) -> Look<()> {
     Ok(())
 }
 
-/// The limits of another rule's page.
-fn limits<R: Rule>() -> Option<R::Limits> {
-    Front::parse(R::PAGE).ok()?.limits().ok()
-}
-
 /// The sensors of a recording; `None` where a page's limits do not load, which the engine reports.
-fn sensors(bag: &BagMotion) -> Option<Vec<Sensor>> {
+fn sensors(bag: &BagMotion, bases: &[Base], is_down: impl Fn(Option<&FrameId>) -> bool) -> Option<Vec<Sensor>> {
     if bag.imus.is_empty() {
         return None;
     }
-    let (base, world) = (limits::<ImuGravitySign>()?, limits::<OrientationVsGravity>()?);
-    let (turn, heading) = (limits::<QuaternionConvention>()?, limits::<HeadingConvention>()?);
-    let (sense, push) = (limits::<GyroVsTurnSign>()?, limits::<AccelVsSpeed>()?);
-    let tracks = bag.tracks();
+    let (base, world) = (limits_of::<ImuGravitySign>()?, limits_of::<OrientationVsGravity>()?);
+    let (turn, heading) = (limits_of::<QuaternionConvention>()?, limits_of::<HeadingConvention>()?);
+    let (sense, push) = (limits_of::<GyroVsTurnSign>()?, limits_of::<AccelVsSpeed>()?);
+    // In a frame whose z points down, tracks turn the other way.
+    let tracks = bag.tracks(is_down);
     let look = |imu: &Imu| {
+        let integrals = Integrals::of(imu);
         let mut sensor = Sensor {
             base: imu_gravity_sign::look(imu, &base),
             world: orientation_vs_gravity::look(imu, &world),
             turn: quaternion_convention::look(imu, &turn),
             heading: heading_convention::look(imu, &tracks, &heading),
-            sense: gyro_vs_turn_sign::look(imu, &tracks, &sense),
-            push: accel_vs_speed::look(imu, &tracks, &push),
+            sense: gyro_vs_turn_sign::look(&integrals, &tracks, &sense),
+            push: accel_vs_speed::look(imu, &integrals, &tracks, &push),
             diagnosis: Diagnosis::default(),
+            offset: None,
         };
-        sensor.diagnosis = Diagnosis::of(sensor.seen(), &imu.stream.told_in);
+        let decided = sensor.heading.as_ref().ok();
+        sensor.offset = decided.and_then(|decided| decided.known_offset(imu, &heading));
+        let mount = imu.mount.as_ref().map(|mount| &mount.base);
+        let is_on_turned = bases
+            .iter()
+            .any(|base| Some(&base.frame) == mount && base.seen.as_ref().is_ok_and(bases::Seen::is_turned));
+        sensor.diagnosis = Diagnosis::of(sensor.seen(), &imu.stream.told_in, imu.driver);
+        if is_on_turned {
+            sensor.diagnosis.leave_mounting_to("AXES13");
+        }
         sensor
     };
     Some(bag.imus.iter().map(look).collect())
 }
 
 impl Sensor {
+    /// Where its acceleration points in the base; `None` where that was not measured.
+    pub(crate) fn stands(&self) -> Option<causes::Base> {
+        self.base.as_ref().ok().map(|up| up.class)
+    }
+
+    /// Angle between the acceleration and the world's up, by the orientation, radians; or why it was not measured.
+    pub(crate) fn up_rad(&self) -> Look<f64> {
+        self.world.as_ref().map(Above::off_up_rad).map_err(Clone::clone)
+    }
+
+    /// Yaw minus course, radians, where the track knows where east is; or why it was not measured.
+    pub(crate) fn offset_rad(&self) -> Look<f64> {
+        self.heading
+            .as_ref()
+            .map_err(Clone::clone)
+            .and_then(Decided::offset_rad)
+    }
+
     fn seen(&self) -> Seen {
         fn class<T, C>(look: &Look<T>, of: impl Fn(&T) -> C) -> Option<C> {
             look.as_ref().ok().map(of)

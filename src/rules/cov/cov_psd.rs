@@ -5,6 +5,7 @@ use serde::Deserialize;
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::bag::TopicEvidence;
 use crate::world::content::{CovarianceAt, CovarianceEvidence};
 use crate::world::{BagEvidence, World};
 
@@ -29,9 +30,11 @@ impl Rule for CovPsd {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
-            for topic in bag.topics.values() {
-                for (field, evidence) in &topic.content.covariances {
-                    let subject = format!("`{field}` on topic `{}`", topic.topic);
+            for said in bag.topics.values().flat_map(TopicEvidence::said) {
+                // What is guessed from plain fields has the covariances alone that are among them.
+                let is_there = |evidence: &CovarianceEvidence| !said.guessed || evidence.all_zero < evidence.count;
+                for (field, evidence) in said.content.covariances.iter().filter(|(_, all)| is_there(all)) {
+                    let subject = format!("`{field}` on {}", said.subject());
                     judge_field(bag, subject, evidence, limits, out);
                 }
             }

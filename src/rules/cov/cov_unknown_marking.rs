@@ -5,8 +5,8 @@ use serde::Deserialize;
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
-use crate::world::bag::TopicEvidence;
-use crate::world::content::ImuEvidence;
+use crate::world::bag::{Said, TopicEvidence};
+use crate::world::content::{ContentEvidence, ImuEvidence};
 use crate::world::{BagEvidence, World};
 
 /// COV03.
@@ -29,9 +29,9 @@ impl Rule for CovUnknownMarking {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
-            for topic in bag.topics.values() {
-                if let Some(imu) = &topic.content.imu {
-                    judge_topic(bag, topic, imu, limits, out);
+            for said in bag.topics.values().flat_map(TopicEvidence::said) {
+                if let Some(imu) = &said.content.imu {
+                    judge_imu(bag, &said, imu, limits, out);
                 }
             }
         }
@@ -49,8 +49,8 @@ enum Marking {
     Numbers,
 }
 
-fn marking(topic: &TopicEvidence) -> Marking {
-    let Some(covariance) = topic.content.covariances.get("orientation_covariance") else {
+fn marking(content: &ContentEvidence) -> Marking {
+    let Some(covariance) = content.covariances.get("orientation_covariance") else {
         return Marking::Zeros;
     };
     if covariance.minus_one * 2 > covariance.count {
@@ -62,9 +62,9 @@ fn marking(topic: &TopicEvidence) -> Marking {
     }
 }
 
-fn judge_topic(bag: &BagEvidence, topic: &TopicEvidence, imu: &ImuEvidence, limits: &Limits, out: &mut Judge) {
-    let subject = format!("topic `{}`", topic.topic);
-    let marked = marking(topic);
+fn judge_imu(bag: &BagEvidence, said: &Said<'_>, imu: &ImuEvidence, limits: &Limits, out: &mut Judge) {
+    let subject = said.subject();
+    let marked = marking(said.content);
     let share = |count: u64| count as f64 / (imu.count as f64).max(1.0);
     let constant = share(imu.same_as_first);
     let measured = Measured::new("share of equal orientations", constant, "1")

@@ -48,7 +48,7 @@ pub(super) fn named(pair: &Pair) -> Option<Relation> {
 }
 
 /// Half a transform can't be taken for the result of a whole one: `None` for such a pair.
-fn either_way(pair: &Pair) -> Option<EitherWay> {
+pub(super) fn either_way(pair: &Pair) -> Option<EitherWay> {
     let complete = |s: &Statement| s.has_rotation && s.has_translation;
     (complete(&pair.reference) && complete(&pair.other))
         .then(|| classify_either_way(&pair.reference.pose, &pair.other.pose, &Tolerance::default()))

@@ -6,6 +6,7 @@ use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
 
+use super::angles;
 use super::blame::named;
 use super::statements::{Pair, pairs};
 
@@ -28,13 +29,14 @@ impl Rule for ExtrinsicConsistency {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let angles = angles::Limits::of_page();
         for pair in pairs(world) {
-            judge_pair(world, &pair, limits, out);
+            judge_pair(world, &pair, limits, angles, out);
         }
     }
 }
 
-fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
+fn judge_pair(world: &World, pair: &Pair, limits: &Limits, angles: Option<angles::Limits>, out: &mut Judge) {
     let subject = pair.subject(world);
     let found = pair.classify();
     let (angle_deg, distance_m) = (found.angle_rad.to_degrees(), found.distance_m);
@@ -53,6 +55,11 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
     if pair.alternatives {
         let why =
             "the same key in sibling files: two devices, or two versions; only a named convention error is reported";
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return;
+    }
+    if angles.is_some_and(|limits| angles::explained(pair, &limits).is_some()) {
+        let why = "QUAT03 names the order in which the angles are put together";
         out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         return;
     }

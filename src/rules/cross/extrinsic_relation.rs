@@ -7,6 +7,7 @@ use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
+use super::angles;
 use super::blame::{blame, holds_radians_twice, same_cause};
 use super::statements::{Pair, pairs};
 
@@ -29,7 +30,16 @@ impl Rule for ExtrinsicRelation {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let angles = angles::Limits::of_page();
         for pair in pairs(world) {
+            if let Some(limits) = angles
+                && pair.repeats.is_none()
+                && angles::explained(&pair, &limits).is_some()
+            {
+                let why = "QUAT03 names the order in which the angles are put together";
+                out.not_evaluated(pair.subject(world), NotEvaluated::NotApplicable, why);
+                continue;
+            }
             judge_pair(world, pair, limits, out);
         }
     }

@@ -1,8 +1,9 @@
 //! CROSS: what several sources say of the same pair of frames.
 
+pub(crate) mod angles;
 mod blame;
 pub mod extrinsic_consistency;
 pub mod extrinsic_relation;
 mod fold;
-mod statements;
+pub(crate) mod statements;
 pub mod urdf_tf_topology;

@@ -26,49 +26,62 @@ enum Rank {
     File,
 }
 
+/// How a statement was brought to a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Direction {
+    /// As it was stated.
+    AsStated,
+    /// It was stated as `source_from_target`.
+    TurnedRound,
+}
+
 /// One source's word on `target_from_source`, of a rigid pair.
 #[derive(Clone, Debug)]
-pub(super) struct Statement {
+pub(crate) struct Statement {
     /// Target (parent) frame, canonical.
-    pub(super) target: FrameId,
+    pub(crate) target: FrameId,
     /// Source (child) frame, canonical.
-    pub(super) source_frame: FrameId,
+    pub(crate) source_frame: FrameId,
     /// `target_from_source`.
-    pub(super) pose: Isometry3<f64>,
+    pub(crate) pose: Isometry3<f64>,
     /// Whether a rotation was stated.
-    pub(super) has_rotation: bool,
+    pub(crate) has_rotation: bool,
     /// Whether a translation was stated.
-    pub(super) has_translation: bool,
+    pub(crate) has_translation: bool,
     /// Who says so, in words.
-    pub(super) who: String,
+    pub(crate) who: String,
     /// Where.
-    pub(super) place: Place,
+    pub(crate) place: Place,
     /// How sure the reading of the statement is.
-    pub(super) reading: Confidence,
+    pub(crate) reading: Confidence,
     /// The key or joint it stands under.
-    pub(super) label: String,
+    pub(crate) label: String,
+    /// The angles it is spelled in, radians as read.
+    pub(crate) rpy: Option<[f64; 3]>,
+    /// Whether `pose` is as stated.
+    pub(crate) direction: Direction,
     rank: Rank,
     bare_quaternion: bool,
 }
 
 /// Two statements about one pair, the more trusted one first, both as `target_from_source` of the first.
 #[derive(Clone, Debug)]
-pub(super) struct Pair {
+pub(crate) struct Pair {
     /// The statement taken for the reference.
-    pub(super) reference: Statement,
+    pub(crate) reference: Statement,
     /// The statement held against it, turned to the reference's direction where it was stated the other way round.
-    pub(super) other: Statement,
+    pub(crate) other: Statement,
     /// Whether the two stand under the same key of sibling files: perhaps alternatives, not a disagreement.
-    pub(super) alternatives: bool,
+    pub(crate) alternatives: bool,
     /// Why it says nothing new, where an earlier pair is of the same two transforms: other sources repeat what these say.
-    pub(super) repeats: Option<String>,
+    pub(crate) repeats: Option<String>,
     /// Statements that agree with the first of the two (`false`) or with the second (`true`).
-    pub(super) seconded_by: Vec<(bool, Place, String)>,
+    pub(crate) seconded_by: Vec<(bool, Place, String)>,
 }
 
 impl Pair {
     /// What is judged, in words.
-    pub(super) fn subject(&self, world: &World) -> String {
+    pub(crate) fn subject(&self, world: &World) -> String {
         format!(
             "`{}` from `{}`: {} and {}",
             self.reference.target,
@@ -84,7 +97,7 @@ impl Pair {
     }
 
     /// Takes the other statement for the reference.
-    pub(super) fn swap(&mut self) {
+    pub(crate) fn swap(&mut self) {
         std::mem::swap(&mut self.reference, &mut self.other);
         for (with_other, ..) in &mut self.seconded_by {
             *with_other = !*with_other;
@@ -93,7 +106,7 @@ impl Pair {
 
     /// Says of a finding at the other statement who states it and how sure the reading is, and points at the reference
     /// and at the other sources that take one side or the other.
-    pub(super) fn point_at_all(&self, finding: Finding) -> Finding {
+    pub(crate) fn point_at_all(&self, finding: Finding) -> Finding {
         let stated = |by: &Statement| format!("stated by {}", by.who);
         let mut finding = finding
             .confidence(self.reading())
@@ -107,7 +120,7 @@ impl Pair {
     }
 
     /// The relation between the two and their plain difference; parts that one does not state are not compared.
-    pub(super) fn classify(&self) -> Classification {
+    pub(crate) fn classify(&self) -> Classification {
         let tolerance = Tolerance::default();
         let (a, b) = (&self.reference, &self.other);
         if a.has_translation && b.has_translation {
@@ -122,7 +135,7 @@ impl Pair {
 }
 
 /// All pairs of a world, in a fixed order.
-pub(super) fn pairs(world: &World) -> Vec<Pair> {
+pub(crate) fn pairs(world: &World) -> Vec<Pair> {
     let mut by_frames: BTreeMap<(FrameId, FrameId), Vec<Statement>> = BTreeMap::new();
     for statement in statements(world) {
         let (a, b) = (&statement.target, &statement.source_frame);
@@ -165,6 +178,7 @@ fn pair(world: &World, reference: &Statement, other: &Statement) -> Option<Pair>
     let mut other = other.clone();
     if turned {
         other.pose = other.pose.inverse();
+        other.direction = Direction::TurnedRound;
         other.who.push_str(" (the other way round)");
     }
     Some(Pair {
@@ -230,6 +244,8 @@ fn statements(world: &World) -> Vec<Statement> {
             place: Place::message(source, first.at.clone()),
             reading: Confidence::Certain,
             label: edge.topic.clone(),
+            rpy: None,
+            direction: Direction::AsStated,
             rank: Rank::Tf,
             bare_quaternion: false,
         })
@@ -260,6 +276,11 @@ fn from_claim(world: &World, claim: &Claim) -> Option<Statement> {
         place: claim.place.clone(),
         reading: claim.reading,
         label: claim.label.clone(),
+        rpy: match claim.spelling {
+            Spelling::Rpy { rpy, .. } => Some(rpy),
+            _ => None,
+        },
+        direction: Direction::AsStated,
         rank,
         bare_quaternion: matches!(claim.spelling, Spelling::Quaternion { .. }),
     })
@@ -310,6 +331,8 @@ fn add_chains(world: &World, (a, b): &(FrameId, FrameId), statements: &mut Vec<S
             place,
             reading: Confidence::Certain,
             label: "chain".to_owned(),
+            rpy: None,
+            direction: Direction::AsStated,
             rank,
             bare_quaternion: false,
         });

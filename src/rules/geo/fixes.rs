@@ -4,6 +4,7 @@
 
 use crate::math::stats::median;
 use crate::world::World;
+use crate::world::bag::TopicEvidence;
 use crate::world::content::{FixAt, FixEvidence};
 
 use super::navsatfix_sanity::Limits;
@@ -25,17 +26,16 @@ fn near(a: Position, b: Position, degrees: f64) -> bool {
     (a.0 - b.0).abs() <= degrees && (a.1 - b.1).abs() <= degrees
 }
 
-/// Median positions of all other topics with fixes, by topic.
+/// Median positions of everything else with fixes, by topic. What is only guessed to be a fix confirms nothing.
 pub(super) fn others<'w>(world: &'w World, fixes: &FixEvidence) -> Vec<(&'w str, Position)> {
     let topics = world.bags.iter().flat_map(|bag| bag.topics.values());
     topics
-        .filter_map(|topic| {
-            let other = topic
-                .content
-                .fixes
-                .as_ref()
-                .filter(|other| !std::ptr::eq(*other, fixes))?;
-            Some((topic.topic.as_str(), middle(other)?))
+        .flat_map(TopicEvidence::said)
+        .filter(|said| !said.guessed)
+        .filter_map(|said| {
+            let other = said.content.fixes.as_ref();
+            let other = other.filter(|other| !std::ptr::eq(*other, fixes))?;
+            Some((said.topic.topic.as_str(), middle(other)?))
         })
         .collect()
 }

@@ -5,6 +5,7 @@ use serde::Deserialize;
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::bag::TopicEvidence;
 use crate::world::content::FixEvidence;
 use crate::world::{BagEvidence, World};
 
@@ -31,9 +32,9 @@ impl Rule for NavsatfixSanity {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
-            for topic in bag.topics.values() {
-                if let Some(fixes) = topic.content.fixes.as_ref() {
-                    judge_fixes(world, bag, &format!("topic `{}`", topic.topic), fixes, limits, out);
+            for said in bag.topics.values().flat_map(TopicEvidence::said) {
+                if let Some(fixes) = said.content.fixes.as_ref() {
+                    judge_fixes(world, bag, &said.subject(), fixes, limits, out);
                 }
             }
         }

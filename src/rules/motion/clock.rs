@@ -48,6 +48,14 @@ impl Clock {
         }
     }
 
+    /// Median of stamp minus log time, seconds; `None` of the log clock.
+    pub(super) fn stamp_offset_s(self) -> Option<f64> {
+        match self {
+            Self::Stamp { offset_s } => Some(offset_s),
+            Self::Log => None,
+        }
+    }
+
     /// The time of a row, seconds after `start_ns` of the log clock.
     pub(super) fn time_s<R: Row>(self, row: &R, start_ns: i64) -> f64 {
         match self {

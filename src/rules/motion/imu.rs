@@ -3,7 +3,9 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::math::readings::Reading;
-use crate::world::bag::TopicEvidence;
+use crate::tables::{self, InsDriver, Known};
+use crate::world::bag::Said;
+use crate::world::content::ContentEvidence;
 use crate::world::motion::InertialRow;
 use crate::world::{BagEvidence, World};
 
@@ -22,19 +24,22 @@ pub(crate) struct Imu {
     pub(crate) no_orientation: Option<&'static str>,
     /// What its numbers measure.
     pub(crate) inertial: Inertial,
+    /// The driver that publishes it, by the names around it.
+    pub(crate) driver: Option<Known<InsDriver>>,
 }
 
 impl Imu {
-    /// The sensor of a topic; `None` where it says nothing inertial.
-    pub(super) fn of(world: &World, bag: &BagEvidence, topic: &TopicEvidence) -> Option<Self> {
-        let stream = Stream::of_topic(bag, topic, topic.content.motion.inertial.as_ref())?;
-        let no_orientation = no_orientation(topic);
+    /// The sensor of a topic, or of a member of its messages; `None` where it says nothing inertial.
+    pub(super) fn of(world: &World, bag: &BagEvidence, said: &Said<'_>) -> Option<Self> {
+        let stream = Stream::of(bag, said, said.content.motion.inertial.as_ref())?;
+        let no_orientation = no_orientation(said.content);
         let mount = stream.frame.as_ref().and_then(|frame| mount(world, frame));
         let stream = in_ros(world, stream, mount.as_ref());
         Some(Self {
             mount,
             inertial: Inertial::of(&stream, no_orientation.is_none()),
             no_orientation,
+            driver: tables::ins_driver(&said.topic.words()),
             stream,
         })
     }
@@ -85,10 +90,10 @@ fn in_ros(world: &World, stream: Stream<InertialRow>, mount: Option<&Mount>) -> 
     }
 }
 
-/// Why a topic's orientation is none: it says so, or never fills it in.
-fn no_orientation(topic: &TopicEvidence) -> Option<&'static str> {
-    let imu = topic.content.imu.as_ref()?;
-    let covariance = topic.content.covariances.get("orientation_covariance");
+/// Why a sensor's orientation is none: it says so, or never fills it in.
+fn no_orientation(content: &ContentEvidence) -> Option<&'static str> {
+    let imu = content.imu.as_ref()?;
+    let covariance = content.covariances.get("orientation_covariance");
     if covariance.is_some_and(|covariance| covariance.minus_one == covariance.count) {
         Some("it says that it has no orientation (orientation_covariance[0] is -1)")
     } else if imu.zero == imu.count {

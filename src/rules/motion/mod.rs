@@ -4,23 +4,33 @@
 //! that they are told in another convention, brought from there to that of ROS. Must not judge.
 
 mod clock;
+mod compass;
 mod convention;
 mod imu;
 mod inertial;
 mod mount;
+mod nmea;
 mod stream;
 mod track;
+mod turned;
+mod yaw;
 
 use std::sync::Arc;
 
 use crate::rules::names;
-use crate::world::motion::{FixRow, PoseRow, TwistRow};
-use crate::world::{BagEvidence, World};
+use crate::tables::{self, Known, Simulator};
+use crate::world::bag::TopicEvidence;
+use crate::world::motion::{FixRow, NmeaRow, OrientationRow, PoseRow, TwistRow};
+use crate::world::{BagEvidence, FrameId, World};
 
+pub(crate) use compass::Compass;
 pub(crate) use convention::ToldIn;
 pub(crate) use imu::Imu;
-pub(crate) use stream::{Stream, Timed};
-pub(crate) use track::{Course, Track, around, span_rad};
+pub(crate) use mount::mount;
+pub(crate) use stream::{Stream, Timed, edge_subject};
+pub(crate) use track::{Course, Follower, Span, Track, around, span_rad};
+pub(crate) use turned::Turned;
+pub(crate) use yaw::Yaws;
 
 /// The streams of motion of each recording of a world, in its order.
 pub(crate) struct Motion {
@@ -28,16 +38,24 @@ pub(crate) struct Motion {
     pub(crate) bags: Vec<BagMotion>,
 }
 
-/// The streams of motion of one recording, by topic.
+/// The streams of motion of one recording, by topic, and by field where they stand inside messages.
 pub(crate) struct BagMotion {
     /// Inertial sensors.
     pub(crate) imus: Vec<Imu>,
-    /// Satellite receivers.
+    /// Satellite receivers, those included that say where they are in sentences of NMEA 0183.
     pub(crate) fixes: Vec<Stream<FixRow>>,
     /// Odometry, poses on topics, and moving transforms.
     pub(crate) poses: Vec<Stream<PoseRow>>,
     /// Velocities on topics of their own.
     pub(crate) twists: Vec<Stream<TwistRow>>,
+    /// The simulator that names in the recording tell.
+    pub(crate) simulator: Option<Known<Simulator>>,
+    /// Velocities of satellite receivers, east, north, up, without a turning velocity.
+    pub(crate) velocities: Vec<Stream<TwistRow>>,
+    /// Orientations on topics of their own.
+    pub(crate) orientations: Vec<Stream<OrientationRow>>,
+    /// Sentences of NMEA 0183.
+    pub(crate) nmea: Vec<Stream<NmeaRow>>,
 }
 
 impl Motion {
@@ -46,6 +64,15 @@ impl Motion {
         world.derived(|world| Self {
             bags: world.bags.iter().map(|bag| BagMotion::of(world, bag)).collect(),
         })
+    }
+
+    /// The simulator of the recording that a sensor is in.
+    pub(crate) fn simulator_of(&self, imu: &Imu) -> Option<Known<Simulator>> {
+        let bag = self
+            .bags
+            .iter()
+            .find(|bag| bag.imus.iter().any(|one| std::ptr::eq(one, imu)))?;
+        bag.simulator
     }
 }
 
@@ -56,28 +83,56 @@ impl BagMotion {
             fixes: Vec::new(),
             poses: Vec::new(),
             twists: Vec::new(),
+            simulator: bag.topics.values().find_map(|topic| tables::simulator(&topic.words())),
+            velocities: Vec::new(),
+            orientations: Vec::new(),
+            nmea: Vec::new(),
         };
-        for topic in bag.topics.values() {
-            let of = &topic.content.motion;
-            motion.imus.extend(Imu::of(world, bag, topic));
-            motion.fixes.extend(Stream::of_topic(bag, topic, of.fixes.as_ref()));
-            let poses = Stream::of_topic(bag, topic, of.poses.as_ref());
+        for said in bag.topics.values().flat_map(TopicEvidence::said) {
+            let of = &said.content.motion;
+            motion.imus.extend(Imu::of(world, bag, &said));
+            motion.fixes.extend(Stream::of(bag, &said, of.fixes.as_ref()));
+            let poses = Stream::of(bag, &said, of.poses.as_ref());
             motion.poses.extend(poses.map(|poses| poses.in_ros(world)));
-            let twists = Stream::of_topic(bag, topic, of.twists.as_ref());
-            motion.twists.extend(twists.map(|twists| twists.in_ros(world)));
+            let twists = Stream::of(bag, &said, of.twists.as_ref());
+            // Beside fixes they are the receiver's: east, north, up whatever the frame.
+            if of.fixes.is_some() {
+                motion.velocities.extend(twists);
+            } else {
+                motion.twists.extend(twists.map(|twists| twists.in_ros(world)));
+            }
+            let orientations = Stream::of(bag, &said, of.orientations.as_ref());
+            motion
+                .orientations
+                .extend(orientations.map(|orientations| orientations.in_ros(world)));
+            let positions = of.nmea.as_ref().map(nmea::positions);
+            motion.fixes.extend(Stream::of(bag, &said, positions.as_ref()));
+            motion.nmea.extend(Stream::of(bag, &said, of.nmea.as_ref()));
         }
         let edges = bag.tf.iter().filter_map(|edge| Stream::of_edge(bag, edge));
         motion.poses.extend(edges.map(|edge| edge.in_ros(world)));
         motion
     }
 
-    /// Where the platform went: by satellite receivers first, then by odometry and poses.
-    pub(crate) fn tracks(&self) -> Vec<Track> {
-        let fixes = self.fixes.iter().map(Track::of_fixes);
+    /// Where the platform went: by satellite receivers first, those last that are guessed, then by odometry and poses, in
+    /// frames that are not left out.
+    pub(crate) fn tracks(&self, is_left_out: impl Fn(Option<&FrameId>) -> bool) -> Vec<Arc<Track>> {
+        let mut fixes: Vec<&Stream<FixRow>> = self.fixes.iter().collect();
+        fixes.sort_by_key(|fixes| fixes.guessed);
+        let fixes = fixes.into_iter().map(Stream::<FixRow>::track);
         // Joints move, too, and say nothing of the platform's way.
-        let is_way = |poses: &&Stream<PoseRow>| poses.frame.as_ref().is_none_or(names::is_world);
+        let is_way = |poses: &&Stream<PoseRow>| {
+            poses.frame.as_ref().is_none_or(names::is_world) && !is_left_out(poses.frame.as_ref())
+        };
         fixes
-            .chain(self.poses.iter().filter(is_way).map(Track::of_poses))
+            .chain(self.poses.iter().filter(is_way).map(Stream::<PoseRow>::track))
             .collect()
+    }
+
+    /// Angles clockwise from north that the recording states: headings first, then courses over ground.
+    pub(crate) fn compasses(&self) -> Vec<Compass> {
+        let mut all: Vec<Compass> = self.nmea.iter().flat_map(Compass::all).collect();
+        all.sort_by_key(|compass| compass.kind);
+        all
     }
 }

@@ -1,14 +1,16 @@
 //! One stream of motion on the common clock.
 
 use std::collections::BTreeMap;
+use std::sync::{Arc, OnceLock};
 
 use crate::source::{MessageRef, Place, SourceId};
-use crate::world::bag::{HeaderFrame, TfEdge, TopicEvidence};
-use crate::world::motion::{PoseRow, Row, Series};
+use crate::world::bag::{HeaderFrame, Said, TfEdge};
+use crate::world::motion::{FixRow, PoseRow, Row, Series};
 use crate::world::{BagEvidence, FrameId, World};
 
 use super::clock::Clock;
 use super::convention::{Convert, Moving, ToldIn};
+use super::track::Track;
 
 /// A row with its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,35 +28,58 @@ pub(crate) struct Stream<R> {
     pub(crate) source: SourceId,
     /// Topic of the messages.
     pub(crate) topic: String,
-    /// What reports call the stream: `topic /imu`, `TF odom -> base_link on /tf`.
+    /// Type of the messages; empty where the stream is a member of them, or of TF.
+    pub(crate) message_type: String,
+    /// What reports call the stream: `topic /imu`, `topic /imu (field imu)`, `TF odom -> base_link on /tf`.
     pub(crate) subject: String,
+    /// Whether only the names of plain fields say what it is.
+    pub(crate) guessed: bool,
     /// The frame that the numbers are told in (header frame, or parent), canonical; `None` where the headers name none or
     /// several.
     pub(crate) frame: Option<FrameId>,
     /// The frame that moves, canonical, where the stream says it.
     pub(crate) child: Option<FrameId>,
+    /// Median of stamp minus log time, seconds, which was taken off the times; `None` where they are log times.
+    pub(crate) stamp_offset_s: Option<f64>,
     /// First message.
     first: Option<MessageRef>,
     /// What the rows were told in; they stand here in the convention of ROS.
     pub(crate) told_in: ToldIn,
     /// Runs of rows without a hole, times growing inside each.
     pub(crate) stretches: Vec<Vec<Timed<R>>>,
+    track: Made,
+}
+
+/// The track of a stream, made by the first that asks. A copy, which may be altered, starts without.
+#[derive(Debug, Default)]
+struct Made(OnceLock<Arc<Track>>);
+
+impl Clone for Made {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
 }
 
 impl<R: Row> Stream<R> {
-    /// The stream of a topic; `None` where it has no rows.
-    pub(super) fn of_topic(bag: &BagEvidence, topic: &TopicEvidence, series: Option<&Series<R>>) -> Option<Self> {
+    /// The stream of a topic, or of a member of its messages; `None` where it has no rows.
+    pub(super) fn of(bag: &BagEvidence, said: &Said<'_>, series: Option<&Series<R>>) -> Option<Self> {
         let series = series?;
-        let stretches = on_clock(bag, series)?;
+        let (stretches, stamp_offset_s) = on_clock(bag, series)?;
         Some(Self {
             source: bag.source,
-            topic: topic.topic.clone(),
-            subject: format!("topic `{}`", topic.topic),
-            frame: only(&topic.header_frames),
-            child: only(&topic.child_frames),
-            first: topic.stamps.first.clone(),
+            topic: said.topic.topic.clone(),
+            message_type: said
+                .field
+                .map_or_else(|| said.topic.message_type.clone(), |_| String::new()),
+            subject: said.subject(),
+            guessed: said.guessed,
+            frame: only(said.header_frames),
+            child: only(said.child_frames),
+            stamp_offset_s,
+            first: said.first.cloned(),
             told_in: ToldIn::default(),
             stretches,
+            track: Made::default(),
         })
     }
 
@@ -127,28 +152,50 @@ impl<R: Row + Convert> Stream<R> {
     }
 }
 
+impl Stream<FixRow> {
+    /// Where the receiver went.
+    pub(crate) fn track(&self) -> Arc<Track> {
+        Arc::clone(self.track.0.get_or_init(|| Arc::new(Track::of_fixes(self))))
+    }
+}
+
 impl Stream<PoseRow> {
+    /// Where the poses went.
+    pub(crate) fn track(&self) -> Arc<Track> {
+        Arc::clone(self.track.0.get_or_init(|| Arc::new(Track::of_poses(self))))
+    }
+
     /// The stream of a moving transform.
     pub(super) fn of_edge(bag: &BagEvidence, edge: &TfEdge) -> Option<Self> {
         let series = edge.motion.as_ref()?;
-        let stretches = on_clock(bag, series)?;
+        let (stretches, stamp_offset_s) = on_clock(bag, series)?;
         let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
         Some(Self {
             source: bag.source,
             topic: edge.topic.clone(),
-            subject: format!("TF `{parent}` -> `{child}` on {}", edge.topic),
+            message_type: String::new(),
+            subject: edge_subject(edge),
+            guessed: false,
             frame: Some(parent),
             child: Some(child),
+            stamp_offset_s,
             first: Some(edge.first_at.clone()),
             told_in: ToldIn::default(),
             stretches,
+            track: Made::default(),
         })
     }
 }
 
+/// What reports call the stream of a moving transform.
+pub(crate) fn edge_subject(edge: &TfEdge) -> String {
+    let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
+    format!("TF `{parent}` -> `{child}` on {}", edge.topic)
+}
+
 type Stretches<R> = Vec<Vec<Timed<R>>>;
 
-fn on_clock<R: Row>(bag: &BagEvidence, series: &Series<R>) -> Option<Stretches<R>> {
+fn on_clock<R: Row>(bag: &BagEvidence, series: &Series<R>) -> Option<(Stretches<R>, Option<f64>)> {
     let start_ns = bag.start_ns?;
     let clock = Clock::of(series);
     let mut stretches: Stretches<R> = Vec::new();
@@ -164,7 +211,7 @@ fn on_clock<R: Row>(bag: &BagEvidence, series: &Series<R>) -> Option<Stretches<R
         stretches.push(kept);
     }
     stretches.retain(|stretch| !stretch.is_empty());
-    (!stretches.is_empty()).then_some(stretches)
+    (!stretches.is_empty()).then_some((stretches, clock.stamp_offset_s()))
 }
 
 /// The one frame that is named, canonical; the empty name is none.

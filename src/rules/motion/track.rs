@@ -2,10 +2,13 @@
 //!
 //! Owns the local plane of fixes and the times at which courses are taken. Must not judge.
 
+use std::sync::OnceLock;
+
 use nalgebra::{Vector2, Vector3};
 
 use crate::math::circular::wrapped;
 use crate::math::geodesy::Geodetic;
+use crate::source::Place;
 use crate::world::motion::{FixRow, PoseRow};
 
 use super::stream::{Stream, Timed};
@@ -22,10 +25,14 @@ const MAX_STEP_S: f64 = 2.5;
 pub(crate) struct Track {
     /// What reports call it.
     pub(crate) subject: String,
+    /// Where it begins.
+    pub(crate) place: Place,
     /// Whether it is of satellite fixes: x east, y north, z up.
     pub(crate) is_geodetic: bool,
     /// Runs of positions without a hole.
     pub(crate) stretches: Vec<Vec<(f64, Vector3<f64>)>>,
+    /// Every course of each stretch, whatever its speed; worked out by the first that asks.
+    every_course: OnceLock<Vec<Vec<Course>>>,
 }
 
 /// The motion of a track at a time.
@@ -49,8 +56,10 @@ impl Track {
         };
         Self {
             subject: stream.subject.clone(),
+            place: stream.place(),
             is_geodetic: true,
             stretches: runs(stream.stretches.iter().map(|rows| rows.iter().filter_map(place))),
+            every_course: OnceLock::new(),
         }
     }
 
@@ -65,8 +74,10 @@ impl Track {
         };
         Self {
             subject: stream.subject.clone(),
+            place: stream.place(),
             is_geodetic: false,
             stretches: runs(stream.stretches.iter().map(|rows| rows.iter().filter_map(place))),
+            every_course: OnceLock::new(),
         }
     }
 
@@ -75,48 +86,74 @@ impl Track {
         self.stretches.iter().find_map(|stretch| at(stretch, t_s))
     }
 
+    /// [`Self::at`] at times that mostly grow.
+    pub(crate) fn follow(&self) -> impl FnMut(f64) -> Option<Vector3<f64>> + '_ {
+        let mut followers: Vec<_> = self.stretches.iter().map(|stretch| Follower::new(stretch)).collect();
+        move |t_s| {
+            let mut followers = followers.iter_mut();
+            followers.find_map(|follower| follower.at(t_s))
+        }
+    }
+
     /// The courses of each stretch, every half second, where it is faster than this, m/s.
     pub(crate) fn courses(&self, min_speed_m_s: f64) -> Vec<Vec<Course>> {
-        let mut all = Vec::new();
-        for stretch in &self.stretches {
-            let (Some((first, _)), Some((last, _))) = (stretch.first(), stretch.last()) else {
-                continue;
-            };
-            let mut run = Vec::new();
-            let mut t_s = first + COURSE_OVER_S / 2.0;
-            while t_s + COURSE_OVER_S / 2.0 <= *last {
-                let ends = [t_s - COURSE_OVER_S / 2.0, t_s + COURSE_OVER_S / 2.0].map(|t| at(stretch, t));
-                t_s += COURSE_EVERY_S;
-                let [Some(from), Some(to)] = ends else { continue };
-                let way = Vector2::new(to.x - from.x, to.y - from.y);
-                let speed_m_s = way.norm() / COURSE_OVER_S;
-                if speed_m_s > min_speed_m_s {
-                    run.push(Course {
-                        t_s: t_s - COURSE_EVERY_S,
-                        angle_rad: way.y.atan2(way.x),
-                        speed_m_s,
-                    });
-                } else if !run.is_empty() {
-                    all.push(std::mem::take(&mut run));
-                }
-            }
-            all.push(run);
-        }
-        all.retain(|run| !run.is_empty());
-        all
+        let is_fast = |course: &Course| course.speed_m_s > min_speed_m_s;
+        let every = self
+            .every_course
+            .get_or_init(|| self.stretches.iter().map(|run| courses(run)).collect());
+        let runs = every.iter().flat_map(|run| run.split(|course| !is_fast(course)));
+        runs.filter(|run| !run.is_empty()).map(<[Course]>::to_vec).collect()
     }
 }
 
-/// How far the courses turn, from the rightmost to the leftmost, radians.
-pub(crate) fn span_rad(courses: &[Course]) -> f64 {
-    let (mut turned, mut least, mut most) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for pair in courses.windows(2) {
-        if let [a, b] = pair {
-            turned += wrapped(b.angle_rad - a.angle_rad);
-            (least, most) = (least.min(turned), most.max(turned));
+/// The courses of a run, every half second.
+fn courses(run: &[(f64, Vector3<f64>)]) -> Vec<Course> {
+    let (Some((first, _)), Some((last, _))) = (run.first(), run.last()) else {
+        return Vec::new();
+    };
+    let [mut from, mut to] = [Follower::new(run), Follower::new(run)];
+    let mut all = Vec::new();
+    let mut t_s = first + COURSE_OVER_S / 2.0;
+    while t_s + COURSE_OVER_S / 2.0 <= *last {
+        let ends = (from.at(t_s - COURSE_OVER_S / 2.0), to.at(t_s + COURSE_OVER_S / 2.0));
+        if let (Some(from), Some(to)) = ends {
+            let way = Vector2::new(to.x - from.x, to.y - from.y);
+            all.push(Course {
+                t_s,
+                angle_rad: way.y.atan2(way.x),
+                speed_m_s: way.norm() / COURSE_OVER_S,
+            });
         }
+        t_s += COURSE_EVERY_S;
     }
-    most - least
+    all
+}
+
+/// How far courses turn, from the rightmost to the leftmost, radians.
+pub(crate) fn span_rad(courses: &[Course]) -> f64 {
+    let mut span = Span::default();
+    courses.iter().map(|course| span.add(course)).last().unwrap_or(0.0)
+}
+
+/// The span of courses that come one by one.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Span {
+    last_rad: Option<f64>,
+    turned_rad: f64,
+    least_rad: f64,
+    most_rad: f64,
+}
+
+impl Span {
+    /// Takes in a course; gives the span of all so far, radians.
+    pub(crate) fn add(&mut self, course: &Course) -> f64 {
+        if let Some(last_rad) = self.last_rad.replace(course.angle_rad) {
+            self.turned_rad += wrapped(course.angle_rad - last_rad);
+            self.least_rad = self.least_rad.min(self.turned_rad);
+            self.most_rad = self.most_rad.max(self.turned_rad);
+        }
+        self.most_rad - self.least_rad
+    }
 }
 
 /// East, north, up of a fix about another, metres. Good to a millimetre in a kilometre.
@@ -167,7 +204,45 @@ fn at(stretch: &[(f64, Vector3<f64>)], t_s: f64) -> Option<Vector3<f64>> {
 
 /// The two values of a run, in the order of time, that a time lies between, and its share of the way from one to the other.
 pub(crate) fn around<V>(run: &[(f64, V)], t_s: f64) -> Option<([&(f64, V); 2], f64)> {
-    let after = run.partition_point(|(t, _)| *t < t_s).max(1);
+    between(run, run.partition_point(|(t, _)| *t < t_s), t_s)
+}
+
+/// Of the run's values the `after`-th and the one before it; the first is after nothing.
+fn between<V>(run: &[(f64, V)], after: usize, t_s: f64) -> Option<([&(f64, V); 2], f64)> {
+    let after = after.max(1);
     let (a, b) = (run.get(after - 1)?, run.get(after)?);
     (a.0 <= t_s).then(|| ([a, b], (t_s - a.0) / (b.0 - a.0)))
+}
+
+/// A run that is asked for times that mostly grow: as [`around`], and looks near the last place first.
+pub(crate) struct Follower<'r, V> {
+    run: &'r [(f64, V)],
+    after: usize,
+}
+
+/// Steps ahead that are looked at one by one.
+const NEAR: usize = 16;
+
+impl<'r, V> Follower<'r, V> {
+    pub(crate) fn new(run: &'r [(f64, V)]) -> Self {
+        Self { run, after: 0 }
+    }
+
+    pub(crate) fn around(&mut self, t_s: f64) -> Option<([&'r (f64, V); 2], f64)> {
+        let is_before = |at: usize| self.run.get(at).is_some_and(|(t, _)| *t < t_s);
+        let begins = self.after == 0 || is_before(self.after - 1);
+        let near = (self.after..self.after + NEAR)
+            .find(|at| !is_before(*at))
+            .filter(|_| begins);
+        self.after = near.unwrap_or_else(|| self.run.partition_point(|(t, _)| *t < t_s));
+        between(self.run, self.after, t_s)
+    }
+}
+
+impl Follower<'_, Vector3<f64>> {
+    /// The line through the values, at a time.
+    pub(crate) fn at(&mut self, t_s: f64) -> Option<Vector3<f64>> {
+        let ([(_, a), (_, b)], share) = self.around(t_s)?;
+        Some(a + (b - a) * share)
+    }
 }

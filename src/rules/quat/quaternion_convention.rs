@@ -10,6 +10,7 @@ use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
+use super::by_gyro::{Margins, Ordered, ordered};
 use super::ways::Ways;
 
 /// QUAT01.
@@ -51,6 +52,22 @@ pub(crate) struct Turned {
     pub(super) limit: f64,
     /// The axis about which it does not follow, of those that turn.
     pub(super) axis: Option<usize>,
+    /// The order of angles behind it, where the gyro shows another than that of ROS.
+    pub(super) ordered: Option<Ordered>,
+    /// How many axes turn fast enough to speak.
+    pub(super) speaking: usize,
+}
+
+impl Turned {
+    /// Whether another order of angles would have shown: it turns about several axes.
+    pub(super) fn shows_order(&self) -> bool {
+        self.speaking > 1
+    }
+
+    /// Of orientation and gyro about each axis.
+    pub(super) fn correlations(&self) -> [Option<f64>; 3] {
+        self.as_published.axis_correlation
+    }
 }
 
 impl Rule for QuaternionConvention {
@@ -83,6 +100,10 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
     ];
     if matches!(turned.class, Turn::Agree | Turn::Tilting) {
         return out.pass(subject, measured);
+    }
+    if turned.class == Turn::Ordered {
+        let why = "it does once its angles are put together in another order, which QUAT03 names";
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
     let seen = "the orientation does not follow the gyro";
     if let Some(why) = diagnosis.reported_elsewhere("QUAT01", seen) {
@@ -145,9 +166,23 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
     }
     let slow = imu.inertial.slow_turns.as_ref().and_then(Ways::of);
     let turns_enough = |ways: &Ways| ways.rotation_deg() >= limits.min_rotation_deg;
+    let order = fast_order(imu, &fast, limits).filter(|_| turns_enough(&fast));
+    if let Some(order) = order
+        .as_ref()
+        .filter(|order| fast.maps_are_worse(order.residual, limits))
+    {
+        return Ok(Turned {
+            ordered: Some(order.clone()),
+            ..fast.found(Turn::Ordered, None, limits)
+        });
+    }
     let by_ratio = Some(&fast).filter(|ways| turns_enough(ways)).and_then(|ways| {
         let class = ways.by_ratio(limits)?;
-        Some(ways.found(class, fast.axis(class, limits)?, limits))
+        let axis = fast.axis(class, limits)?;
+        Some(Turned {
+            ordered: order,
+            ..ways.found(class, axis, limits)
+        })
     });
     let by_gap = || {
         let ways = slow.as_ref().filter(|ways| turns_enough(ways))?;
@@ -175,4 +210,19 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         100.0 * fast.as_published.residual,
         100.0 * fast.best()
     ))
+}
+
+/// The order of the angles behind the orientation, if it is another one. The search is dear, and its answer is sure: asked
+/// where anything speaks for it, at any rate.
+fn fast_order(imu: &Imu, fast: &Ways, limits: &Limits) -> Option<Ordered> {
+    let own = fast.as_published.residual;
+    let margins = Margins {
+        agrees: limits.agrees,
+        ratio: limits.ratio,
+        noise: limits.noise,
+    };
+    let is_odd = own > limits.unrelated || fast.has_odd_axis(limits);
+    (is_odd && !fast.is_simpler(limits))
+        .then(|| ordered(imu, own, &margins))
+        .flatten()
 }

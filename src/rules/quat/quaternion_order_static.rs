@@ -1,13 +1,15 @@
-//! QUAT02: quaternions of one file in two orders, or in another one than their key says.
+//! QUAT02: quaternions of one file in two orders, or in another one than their key says; and of a recording in another
+//! one than ROS has.
 
 use std::collections::BTreeMap;
 
 use crate::rules::tally::Tally;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::source::SourceId;
 use crate::verdict::{Finding, Measured};
 use crate::world::{ClaimKind, Spelling, World};
 
+use super::level_order;
 use super::listed::{Listed, Slot, said_by_key};
 
 /// QUAT02.
@@ -19,11 +21,20 @@ pub struct QuaternionOrderStatic;
 pub struct Limits {
     /// Size from which the first or the last number looks like the scalar of a small rotation.
     pub scalar: f64,
+    /// A platform tilted by less is level, degrees.
+    pub(super) level_deg: f64,
+    /// A platform tilted by more is not, degrees.
+    pub(super) tilted_deg: f64,
+    /// How far it must turn, degrees.
+    pub(super) min_turn_deg: f64,
+    /// Orientations needed.
+    pub(super) min_rows: f64,
 }
 
 impl Rule for QuaternionOrderStatic {
     const PAGE: &'static str = include_str!("../../../rules/quat/quaternion-order-static.md");
-    const NEEDS: &'static [Need] = &[Need::Calibration];
+    const NEEDS: &'static [Need] = &[Need::CalibrationOrBag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
@@ -49,6 +60,7 @@ impl Rule for QuaternionOrderStatic {
             judge_bare(world, source, &listed, &mut right, out);
         }
         right.report(world, out);
+        level_order::judge(world, limits, out);
     }
 }
 

@@ -70,7 +70,7 @@ impl<'a> Ways<'a> {
 
     /// What was seen, by these windows.
     pub(super) fn found(&self, class: Turn, axis: Option<usize>, limits: &Limits) -> Turned {
-        let is_slow = self.by_ratio(limits).is_none() && class != Turn::Unrelated;
+        let is_slow = self.by_ratio(limits).is_none() && !matches!(class, Turn::Unrelated | Turn::Ordered);
         Turned {
             class: if axis.is_some() { Turn::Partly } else { class },
             as_published: self.as_published,
@@ -84,7 +84,36 @@ impl<'a> Ways<'a> {
                 limits.agrees
             },
             axis,
+            ordered: None,
+            speaking: self.speaking(limits),
         }
+    }
+
+    /// How many axes turn fast enough to speak.
+    fn speaking(&self, limits: &Limits) -> usize {
+        let speaks = |rms: &&f64| rms.to_degrees() >= limits.axis_deg_s;
+        self.turns.axis_rms_rad_s.iter().filter(speaks).count()
+    }
+
+    /// Whether the inverse, or the four numbers as w x y z, is the simpler explanation.
+    pub(super) fn is_simpler(&self, limits: &Limits) -> bool {
+        self.inverse.residual.min(self.reordered.residual) < limits.agrees
+    }
+
+    /// Whether a turned or negated gyro explains less than something else that leaves this residual: it is the simpler fault.
+    pub(super) fn maps_are_worse(&self, residual: f64, limits: &Limits) -> bool {
+        let maps = self.others.iter().filter(|way| is_map(way.0)).map(|way| way.1);
+        maps.fold(f64::INFINITY, f64::min) >= limits.ratio * residual.max(limits.noise)
+    }
+
+    /// Whether the orientation may not follow about an axis, though it does about another, noise or not.
+    pub(super) fn has_odd_axis(&self, limits: &Limits) -> bool {
+        let correlation = self.as_published.axis_correlation;
+        let fits = correlation.iter().flatten().any(|value| *value > limits.axis_right);
+        let mut axes = correlation.iter().zip(self.turns.axis_rms_rad_s);
+        fits && axes.any(|(correlation, rms)| {
+            correlation.is_some_and(|value| value < limits.axis_wrong) && rms.to_degrees() >= limits.axis_deg_s
+        })
     }
 
     /// The way whose residual is small, the others' being some times as large.
@@ -134,7 +163,6 @@ impl<'a> Ways<'a> {
     fn one_of(&self, is_alike: impl Fn(f64) -> bool, opposes: bool) -> Option<Turn> {
         let alike = self.others.iter().filter(|way| is_alike(way.1)).map(|way| way.0);
         let alike: Vec<Turn> = alike.collect();
-        let is_map = |turn: Turn| matches!(turn, Turn::Frd | Turn::Negated | Turn::Yaw);
         match alike.as_slice() {
             [only] if is_map(*only) && is_alike(self.unnamed) => None,
             [only] => Some(*only),
@@ -184,6 +212,10 @@ impl<'a> Ways<'a> {
         }
         (!unclear).then_some(None)
     }
+}
+
+fn is_map(turn: Turn) -> bool {
+    matches!(turn, Turn::Frd | Turn::Negated | Turn::Yaw)
 }
 
 fn is_reordered(turn: &Turn) -> bool {

@@ -7,13 +7,17 @@ mod known_offsets;
 mod lateness;
 pub mod leap_table_expiry;
 mod naming;
+mod offsets;
+pub mod sensor_time_offset;
 mod simulated;
 pub mod stamp_monotonic;
 pub mod stamp_vs_log;
 mod streams;
 pub mod tf_vs_sensor_time;
 mod together;
+mod told;
 mod trend;
+mod turning;
 mod units;
 
 pub(crate) use together::tell_once;

@@ -3,8 +3,6 @@
 //! Must not report.
 
 use crate::math::stats::median;
-use crate::page::Front;
-use crate::rules::Rule;
 use crate::world::BagEvidence;
 
 use super::epoch_offset::Limits;
@@ -12,11 +10,6 @@ use super::known_offsets::{Explanation, Tolerance, explain};
 use super::simulated::Time;
 use super::streams::{Clock, Of, Stream, log_clock, log_start_s};
 use super::units::unit_error;
-
-/// The limits of another rule, as its page has them.
-pub(super) fn limits_of<R: Rule>() -> Option<R::Limits> {
-    Front::parse_limits(R::PAGE).ok()?.limits().ok()
-}
 
 /// What the offsets of a recording's streams are held against.
 pub(super) struct Naming<'l> {

@@ -8,9 +8,9 @@ use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
 
 use super::gaps::judge_gaps;
-use super::naming::limits_of;
 use super::streams::{Stream, streams};
 use super::tf_vs_sensor_time::TfVsSensorTime;
+use crate::rules::limits_of;
 
 /// TIME03.
 pub struct StampMonotonic;

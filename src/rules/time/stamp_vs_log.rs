@@ -9,11 +9,12 @@ use crate::world::{BagEvidence, World};
 
 use super::epoch_offset::EpochOffset;
 use super::lateness::{Fault, faults};
-use super::naming::{Naming, limits_of};
+use super::naming::Naming;
 use super::simulated::Time;
 use super::streams::{Clock, Of, Stream, declared_streams, log_clock};
 use super::tf_vs_sensor_time::{self, TfVsSensorTime};
 use super::together::tell_once;
+use crate::rules::limits_of;
 
 /// TIME02.
 pub struct StampVsLog;
@@ -22,7 +23,7 @@ pub struct StampVsLog;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
-    min_messages: u64,
+    pub(super) min_messages: u64,
     pub(super) late_s: f64,
     pub(super) gnss_late_s: f64,
     pub(super) ahead_s: f64,
@@ -74,7 +75,7 @@ fn is_judged(
     (limits, reused): (&Limits, &tf_vs_sensor_time::Limits),
     out: &mut Judge,
 ) -> bool {
-    let n = stream.stamps.count - stream.stamps.zero;
+    let n = stream.stamps.count.saturating_sub(stream.stamps.zero);
     let (why, reason) = if n < limits.min_messages {
         let why = format!("{n} stamps that are not zero, {} are needed", limits.min_messages);
         (NotEvaluated::TooLittleEvidence, why)

@@ -131,7 +131,7 @@ impl Stream<'_> {
 
     /// Whether many messages share each stamp, though what they say is measured or moves.
     pub(super) fn is_reused(&self, limits: &tf_vs_sensor_time::Limits) -> bool {
-        self.stamps.count - self.stamps.zero >= limits.min_messages
+        self.stamps.count.saturating_sub(self.stamps.zero) >= limits.min_messages
             && 1.0 - self.repeated_share() < limits.unique_share
             && (self.is_live() || self.moves(limits))
     }
@@ -146,7 +146,7 @@ impl Stream<'_> {
 
     /// Share of the stamps that equal the one before, among those that have one before.
     pub(super) fn repeated_share(&self) -> f64 {
-        let steps = (self.stamps.count - self.stamps.zero).saturating_sub(1);
+        let steps = self.stamps.count.saturating_sub(self.stamps.zero).saturating_sub(1);
         self.stamps.repeated as f64 / (steps as f64).max(1.0)
     }
 

@@ -8,9 +8,10 @@ use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
 use super::epoch_offset::EpochOffset;
-use super::naming::{Naming, limits_of};
+use super::naming::Naming;
 use super::streams::{Of, Stream, streams};
 use super::together::tell_once;
+use crate::rules::limits_of;
 
 /// TIME10.
 pub struct TfVsSensorTime;
@@ -86,7 +87,7 @@ fn judge_bag(streams: &[Stream<'_>], naming: &Naming<'_>, limits: &Limits, out: 
 
 /// Constant transforms are good at any time, and few messages say nothing.
 fn has_enough(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) -> bool {
-    let n = stream.stamps.count - stream.stamps.zero;
+    let n = stream.stamps.count.saturating_sub(stream.stamps.zero);
     let (why, reason) = if n < limits.min_messages {
         let why = format!("{n} stamps that are not zero, {} are needed", limits.min_messages);
         (NotEvaluated::TooLittleEvidence, why)

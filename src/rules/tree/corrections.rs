@@ -34,7 +34,10 @@ impl<'a> Jump<'a> {
 
     /// In words: "after 12.3 s by 1.20 m and 3.0 deg".
     pub(super) fn words(&self, bag: &BagEvidence) -> String {
-        let since = bag.start_ns.map_or(0, |start| self.at.after.at.log_ns - start) as f64 / 1e9;
+        let since = bag
+            .start_ns
+            .map_or(0, |start| self.at.after.at.log_ns.saturating_sub(start)) as f64
+            / 1e9;
         format!("after {since:.1} s by {:.2} m and {:.1} deg", self.m, self.deg)
     }
 }
@@ -56,7 +59,7 @@ fn vehicle(bag: &BagEvidence, edge: &TfEdge, at: &StepAt) -> Option<Point3<f64>>
 /// Whether someone set the pose by hand just before.
 pub(super) fn was_asked(bag: &BagEvidence, jump: &Jump, within_s: f64) -> bool {
     let at = jump.at.after.at.log_ns;
-    let within = |log_ns: i64| (0.0..=within_s).contains(&((at - log_ns) as f64 / 1e9));
+    let within = |log_ns: i64| (0.0..=within_s).contains(&(at.saturating_sub(log_ns) as f64 / 1e9));
     let asking = bag.topics.values().filter(|topic| topic.topic.ends_with("initialpose"));
     asking
         .flat_map(|topic| [topic.first_log_ns, topic.last_log_ns])

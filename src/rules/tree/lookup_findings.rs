@@ -78,7 +78,11 @@ impl Case<'_> {
 
     /// Look-ups from the first to the last that succeeded.
     fn answered(&self) -> u64 {
-        self.asked.count - self.asked.leading.count - self.asked.trailing.count
+        let asked = &self.asked;
+        asked
+            .count
+            .saturating_sub(asked.leading.count)
+            .saturating_sub(asked.trailing.count)
     }
 
     /// How long look-ups may fail at the end: a slow edge cannot cover the last part of its own period.
@@ -205,7 +209,7 @@ impl Case<'_> {
             };
         };
         let name = format!("`{}` from `{}`", edge.parent, edge.child);
-        let after_start = |log_ns: i64| (log_ns - self.bag.start_ns.unwrap_or(log_ns)) as f64 / 1e9;
+        let after_start = |log_ns: i64| log_ns.saturating_sub(self.bag.start_ns.unwrap_or(log_ns)) as f64 / 1e9;
         match edge.count {
             1 => format!("{name} was sent once on {}, and holds at that instant only", edge.topic),
             _ if is_past => format!(

@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use crate::rules::motion::{BagMotion, Motion};
 use crate::rules::names::Standard;
 use crate::rules::tf::{self, Used};
 use crate::rules::{Judge, Need, Rule};
@@ -9,6 +10,8 @@ use crate::source::{MessageRef, Place};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::bag::{TfEdge, TopicEvidence};
 use crate::world::{BagEvidence, FrameId, World};
+
+use super::drift::drift;
 
 /// TREE16.
 pub struct MapOdomNotApplied;
@@ -21,6 +24,18 @@ pub struct Limits {
     pub constant_m: f64,
     /// Change of the correction above which it is one, degrees.
     pub constant_deg: f64,
+    /// Drift of odometry that needs a correction, metres.
+    pub(super) drift_m: f64,
+    /// The same, as a share of the way.
+    pub(super) drift_share: f64,
+    /// Standard deviation that is taken for another source at least, metres.
+    pub(super) least_sigma_m: f64,
+    /// Deviations that a drift must exceed.
+    pub(super) sigmas: f64,
+    /// Points of each third.
+    pub(super) min_points: usize,
+    /// Residual of a third, over the way, above which the two tracks are not of one platform.
+    pub(super) max_residual: f64,
 }
 
 impl Rule for MapOdomNotApplied {
@@ -29,16 +44,23 @@ impl Rule for MapOdomNotApplied {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        for bag in &world.bags {
+        for (bag, motion) in world.bags.iter().zip(&Motion::of(world).bags) {
             for odom in tf::moving_odoms(bag) {
                 let subject = format!("correction of `{odom}` in {}", world.path(bag.source));
-                judge_odom(bag, &odom, subject, limits, out);
+                judge_odom(bag, motion, &odom, subject, limits, out);
             }
         }
     }
 }
 
-fn judge_odom(bag: &BagEvidence, odom: &FrameId, subject: String, limits: &Limits, out: &mut Judge) {
+fn judge_odom(
+    bag: &BagEvidence,
+    motion: &BagMotion,
+    odom: &FrameId,
+    subject: String,
+    limits: &Limits,
+    out: &mut Judge,
+) {
     let correction = bag
         .tf
         .iter()
@@ -67,18 +89,45 @@ fn judge_odom(bag: &BagEvidence, odom: &FrameId, subject: String, limits: &Limit
         out.pass(subject, [shift.samples(edge.count), turn.samples(edge.count)]);
         return;
     }
-    let first = edge.first().map(|sample| sample.pose.isometry());
-    let is_identity = first.is_some_and(|pose| {
+    let map = edge.parent.canonical();
+    let value = if is_identity(edge, limits) {
+        "is the identity"
+    } else {
+        "is the same"
+    };
+    let seen = format!("`{map}` -> `{odom}` {value} in all {} transforms", edge.count);
+    let drift = match drift(motion, odom, &map, limits) {
+        Ok(drift) => drift,
+        Err(why) => return out.not_evaluated(subject, NotEvaluated::MissingInput, format!("{seen}; {why}")),
+    };
+    match drift.is_told(limits) {
+        Some(true) => {
+            let message = format!(
+                "{seen}, and the odometry drifts: {:.2} m against {} in {:.0} m of way, which nothing corrects",
+                drift.by_m, drift.against, drift.way_m
+            );
+            let finding =
+                Finding::warning(subject, message, Place::message(bag.source, edge.first_at.clone())).likely();
+            let finding = finding.help(format!(
+                "run the localizer that publishes `{map}` -> `{odom}`; a constant one makes a `{map}` that drifts like `{odom}`"
+            ));
+            out.fail(drift.measured(limits).into_iter().fold(finding, Finding::measured));
+        }
+        Some(false) => out.pass(subject, drift.measured(limits)),
+        None => {
+            let why = format!(
+                "{seen}; against {}, the odometry drifts by {:.1} m, give or take {:.1} m: a longer drive would tell",
+                drift.against, drift.by_m, drift.sigma_m
+            );
+            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        }
+    }
+}
+
+fn is_identity(edge: &TfEdge, limits: &Limits) -> bool {
+    edge.first().map(|sample| sample.pose.isometry()).is_some_and(|pose| {
         pose.translation.vector.norm() <= limits.constant_m && pose.rotation.angle().to_degrees() <= limits.constant_deg
-    });
-    let reason = format!(
-        "`{}` -> `{odom}` {} in all {} transforms; whether a correction is missing takes a second source of the pose in `{}`",
-        edge.parent.canonical(),
-        if is_identity { "is the identity" } else { "is the same" },
-        edge.count,
-        edge.parent.canonical()
-    );
-    out.not_evaluated(subject, NotEvaluated::MissingInput, reason);
+    })
 }
 
 /// The first message of a cloud or grid whose topic calls it a map, and which is told in `odom`.

@@ -2,6 +2,7 @@
 
 pub mod base_footprint;
 mod corrections;
+mod drift;
 mod footprint;
 mod latched;
 mod latched_across;

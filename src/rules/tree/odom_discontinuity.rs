@@ -107,7 +107,10 @@ fn finding(
         return Finding::error(subject, "", Place::whole(bag.source));
     };
     let (m, rad) = bound.limits(&worst.step, limits);
-    let since = bag.start_ns.map_or(0, |start| worst.after.at.log_ns - start) as f64 / 1e9;
+    let since = bag
+        .start_ns
+        .map_or(0, |start| worst.after.at.log_ns.saturating_sub(start)) as f64
+        / 1e9;
     let is_at_origin = |at: &StepAt| {
         let pose = at.after.pose.isometry();
         pose.translation.vector.norm() <= limits.origin && pose.rotation.angle() <= limits.origin

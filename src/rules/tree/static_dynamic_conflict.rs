@@ -98,7 +98,7 @@ fn conflict(bag: &BagEvidence, child: &FrameId, fixed: &TfEdge, moving: &TfEdge,
 /// A note on a moving edge that never moves, where something says that it is not meant to.
 fn constant(world: &World, bag: &BagEvidence, child: &FrameId, edges: &[&TfEdge], limits: &Limits) -> Option<Finding> {
     let [edge] = edges else { return None };
-    let time_s = (edge.last_at.log_ns - edge.first_at.log_ns) as f64 / 1e9;
+    let time_s = edge.last_at.log_ns.saturating_sub(edge.first_at.log_ns) as f64 / 1e9;
     let deviation = edge.extreme.as_ref().map_or(0.0, |(_, rad, m)| rad.max(*m));
     if edge.is_static || edge.first().is_none() || edge.count < limits.min_samples || time_s < limits.min_time_s {
         return None;

@@ -87,7 +87,7 @@ fn within(
     } else {
         String::new()
     };
-    let after_s = (other.at.log_ns - first.at.log_ns) as f64 / 1e9;
+    let after_s = other.at.log_ns.saturating_sub(first.at.log_ns) as f64 / 1e9;
     let message = format!(
         "latched `{parent}` -> `{child}` on {topic} changes {after_s:.1} s after its first value{by}{}",
         difference.words

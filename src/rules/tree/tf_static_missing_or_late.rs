@@ -107,7 +107,7 @@ fn late(bag: &BagEvidence, subject: &str, limits: &Limits) -> Option<Finding> {
         let of_frame = || bag.tf.iter().filter(|edge| edge.child.canonical() == frame);
         let first = of_frame().map(|edge| &edge.first_at).min_by_key(|at| at.log_ns);
         if let Some(first) = first.filter(|_| of_frame().any(|edge| edge.is_static)) {
-            let late_s = (first.log_ns - needed.log_ns) as f64 / 1e9;
+            let late_s = first.log_ns.saturating_sub(needed.log_ns) as f64 / 1e9;
             if late_s > limits.max_late_s {
                 late.push((late_s, frame, first, needed));
             }

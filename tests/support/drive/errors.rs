@@ -74,6 +74,8 @@ pub enum Error {
     Utm,
     /// Positions in the Earth's frame.
     Ecef,
+    /// The altitude over that of the origin as z: the Earth taken for flat in height alone.
+    AltitudeAsZ,
 
     // Twists.
     /// Linear velocity in the axes of the world.
@@ -88,6 +90,9 @@ pub enum Error {
     TwistYawNegated,
     /// GNSS velocity in the body's axes.
     TwistInBody,
+
+    /// The twist's covariance in the axes of the world.
+    TwistCovarianceInWorld,
 
     // Fixes.
     /// Latitude and longitude swapped.

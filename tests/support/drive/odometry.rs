@@ -161,6 +161,10 @@ impl OdometryRow {
             Error::TwistInWorld => {
                 self.linear = (rotation(self.pose.orientation) * Vector3::from(self.linear)).into();
             }
+            Error::TwistCovarianceInWorld => {
+                let ahead = turn(rotation(self.pose.orientation).euler_angles().2);
+                rotate6(&mut self.twist_covariance, &ahead, &ahead);
+            }
             Error::TwistReversed => self.linear = [-x, -y, -z],
             Error::TwistYNegated => self.linear = [x, -y, z],
             Error::TwistSwapped => self.linear = [y, x, z],

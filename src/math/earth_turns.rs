@@ -1,0 +1,169 @@
+//! How the rotation between the Earth's frame and a local east-north-up frame goes wrong.
+//!
+//! Owns what each error makes of `earth_from_enu` at a place, and which of them a rotation shows. Must not know frame
+//! names, nor how much of a difference matters. Radians; rotations are dimensionless.
+//! Source of the right rotation: [`Geodetic::enu_from_ecef`], its rows east, north, up.
+
+use std::f64::consts::FRAC_PI_2;
+
+use nalgebra::{Matrix3, Rotation3, Vector3};
+
+use super::constants;
+use super::geodesy::Geodetic;
+
+/// An error in `earth_from_enu`.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum EarthTurn {
+    /// No rotation at all: the local axes are those of the Earth.
+    Lost,
+    /// `enu_from_earth` in place of `earth_from_enu`.
+    Transposed,
+    /// North, east, down in place of east, north, up.
+    Ned,
+    /// The same, and the other way round.
+    NedTransposed,
+    /// `R1(pi/2 - latitude) R3(pi/2 + longitude)`, which is right for rotations of axes, made of rotations of vectors.
+    Active,
+    /// The same, and the other way round.
+    ActiveTransposed,
+    /// The angle of the line to the Earth's centre taken for the latitude: up to 0.19 degrees less.
+    SphericalLatitude,
+    /// Latitude and longitude changed.
+    Swapped,
+    /// The longitude with the other sign.
+    LongitudeNegated,
+    /// Degrees given to functions of radians.
+    Degrees,
+    /// `R3(longitude) R2(-latitude)`: its axes are up, east, north.
+    UpEastNorth,
+}
+
+impl EarthTurn {
+    /// Every error, the plainest first.
+    pub const ALL: [Self; 11] = [
+        Self::Lost,
+        Self::Transposed,
+        Self::Ned,
+        Self::NedTransposed,
+        Self::Active,
+        Self::ActiveTransposed,
+        Self::SphericalLatitude,
+        Self::Swapped,
+        Self::LongitudeNegated,
+        Self::Degrees,
+        Self::UpEastNorth,
+    ];
+
+    /// The stable word of it, as used in reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Lost => "rotation-lost",
+            Self::Transposed => "transposed",
+            Self::Ned => "ned-enu",
+            Self::NedTransposed => "ned-transposed",
+            Self::Active => "active-rotations",
+            Self::ActiveTransposed => "active-rotations-transposed",
+            Self::SphericalLatitude => "spherical-latitude",
+            Self::Swapped => "lat-lon-swapped",
+            Self::LongitudeNegated => "longitude-negated",
+            Self::Degrees => "degrees",
+            Self::UpEastNorth => "up-east-north",
+        }
+    }
+
+    /// What happened, for the end of a sentence.
+    pub fn describe(self) -> &'static str {
+        match self {
+            Self::Lost => "there is no rotation: the axes are those of the Earth",
+            Self::Transposed => "the matrix is transposed, ENU from Earth in place of Earth from ENU",
+            Self::Ned => "the axes are north, east, down",
+            Self::NedTransposed => "the matrix is transposed, NED from Earth",
+            Self::Active => "rotations of axes were put together as rotations of vectors",
+            Self::ActiveTransposed => "rotations of axes were put together as rotations of vectors, and transposed",
+            Self::SphericalLatitude => "the latitude is that of a sphere, not of the ellipsoid",
+            Self::Swapped => "latitude and longitude are changed",
+            Self::LongitudeNegated => "the longitude has the other sign",
+            Self::Degrees => "degrees were taken for radians",
+            Self::UpEastNorth => "the axes are up, east, north",
+        }
+    }
+
+    /// What the error makes of `earth_from_enu` at a place.
+    pub fn at(self, place: &Geodetic) -> Rotation3<f64> {
+        let (latitude, longitude) = (place.latitude_rad, place.longitude_rad);
+        let right = |latitude_rad, longitude_rad| {
+            let other = Geodetic {
+                latitude_rad,
+                longitude_rad,
+                ..*place
+            };
+            other.enu_from_ecef().inverse()
+        };
+        let earth_from_enu = right(latitude, longitude);
+        match self {
+            Self::Lost => Rotation3::identity(),
+            Self::Transposed => earth_from_enu.inverse(),
+            Self::Ned => earth_from_enu * constants::ned_enu(),
+            Self::NedTransposed => (earth_from_enu * constants::ned_enu()).inverse(),
+            Self::Active => active(latitude, longitude).inverse(),
+            Self::ActiveTransposed => active(latitude, longitude),
+            Self::SphericalLatitude => {
+                let ecef = place.to_ecef();
+                right(ecef.z.atan2(ecef.x.hypot(ecef.y)), longitude)
+            }
+            Self::Swapped => right(longitude, latitude),
+            Self::LongitudeNegated => right(latitude, -longitude),
+            Self::Degrees => right(latitude.to_degrees(), longitude.to_degrees()),
+            Self::UpEastNorth => {
+                let axes = Matrix3::from_columns(&[Vector3::z(), Vector3::x(), Vector3::y()]);
+                earth_from_enu * Rotation3::from_matrix_unchecked(axes)
+            }
+        }
+    }
+}
+
+/// The product that the textbooks' angles make of rotations of vectors.
+fn active(latitude: f64, longitude: f64) -> Rotation3<f64> {
+    let about_x = Rotation3::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2 - latitude);
+    about_x * Rotation3::from_axis_angle(&Vector3::z_axis(), FRAC_PI_2 + longitude)
+}
+
+/// A rotation beside the right one.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Beside {
+    /// The angle between its z axis and up, 0..=pi.
+    pub tilt_rad: f64,
+    /// The angle of its x axis from east towards north, as seen from above; of use where the tilt is small.
+    pub yaw_rad: f64,
+}
+
+/// How an `earth_from_map` stands in east, north, up at a place.
+pub fn beside(place: &Geodetic, earth_from_map: &Rotation3<f64>) -> Beside {
+    let enu_from_map = place.enu_from_ecef() * earth_from_map;
+    let (x, z) = (enu_from_map * Vector3::x(), enu_from_map * Vector3::z());
+    Beside {
+        tilt_rad: z.x.hypot(z.y).atan2(z.z),
+        yaw_rad: x.y.atan2(x.x),
+    }
+}
+
+/// The errors that an `earth_from_map` shows to within an angle, radians. Errors that are the same at this place are all
+/// given. Where none is met whole, those whose z axis is: the map may be turned about up besides.
+pub fn shown(place: &Geodetic, earth_from_map: &Rotation3<f64>, within_rad: f64) -> Vec<EarthTurn> {
+    let meets = |of: fn(&Rotation3<f64>) -> f64| {
+        let errors = EarthTurn::ALL.into_iter();
+        let met = errors.filter(move |error| of(&(error.at(place).inverse() * earth_from_map)) <= within_rad);
+        met.collect::<Vec<_>>()
+    };
+    let whole = meets(Rotation3::angle);
+    if !whole.is_empty() {
+        return whole;
+    }
+    let mut turned = meets(|difference| {
+        let z = difference * Vector3::z();
+        z.x.hypot(z.y).atan2(z.z)
+    });
+    // Of the others a turned map says nothing: their z axes are those of other frames.
+    turned.retain(|error| matches!(error, EarthTurn::SphericalLatitude | EarthTurn::Ned));
+    turned
+}

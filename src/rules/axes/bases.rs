@@ -1,0 +1,222 @@
+//! Which way the axes of a platform's own frame point: by what its odometry says of pose and velocity, and by gravity.
+//!
+//! Made once: the rules of inertial sensors leave a base that is turned itself to AXES13. Must not report.
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+
+use crate::math::readings::Reading;
+use crate::page::Front;
+use crate::rules::Rule;
+use crate::rules::motion::{BagMotion, Imu, Motion, Stream};
+use crate::rules::names;
+use crate::source::Place;
+use crate::verdict::NotEvaluated;
+use crate::world::motion::PoseRow;
+use crate::world::{FrameId, World};
+
+use super::base_frame_flu::{BaseFrameFlu, Limits};
+use super::imu_gravity_sign::{self, ImuGravitySign};
+use super::sensors::Look;
+
+/// A direction along an axis of the base.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Axis {
+    /// 0, 1, 2: x, y, z.
+    pub(super) index: usize,
+    pub(super) is_negative: bool,
+}
+
+impl Axis {
+    /// The axis that a direction lies along, to within an angle.
+    fn near(direction: &Vector3<f64>, max_deg: f64) -> Option<Self> {
+        let index = direction.iamax();
+        let part = direction.get(index).copied()? / direction.norm();
+        (part.abs() >= max_deg.to_radians().cos()).then_some(Self {
+            index,
+            is_negative: part < 0.0,
+        })
+    }
+
+    pub(super) fn vector(self) -> Vector3<f64> {
+        let mut vector = Vector3::zeros();
+        if let Some(part) = vector.get_mut(self.index) {
+            *part = if self.is_negative { -1.0 } else { 1.0 };
+        }
+        vector
+    }
+
+    pub(super) fn word(self) -> &'static str {
+        match (self.index, self.is_negative) {
+            (0, false) => "x",
+            (1, false) => "y",
+            (_, false) => "z",
+            (0, true) => "-x",
+            (1, true) => "-y",
+            (_, true) => "-z",
+        }
+    }
+}
+
+/// What was seen of one base.
+pub(super) struct Seen {
+    /// The axis of the base that points where it goes.
+    pub(super) forward: Option<Axis>,
+    /// How much the windows agree on it, 0 to 1.
+    pub(super) concentration: f64,
+    /// The axis that points along z of the world, by the pose.
+    pub(super) up: Option<Axis>,
+    /// The axis that points up by gravity, and the sensor that says so.
+    pub(super) gravity: Option<(Axis, String)>,
+    /// Whether the velocity that is published with the pose points along the same axis; `None` without one.
+    pub(super) twist_agrees: Option<bool>,
+    pub(super) way_m: f64,
+}
+
+impl Seen {
+    /// Whether the base is turned itself: the pose says so, and nothing contradicts.
+    pub(super) fn is_turned(&self) -> bool {
+        self.is_upside_down() || self.is_sideways()
+    }
+
+    /// Whether its z points down: against z of the world, unless gravity says that it is the world that is upside down.
+    pub(super) fn is_upside_down(&self) -> bool {
+        // Without gravity another axis than -z may as well be the world's: a camera's map, or one of the Earth's axes.
+        self.up.is_some_and(|up| match &self.gravity {
+            Some((axis, _)) => *axis == up && (up.index != 2 || up.is_negative),
+            None => up.index == 2 && up.is_negative,
+        })
+    }
+
+    /// Whether another axis than x points forward.
+    pub(super) fn is_sideways(&self) -> bool {
+        self.forward.is_some_and(|forward| forward.index != 0) && self.twist_agrees != Some(false)
+    }
+}
+
+/// A platform's own frame.
+pub(super) struct Base {
+    pub(super) frame: FrameId,
+    /// The stream that says so.
+    pub(super) stream: String,
+    pub(super) place: Place,
+    pub(super) seen: Look<Seen>,
+}
+
+/// The bases of each recording, in the order of [`Motion`].
+pub(super) struct Bases {
+    pub(super) bags: Vec<Vec<Base>>,
+}
+
+impl Bases {
+    /// The bases of a world; looked at once.
+    pub(super) fn of(world: &World) -> Arc<Self> {
+        let motion = Motion::of(world);
+        world.derived(|_| Self {
+            bags: motion.bags.iter().map(|bag| bases(bag).unwrap_or_default()).collect(),
+        })
+    }
+}
+
+/// The bases of a recording; `None` where a page's limits do not load, which the engine reports.
+fn bases(bag: &BagMotion) -> Option<Vec<Base>> {
+    let limits: Limits = Front::parse(BaseFrameFlu::PAGE).ok()?.limits().ok()?;
+    let gravity: imu_gravity_sign::Limits = Front::parse(ImuGravitySign::PAGE).ok()?.limits().ok()?;
+    let mut found: Vec<Base> = Vec::new();
+    // Odometry with a velocity says most.
+    let has_twist = |stream: &&Stream<PoseRow>| stream.rows().any(|timed| timed.row.twist.is_some());
+    let (with, without): (Vec<_>, Vec<_>) = bag.poses.iter().partition(has_twist);
+    for stream in with.into_iter().chain(without) {
+        let Some(frame) = stream
+            .child
+            .clone()
+            .filter(|frame| names::is_base(frame) && !names::is_device(frame))
+        else {
+            continue;
+        };
+        let is_way = stream.frame.as_ref().is_some_and(names::is_world) && !names::is_world(&frame);
+        let known = found.iter().find(|base| base.frame == frame);
+        if !is_way || names::is_wish(&stream.topic) || known.is_some_and(|base| base.seen.is_ok()) {
+            continue;
+        }
+        found.retain(|base| base.frame != frame);
+        let by_gravity = bag.imus.iter().find_map(|imu| up_by(imu, &frame, &gravity, &limits));
+        found.push(Base {
+            stream: stream.subject.clone(),
+            place: stream.place(),
+            seen: look(stream, by_gravity, &limits),
+            frame,
+        });
+    }
+    Some(found)
+}
+
+/// The axis of the base that an inertial sensor on it feels as up.
+fn up_by(imu: &Imu, base: &FrameId, limits: &imu_gravity_sign::Limits, own: &Limits) -> Option<(Axis, String)> {
+    imu.mount.as_ref().filter(|mount| mount.base == *base)?;
+    let up = imu_gravity_sign::look(imu, limits).ok()?;
+    Some((
+        Axis::near(&up.direction, own.max_angle_deg)?,
+        imu.stream.subject.clone(),
+    ))
+}
+
+fn look(stream: &Stream<PoseRow>, gravity: Option<(Axis, String)>, limits: &Limits) -> Look<Seen> {
+    let (mut forward, mut up, mut twist) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
+    let (mut way_m, mut rows) = (0.0, 0.0);
+    for window in stream.windows(limits.window_s, limits.max_step_s) {
+        let (Some(first), Some(last), Some(middle)) = (window.first(), window.last(), window.get(window.len() / 2))
+        else {
+            continue;
+        };
+        let Some(orientation) = Reading::Xyzw.world_from_body(middle.row.orientation) else {
+            continue;
+        };
+        let turned = |row: &PoseRow| {
+            let here = Reading::Xyzw.world_from_body(row.orientation)?;
+            Some(here.angle_to(&orientation).to_degrees())
+        };
+        let moved = Vector3::from(last.row.position) - Vector3::from(first.row.position);
+        let is_straight = [first, last]
+            .into_iter()
+            .all(|end| turned(&end.row).is_some_and(|angle| angle <= limits.max_turn_deg));
+        if !(moved.norm() >= limits.min_step_m && moved.norm().is_finite() && is_straight) {
+            continue;
+        }
+        way_m += moved.norm();
+        rows += 1.0;
+        forward += orientation.inverse() * moved;
+        up += orientation.inverse() * Vector3::z();
+        let velocity = middle
+            .row
+            .twist
+            .map_or_else(Vector3::zeros, |twist| Vector3::from(twist.linear));
+        if velocity.iter().all(|part| part.is_finite()) && velocity.norm() > 0.0 {
+            twist += velocity.normalize() * moved.norm();
+        }
+    }
+    if way_m < limits.min_way_m {
+        let why = format!(
+            "it goes {way_m:.1} m straight enough to say where its front is; {} m are needed",
+            limits.min_way_m
+        );
+        return Err((NotEvaluated::TooLittleEvidence, why));
+    }
+    let concentration = forward.norm() / way_m;
+    let steady = |sum: Vector3<f64>, of: f64| {
+        Axis::near(&sum, limits.max_angle_deg).filter(|_| sum.norm() >= limits.min_concentration * of)
+    };
+    let forward = steady(forward, way_m);
+    let twist = (twist.norm() > 0.0).then_some(twist);
+    Ok(Seen {
+        forward,
+        concentration,
+        up: steady(up, rows),
+        gravity,
+        twist_agrees: twist
+            .zip(forward)
+            .map(|(twist, forward)| twist.normalize().dot(&forward.vector()) > 0.5),
+        way_m,
+    })
+}

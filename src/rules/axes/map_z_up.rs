@@ -1,0 +1,169 @@
+//! AXES14: z of the frames that poses are told in points up.
+
+use serde::Deserialize;
+
+use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::World;
+
+use super::worlds::{Frame, Gravity, Heights, Worlds};
+
+/// AXES14.
+pub struct MapZUp;
+
+/// Limits of AXES14.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    pub(super) warning_deg: f64,
+    pub(super) error_deg: f64,
+    pub(super) min_s: f64,
+    pub(super) min_rows: u64,
+    pub(super) steady_s: f64,
+    pub(super) planar_deg: f64,
+    pub(super) max_step_s: f64,
+    pub(super) min_concentration: f64,
+    pub(super) gravity: f64,
+    pub(super) gravity_share: f64,
+    pub(super) min_rms_m: f64,
+    pub(super) sigmas: f64,
+    pub(super) min_points: usize,
+    pub(super) min_correlation: f64,
+}
+
+impl Rule for MapZUp {
+    const PAGE: &'static str = include_str!("../../../rules/axes/map-z-up.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for frame in Worlds::of(world).frames() {
+            if frame.name.has_token("ned") {
+                let subject = format!("z of `{}`", frame.name);
+                out.not_evaluated(
+                    subject,
+                    NotEvaluated::NotApplicable,
+                    "its name says that z points down: NAME04",
+                );
+                continue;
+            }
+            let subject = |by: &str| format!("z of `{}`, by {by}", frame.name);
+            let is_told = match &frame.gravity {
+                Ok(gravity) => judge_gravity(frame, subject("gravity"), gravity, limits, out),
+                Err((why, reason)) => {
+                    out.not_evaluated(subject("gravity"), *why, reason);
+                    false
+                }
+            };
+            match &frame.heights {
+                Ok(_) if is_told => {
+                    let why = "part of what gravity says of this frame";
+                    out.not_evaluated(subject("altitude"), NotEvaluated::NotApplicable, why);
+                }
+                Ok(heights) => judge_heights(frame, subject("altitude"), heights, limits, out),
+                Err((why, reason)) => out.not_evaluated(subject("altitude"), *why, reason),
+            }
+        }
+    }
+}
+
+/// Whether there is a finding.
+fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Limits, out: &mut Judge) -> bool {
+    let degrees = gravity.angle_deg();
+    let measured = [
+        Measured::new("angle of gravity's up to z", degrees, "deg")
+            .limit(limits.warning_deg)
+            .samples(gravity.rows),
+        Measured::new("agreement", gravity.concentration, "1").limit(limits.min_concentration),
+        Measured::new("time", gravity.seconds, "s"),
+    ];
+    if degrees <= limits.warning_deg {
+        out.pass(subject, measured);
+        return false;
+    }
+    if gravity.sensor_is_right == Some(false) {
+        let why = format!(
+            "gravity's up is {degrees:.0} deg from z, by {}, which AXES01 speaks of",
+            gravity.sensor
+        );
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return false;
+    }
+    let is_small = degrees <= limits.error_deg;
+    if is_small && (gravity.tilt_rad.to_degrees() < limits.planar_deg || gravity.seconds < limits.steady_s) {
+        let why = format!(
+            "gravity's up is {degrees:.0} deg from z: a slope, to poses that know no roll and pitch, or {} s of a manoeuvre",
+            gravity.seconds.round()
+        );
+        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return false;
+    }
+    // Of a sensor that is not on a base nobody else looks at the sign.
+    let is_sure = !is_small && gravity.sensor_is_right == Some(true);
+    let severity = if is_sure { Severity::Error } else { Severity::Warning };
+    let (relation, kind, help) = named(gravity, limits);
+    let doubt = if is_sure || is_small {
+        String::new()
+    } else {
+        format!("; or the accelerometer of {} has the other sign", gravity.sensor)
+    };
+    let message = format!(
+        "up is {degrees:.0} deg from z of `{}`{kind}: gravity by {}, turned by {}, points along ({:+.2}, {:+.2}, {:+.2}) for {:.0} s{doubt}",
+        frame.name, gravity.sensor, frame.stream, gravity.up.x, gravity.up.y, gravity.up.z, gravity.seconds
+    );
+    let finding = Finding::new(severity, subject, message, frame.place.clone())
+        .likely()
+        .relation(relation)
+        .help(help);
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    true
+}
+
+/// What a frame with this up may be: a word, words, and what to do.
+fn named(gravity: &Gravity, limits: &Limits) -> (&'static str, &'static str, &'static str) {
+    let near = |x: f64, y: f64, z: f64| {
+        let cosine = gravity.up.x * x + gravity.up.y * y + gravity.up.z * z;
+        cosine >= limits.error_deg.to_radians().cos()
+    };
+    if near(0.0, 0.0, -1.0) {
+        let help = "REP-103 wants z up: convert NED poses, `R_enu_flu = P * R_ned_frd * F` and (y, x, -z), or call the frame `_ned`";
+        ("z-down", " (z down, as in NED)", help)
+    } else if near(0.0, -1.0, 0.0) {
+        let help = "tie the map to the camera's first optical frame by a frame of its own: `map` from `camera_map` is RPY(-90, 0, -90) deg, \
+                    then levelled by gravity";
+        ("optical", " (y down: the optical axes of the first camera)", help)
+    } else if near(0.0, 1.0, 0.0) {
+        (
+            "y-up",
+            " (y up, as in graphics)",
+            "turn the frame by 90 deg about x: z points up (REP-103)",
+        )
+    } else {
+        (
+            "tilted",
+            "",
+            "level the frame by gravity when it is started: z points up (REP-103)",
+        )
+    }
+}
+
+fn judge_heights(frame: &Frame, subject: String, heights: &Heights, limits: &Limits, out: &mut Judge) {
+    let measured = [
+        Measured::new("change of z over that of the altitude", heights.slope, "1").samples(heights.points as u64),
+        Measured::new("correlation", heights.correlation, "1").limit(limits.min_correlation),
+        Measured::new("rms of the altitude", heights.rms_m[0], "m").limit(limits.min_rms_m),
+    ];
+    if heights.slope > 0.0 {
+        return out.pass(subject, measured);
+    }
+    let message = format!(
+        "z of `{}` falls where the altitude rises: {:+.2} times, correlation {:+.2}, of {} against {}",
+        frame.name, heights.slope, heights.correlation, frame.stream, heights.receiver
+    );
+    let finding = Finding::error(subject, message, frame.place.clone())
+        .likely()
+        .relation("z-down")
+        .help("z points up (REP-103): negate z, or convert poses from NED, (y, x, -z)");
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
+}

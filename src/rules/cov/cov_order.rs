@@ -1,0 +1,147 @@
+//! COV02: the rotations of a covariance stand before its positions.
+
+use serde::Deserialize;
+
+use crate::math::level::tilt;
+use crate::math::readings::Reading as Slots;
+use crate::rules::motion::Stream;
+use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+use crate::world::motion::PoseRow;
+
+use super::declared::{Declared, each};
+use super::fit::{Fit, Reading};
+
+/// COV02.
+pub struct CovOrder;
+
+/// Limits of COV02.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    min_poses: f64,
+    fits: f64,
+    loosely: f64,
+    misses: f64,
+    margin: f64,
+    way_m: f64,
+}
+
+impl Rule for CovOrder {
+    const PAGE: &'static str = include_str!("../../../rules/cov/cov-order.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        each(world, "pose.covariance", |_, stream, declared| {
+            judge_stream(stream, declared, limits, out);
+        });
+    }
+}
+
+fn judge_stream(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limits, out: &mut Judge) {
+    let subject = format!("order of `pose.covariance` on {}", stream.subject);
+    if let Some(way_m) = moves_in_a_plane(stream).filter(|way| *way >= limits.way_m)
+        && states_tilts_alone(declared)
+    {
+        return out.fail(in_a_plane(stream, subject, declared, way_m, limits));
+    }
+    let fit = match Fit::of(stream, declared, limits.min_poses) {
+        Ok(fit) => fit,
+        Err(why) => return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+    };
+    let (told, swapped) = (fit.miss(Reading::AsTold), fit.miss(Reading::RotationFirst));
+    let measured = [
+        Measured::new("factor to the noise, positions first", told, "1").samples(fit.poses),
+        Measured::new("factor to the noise, rotations first", swapped, "1")
+            .limit(limits.fits)
+            .samples(fit.poses),
+        Measured::new(
+            "log-likelihood ratio per pose, rotations over positions first",
+            fit.order_ratio,
+            "1",
+        ),
+    ];
+    if told <= limits.loosely && told < swapped {
+        return out.pass(subject, measured);
+    }
+    let best = fit.best(limits.loosely, limits.margin);
+    let is_swapped = best == Some(Reading::RotationFirst) && told >= limits.misses && fit.order_ratio > 0.0;
+    if !is_swapped {
+        let why = match best {
+            Some(Reading::AsTold | Reading::RotationFirst) | None => format!(
+                "the variances miss the noise of the poses by a factor of {told:.1e} as told, and by {swapped:.1e} with rotations first: \
+                 they speak of other errors than those from pose to pose"
+            ),
+            Some(_) => "another unit explains it: see COV05".to_owned(),
+        };
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let message = format!(
+        "`pose.covariance` on `{}` has its rotations first: so read each of its variances (x and y, z, tilt, yaw) is within a factor of {swapped:.1} of the noise \
+         that {} poses show, in the order of ROS (x, y, z, then about x, y, z) one misses by {told:.0}",
+        stream.topic, fit.poses
+    );
+    let finding = Finding::warning(subject, message, stream.place())
+        .relation("rotation-first")
+        .help("exchange the blocks of three before publishing: GTSAM's Pose3 has rotation, translation; ROS has translation, rotation");
+    let finding = if swapped <= limits.fits {
+        finding.likely()
+    } else {
+        finding.hint()
+    };
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
+}
+
+/// How far the poses lie apart in x and y, metres, where height and tilt are the same in all of them.
+fn moves_in_a_plane(stream: &Stream<PoseRow>) -> Option<f64> {
+    let [x0, y0, z0] = stream.rows().next()?.row.position;
+    let mut way = 0.0_f64;
+    for row in stream.rows().map(|timed| &timed.row) {
+        let [x, y, z] = row.position;
+        let tilted = tilt(&Slots::Xyzw.world_from_body(row.orientation)?);
+        if (z - z0).abs() > FLAT || tilted > FLAT {
+            return None;
+        }
+        way = way.max((x - x0).hypot(y - y0));
+    }
+    Some(way)
+}
+
+/// What rounding leaves of a plane, metres and radians.
+const FLAT: f64 = 1e-6;
+
+/// Whether every matrix is sure of x and y to the last digit, and not of roll and pitch.
+fn states_tilts_alone(declared: &Declared<'_>) -> bool {
+    let alone = |values: &[f64]| {
+        let of = |axis: usize| values.get(7 * axis).copied().unwrap_or(f64::NAN);
+        of(0) == 0.0 && of(1) == 0.0 && of(3) > 0.0 && of(4) > 0.0
+    };
+    !declared.is_constant() && declared.samples.iter().all(|(sample, _)| alone(&sample.values))
+}
+
+fn in_a_plane(
+    stream: &Stream<PoseRow>,
+    subject: String,
+    declared: &Declared<'_>,
+    way_m: f64,
+    limits: &Limits,
+) -> Finding {
+    let count = declared.samples.len();
+    let message = format!(
+        "`pose.covariance` on `{}` says that x and y are known exactly, and roll and pitch are not, of poses that move by {way_m:.1} m in x and \
+         y and never tilt: its rotations stand first",
+        stream.topic
+    );
+    Finding::warning(subject, message, stream.place())
+        .likely()
+        .relation("rotation-first")
+        .help("exchange the blocks of three before publishing: ROS has x, y, z, then the rotations about x, y, z")
+        .measured(Measured::new("way in x and y", way_m, "m").limit(limits.way_m))
+        .measured(Measured::count(
+            "matrices with no variance of x and y, and some of roll and pitch",
+            count,
+        ))
+}

@@ -1,0 +1,196 @@
+//! COV05: covariances in other units than m² and rad².
+
+use serde::Deserialize;
+
+use crate::math::noise::DEG2_PER_RAD2;
+use crate::rules::motion::Stream;
+use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+use crate::world::bag::TopicEvidence;
+use crate::world::content::CovarianceEvidence;
+use crate::world::motion::PoseRow;
+
+use super::declared::{Declared, each};
+use super::fit::{Fit, Reading};
+
+/// COV05.
+pub struct CovUnits;
+
+/// Limits of COV05.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    unknown_rad2: f64,
+    widest_deg2: f64,
+    grows: f64,
+    min_poses: f64,
+    fits: f64,
+    misses: f64,
+    margin: f64,
+}
+
+impl Rule for CovUnits {
+    const PAGE: &'static str = include_str!("../../../rules/cov/cov-units.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in &world.bags {
+            for topic in bag.topics.values() {
+                for (field, first) in [("orientation_covariance", 0), ("pose.covariance", 3)] {
+                    if let Some(evidence) = topic.content.covariances.get(field) {
+                        judge_angles(bag.source, topic, field, first, evidence, limits, out);
+                    }
+                }
+            }
+        }
+        each(world, "pose.covariance", |_, stream, declared| {
+            judge_noise(stream, declared, limits, out);
+        });
+    }
+}
+
+/// An angle cannot be less sure than not at all.
+fn judge_angles(
+    source: crate::source::SourceId,
+    topic: &TopicEvidence,
+    field: &str,
+    first: usize,
+    evidence: &CovarianceEvidence,
+    limits: &Limits,
+    out: &mut Judge,
+) {
+    let subject = format!("size of the angles' variances in `{field}` on topic `{}`", topic.topic);
+    let size = first + 3;
+    let mut largest: Option<f64> = None;
+    for axis in first..size {
+        let values: Vec<(f64, &crate::world::content::CovarianceAt)> = evidence
+            .samples
+            .iter()
+            .filter(|sample| sample.values.len() == size * size && sample.values.first() != Some(&-1.0))
+            .filter_map(|sample| Some((*sample.values.get(axis * (size + 1))?, sample)))
+            .filter(|(value, _)| value.is_finite() && *value > 0.0)
+            .collect();
+        let most = values.iter().map(|value| value.0).fold(0.0, f64::max);
+        let least = values.iter().map(|value| value.0).fold(f64::INFINITY, f64::min);
+        // A number that never changes was typed in: many mean "not known" by a large one.
+        if most - least <= 1e-9 * most || values.is_empty() {
+            continue;
+        }
+        largest = Some(largest.map_or(most, |known: f64| known.max(most)));
+        let middle = crate::math::stats::median(&values.iter().map(|value| value.0).collect::<Vec<_>>()).unwrap_or(0.0);
+        if middle <= limits.unknown_rad2 || middle > limits.widest_deg2 {
+            continue;
+        }
+        if most > limits.grows * least {
+            let why = format!(
+                "the variance of an angle grows from {least:.1} to {most:.1}: a filter to which nobody tells that angle, in whatever unit"
+            );
+            return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        }
+        let name = ["x", "y", "z"].get(axis - first).copied().unwrap_or("an axis");
+        let place = values.iter().find(|value| value.0 > limits.unknown_rad2);
+        let place = place.map_or_else(
+            || Place::whole(source),
+            |value| Place::message(source, value.1.at.clone()),
+        );
+        let message = format!(
+            "`{field}` on `{}` says a variance of {middle:.1} rad2 about {name}: a deviation of {:.0} deg, where an angle that is not known at \
+             all has 104 deg (pi2/3 rad2); in deg2 it is one of {:.1} deg",
+            topic.topic,
+            middle.sqrt().to_degrees(),
+            middle.sqrt()
+        );
+        let finding = Finding::warning(subject, message, place).likely().relation("degrees").help(format!(
+            "publish rad2: divide by {DEG2_PER_RAD2:.1}; if the numbers are rad2, nobody tells the filter this angle"
+        ));
+        return out.fail(
+            finding.measured(
+                Measured::new("variance of an angle", middle, "rad2")
+                    .limit(limits.unknown_rad2)
+                    .samples(evidence.count),
+            ),
+        );
+    }
+    match largest {
+        Some(most) if most <= limits.unknown_rad2 => out.pass(
+            subject,
+            [Measured::new("largest variance of an angle", most, "rad2")
+                .limit(limits.unknown_rad2)
+                .samples(evidence.count)],
+        ),
+        Some(most) => {
+            let why = format!("a variance of {most:.1e} is no angle in rad2 or deg2: it says that it is not known");
+            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        }
+        None => {
+            let why =
+                "no variance of an angle ever changes: none is stated, or numbers were typed in, which say nothing";
+            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        }
+    }
+}
+
+fn judge_noise(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limits, out: &mut Judge) {
+    let subject = format!("units of `pose.covariance` on {}", stream.subject);
+    let fit = match Fit::of(stream, declared, limits.min_poses) {
+        Ok(fit) => fit,
+        Err(why) => return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+    };
+    let told = fit.miss(Reading::AsTold);
+    let factor = |what: &str, value: f64| Measured::new(what, value, "1").limit(limits.fits).samples(fit.poses);
+    if told <= limits.fits {
+        return out.pass(subject, [factor("factor to the noise, m2 and rad2", told)]);
+    }
+    let best = fit.best(limits.fits, limits.margin).filter(|_| told >= limits.misses);
+    let (word, what, help) = match best {
+        Some(Reading::Degrees) => (
+            "degrees",
+            "its rotations in deg2",
+            "divide the variances of rotations by 3282.8 (deg2 in a rad2)",
+        ),
+        Some(Reading::Centimetres) => (
+            "centimetres",
+            "its positions in cm2",
+            "divide the variances of positions by 10000 (cm2 in a m2)",
+        ),
+        Some(Reading::Millimetres) => (
+            "millimetres",
+            "its positions in mm2",
+            "divide the variances of positions by 1000000 (mm2 in a m2)",
+        ),
+        Some(Reading::Deviations) => (
+            "deviations",
+            "deviations in place of variances",
+            "square them: a covariance holds variances",
+        ),
+        Some(Reading::RotationFirst) => {
+            let why = "its rotations stand first, which COV02 reports";
+            return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        }
+        Some(Reading::AsTold) | None => {
+            let why = format!(
+                "the variances miss the noise of the poses by a factor of {told:.1e}, and no other unit explains that: they speak of other \
+                 errors than those from pose to pose"
+            );
+            return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        }
+    };
+    let best = fit.readings.first().map_or(f64::NAN, |reading| reading.1);
+    let message = format!(
+        "`pose.covariance` on `{}` has {what}: so read each variance is within a factor of {best:.1} of the noise that {} poses show, in m2 \
+         and rad2 one misses by {told:.0}",
+        stream.topic, fit.poses
+    );
+    out.fail(
+        Finding::warning(subject, message, stream.place())
+            .likely()
+            .relation(word)
+            .help(help)
+            .measured(factor("factor to the noise, so read", best))
+            .measured(factor("factor to the noise, m2 and rad2", told)),
+    );
+}

@@ -1,0 +1,106 @@
+//! GEO03: positions that are not the kind of coordinates that their frame has.
+
+use serde::Deserialize;
+
+use crate::rules::motion::Motion;
+use crate::rules::names::{self, Standard};
+use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::{FrameId, World};
+
+use super::columns::{Column, columns};
+use super::kind_findings::{angle, earth_centred, grid, mixed};
+use super::kinds::Kind;
+
+/// GEO03.
+pub struct CoordinateKind;
+
+/// Limits of GEO03.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    pub(super) local_m: f64,
+    pub(super) earth_least_m: f64,
+    pub(super) earth_most_m: f64,
+    pub(super) utm_least_m: f64,
+    pub(super) utm_easting_m: f64,
+    pub(super) utm_northing_m: f64,
+    pub(super) height_m: f64,
+    pub(super) near_m: f64,
+    pub(super) agree_deg: f64,
+    pub(super) least_deg: f64,
+}
+
+impl Rule for CoordinateKind {
+    const PAGE: &'static str = include_str!("../../../rules/geo/coordinate-kind.md");
+    const NEEDS: &'static [Need] = &[Need::Frames];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let motion = Motion::of(world);
+        let bags = world.bags.iter().zip(&motion.bags);
+        for of in bags {
+            judge_all(world, columns(world, Some(of), limits), limits, out);
+        }
+        if world.bags.is_empty() {
+            judge_all(world, columns(world, None, limits), limits, out);
+        }
+    }
+}
+
+type Columns = std::collections::BTreeMap<FrameId, Vec<Column>>;
+
+fn judge_all(world: &World, all: Columns, limits: &Limits, out: &mut Judge) {
+    if all.is_empty() && !world.bags.is_empty() {
+        let why = "no pose, transform or file tells a position in a frame of the world, but for zeros";
+        out.not_evaluated("positions", NotEvaluated::MissingInput, why);
+    }
+    for (frame, columns) in all {
+        judge_frame(&frame, &columns, limits, out);
+    }
+}
+
+fn judge_frame(frame: &FrameId, columns: &[Column], limits: &Limits, out: &mut Judge) {
+    let subject = format!("frame `{frame}`");
+    let is_local = matches!(names::standard(frame), Some((_, Standard::Map | Standard::Odom)));
+    let local = columns.iter().find(|column| column.kind == Kind::Local);
+    let mut sound = true;
+    for column in columns {
+        let made = match column.kind {
+            kind if kind.is_angle() => Some(angle(frame, column)),
+            Kind::EarthCentred | Kind::Utm if local.is_some() => local.map(|local| mixed(frame, column, local)),
+            Kind::EarthCentred if is_local => Some(earth_centred(frame, column)),
+            Kind::Utm if is_local => Some(grid(frame, column)),
+            _ => None,
+        };
+        if let Some(finding) = made {
+            sound = false;
+            let finding = Finding {
+                subject: subject.clone(),
+                ..finding
+            };
+            out.fail(finding.confidence(column.reading).measured(size(column, limits)));
+        }
+    }
+    if let Some(far) = columns.iter().find(|column| column.kind == Kind::Far).filter(|_| sound) {
+        let why = format!(
+            "positions on {} lie {:.0} km from the origin of `{frame}`: neither local, nor on the UTM grid, nor on the Earth",
+            far.subject,
+            far.middle.norm() / 1e3
+        );
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    } else if sound {
+        out.pass(subject, columns.iter().map(|column| size(column, limits)));
+    }
+}
+
+fn size(column: &Column, limits: &Limits) -> Measured {
+    Measured::new(
+        format!("distance from the origin, {}", column.subject),
+        column.middle.norm(),
+        "m",
+    )
+    .limit(limits.local_m)
+    .samples(column.count as u64)
+}

@@ -1,0 +1,141 @@
+//! GEO02: the rotation between the Earth's frame and a local one.
+
+use serde::Deserialize;
+
+use crate::math::earth_turns::{EarthTurn, shown};
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::World;
+
+use super::earth::OnEarth;
+use super::level::{Seen, expected, see};
+
+/// GEO02.
+pub struct EcefEnuRotation;
+
+/// Limits of GEO02.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    pub(super) warning_deg: f64,
+    error_deg: f64,
+    relation_deg: f64,
+    pub(super) max_height_m: f64,
+    pub(super) pole_m: f64,
+}
+
+impl Rule for EcefEnuRotation {
+    const PAGE: &'static str = include_str!("../../../rules/geo/ecef-enu-rotation.md");
+    const NEEDS: &'static [Need] = &[Need::Transforms];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for stated in OnEarth::all(world) {
+            judge_one(&stated, limits, out);
+        }
+    }
+}
+
+fn judge_one(stated: &OnEarth, limits: &Limits, out: &mut Judge) {
+    let subject = stated.subject.as_str();
+    let (earth, local) = (&stated.earth, &stated.local);
+    if !stated.is_local() {
+        let why = format!("`{local}` is no frame that stands still on the Earth, by its name: it need not be level");
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    if stated.has != (true, true) {
+        let part = if stated.has.0 { "position" } else { "rotation" };
+        let why = format!("it states no {part}: both are needed, the position to know what the rotation should be");
+        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+    }
+    let seen = stated
+        .poses
+        .iter()
+        .filter_map(|(place, pose)| see(stated, place, pose, limits));
+    let Some(worst) = seen.max_by(|a, b| a.tilt_deg.total_cmp(&b.tilt_deg)) else {
+        let far = stated
+            .poses
+            .first()
+            .map_or(f64::NAN, |(_, pose)| pose.translation.vector.norm());
+        let why = format!(
+            "the origin of `{local}` lies {:.0} km from that of `{earth}`, and not on the ellipsoid: `{earth}` is not the Earth's \
+             frame here (its surface is 6357 to 6378 km away)",
+            far / 1e3
+        );
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    };
+    let excused = stated.rounding_rad.to_degrees();
+    let measured = [
+        Measured::new("tilt against east, north, up", worst.tilt_deg, "deg").limit(limits.warning_deg.max(excused)),
+        Measured::new("turn about up", worst.yaw_deg, "deg"),
+    ];
+    if worst.tilt_deg <= limits.warning_deg.max(excused) && !worst.is_inverse {
+        return out.pass(subject, measured);
+    }
+    out.fail(
+        measured
+            .into_iter()
+            .fold(wrong(stated, &worst, limits), Finding::measured),
+    );
+}
+
+fn wrong(stated: &OnEarth, seen: &Seen<'_>, limits: &Limits) -> Finding {
+    let (earth, local) = (&stated.earth, &stated.local);
+    let (latitude, longitude) = (
+        seen.origin.latitude_rad.to_degrees(),
+        seen.origin.longitude_rad.to_degrees(),
+    );
+    let within = limits.relation_deg.to_radians().max(stated.rounding_rad);
+    let errors = if seen.is_inverse {
+        Vec::new()
+    } else {
+        shown(&seen.origin, &seen.rotation, within)
+    };
+    let is_ned = stated.local.has_token("ned");
+    let (relation, because) = match errors.first() {
+        _ if seen.is_inverse => (
+            Some("inverse"),
+            format!("it is the inverse: `{local}` and `{earth}` are changed"),
+        ),
+        Some(EarthTurn::Ned) if is_ned => (Some("ned-enu"), "the axes are east, north, up".to_owned()),
+        Some(error) => (Some(error.word()), error.describe().to_owned()),
+        None => (None, "no known mistake explains it".to_owned()),
+    };
+    let others: Vec<&str> = errors.iter().skip(1).map(|error| error.word()).collect();
+    let class = if others.is_empty() {
+        String::new()
+    } else {
+        format!(" (indistinguishable here: {})", others.join(", "))
+    };
+    let axes = if is_ned { "north, east, down" } else { "east, north, up" };
+    let message = if seen.is_inverse {
+        format!(
+            "{}: {because}; its origin would lie under the south pole",
+            stated.subject
+        )
+    } else {
+        format!(
+            "{}: at its origin, latitude {latitude:.5}, longitude {longitude:.5}, `{local}` is tilted by {:.2} deg against {axes}: \
+             {because}{class}",
+            stated.subject, seen.tilt_deg
+        )
+    };
+    let severity = if seen.tilt_deg > limits.error_deg || seen.is_inverse {
+        Severity::Error
+    } else {
+        Severity::Warning
+    };
+    let [x, y, z, w] = expected(&seen.origin, is_ned);
+    let help = format!(
+        "the rotation of `{earth}_from_{local}` with the axes {axes} is, as x y z w: [{x:.9}, {y:.9}, {z:.9}, {w:.9}]; \
+         at 1 km from the origin the tilt is {:.1} m of height",
+        1e3 * seen.tilt_deg.to_radians().sin()
+    );
+    let mut finding = Finding::new(severity, &stated.subject, message, seen.place.clone()).help(help);
+    // What no mistake explains may have been measured, by a map that leans.
+    finding = if relation.is_some() { finding } else { finding.likely() };
+    if let Some(word) = relation {
+        finding = finding.relation(word);
+    }
+    finding.confidence(stated.reading)
+}

@@ -1,0 +1,179 @@
+//! GEO04: a map that is turned and scaled as the UTM grid is.
+
+use serde::Deserialize;
+
+use crate::rules::motion::{Motion, Stream};
+use crate::rules::{Evidence, Judge, Need, Rule, names};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::motion::{FixRow, PoseRow};
+use crate::world::{EarthOrigin, FrameId, World};
+
+use super::grid::{Grid, Laid};
+use super::overlay::{Overlay, is_way};
+
+/// GEO04.
+pub struct GridConvergenceScale;
+
+/// Words of frames that say that they are a grid.
+const GRIDS: &[&str] = &["utm", "mgrs", "grid"];
+
+/// Projections of Autoware's `map_projector_info` that are this grid.
+const PROJECTIONS: &[&str] = &["MGRS", "LocalCartesianUTM", "UTM"];
+
+/// Limits of GEO04.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    max_angle_deg: f64,
+    max_scale: f64,
+    sigmas: f64,
+    min_convergence_deg: f64,
+    min_extent_m: f64,
+    min_points: usize,
+    blocks: usize,
+    on_grid_m: f64,
+    follow_scale: f64,
+    follow_share: f64,
+}
+
+impl Rule for GridConvergenceScale {
+    const PAGE: &'static str = include_str!("../../../rules/geo/grid-convergence-scale.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in &Motion::of(world).bags {
+            for fixes in &bag.fixes {
+                for poses in bag.poses.iter().filter(|poses| is_way(poses)) {
+                    judge_pair(world, poses, fixes, limits, out);
+                }
+            }
+        }
+    }
+}
+
+fn judge_pair(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>, limits: &Limits, out: &mut Judge) {
+    let subject = format!("{} against {}", poses.subject, fixes.subject);
+    let too_little = NotEvaluated::TooLittleEvidence;
+    let Some(overlay) = Overlay::of(world, poses, fixes) else {
+        return out.not_evaluated(subject, too_little, "the two have no time in common");
+    };
+    let (points, extent_m) = (overlay.both.len(), overlay.extent_m());
+    if points < limits.min_points || extent_m < limits.min_extent_m {
+        let why = format!(
+            "{points} fixes over {extent_m:.0} m lie beside poses; {} over {:.0} m are needed to tell a grid's turn and scale",
+            limits.min_points, limits.min_extent_m
+        );
+        return out.not_evaluated(subject, too_little, why);
+    }
+    if overlay.fit(limits.follow_scale, limits.follow_share).is_none() {
+        let why = "the poses do not follow the fixes: no turn takes one way to the other";
+        return out.not_evaluated(subject, too_little, why);
+    }
+    let Some(laid) = Laid::of(&overlay, limits.blocks) else {
+        let why = "the place is in no zone of UTM, or the poses stand still";
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    };
+    let (angle_deg, scale) = (
+        limits.sigmas * laid.deviations.0.to_degrees(),
+        limits.sigmas * laid.deviations.1,
+    );
+    let near = |grid: &&Grid| laid.beside(grid).0.abs().to_degrees() <= limits.max_angle_deg + angle_deg;
+    let fits = |grid: &&Grid| near(grid) && laid.beside(grid).1.abs() <= limits.max_scale + scale;
+    let measured = measured(&laid, points as u64, limits);
+    let Some(grid) = laid.grids.iter().find(fits) else {
+        return out.pass(subject, measured);
+    };
+    if angle_deg > limits.max_angle_deg || scale > limits.max_scale {
+        let why = format!(
+            "laid over the fixes the poses are turned by {:.2} +- {angle_deg:.2} deg and scaled by {:.5} +- {scale:.5}: that does not \
+             tell east, north from the grid of UTM (both uncertainties must be within {} deg and {})",
+            laid.fit.angle_rad.to_degrees(),
+            laid.fit.scale,
+            limits.max_angle_deg,
+            limits.max_scale
+        );
+        return out.not_evaluated(subject, too_little, why);
+    }
+    let convergence_deg = grid.fit.angle_rad.to_degrees();
+    if convergence_deg.abs() < limits.min_convergence_deg {
+        let why = format!(
+            "grid north is {convergence_deg:.2} deg off true north here, near the middle of zone {}: at least {} deg are needed to \
+             tell them apart",
+            grid.zone, limits.min_convergence_deg
+        );
+        return out.not_evaluated(subject, too_little, why);
+    }
+    let is_said = |origin: &EarthOrigin| {
+        origin
+            .projection
+            .as_deref()
+            .is_some_and(|name| PROJECTIONS.contains(&name))
+    };
+    if is_meant(poses.frame.as_ref(), grid, limits) || world.origins.iter().any(is_said) {
+        return out.pass(subject, measured);
+    }
+    let finding = finding(&subject, &overlay, poses, fixes, &laid, grid);
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
+}
+
+/// Whether the frame says that it is a grid, by its name or by its coordinates.
+fn is_meant(frame: Option<&FrameId>, grid: &Grid, limits: &Limits) -> bool {
+    frame.is_some_and(|frame| names::has_word(frame, GRIDS))
+        || grid.off_m <= limits.on_grid_m
+        || grid.off_in_square_m <= limits.on_grid_m
+}
+
+fn measured(laid: &Laid, points: u64, limits: &Limits) -> Vec<Measured> {
+    let mut all = vec![
+        Measured::new("turn against east, north", laid.fit.angle_rad.to_degrees(), "deg")
+            .spread(laid.deviations.0.to_degrees())
+            .samples(points),
+        Measured::new("scale against east, north", laid.fit.scale, "1")
+            .spread(laid.deviations.1)
+            .samples(points),
+    ];
+    if let Some(grid) = laid.grids.first() {
+        let (angle, scale) = laid.beside(grid);
+        all.push(Measured::new("turn against the UTM grid", angle.to_degrees(), "deg").limit(limits.max_angle_deg));
+        all.push(Measured::new("scale against the UTM grid, minus 1", scale, "1").limit(limits.max_scale));
+    }
+    all
+}
+
+fn finding(
+    subject: &str,
+    overlay: &Overlay,
+    poses: &Stream<PoseRow>,
+    fixes: &Stream<FixRow>,
+    laid: &Laid,
+    grid: &Grid,
+) -> Finding {
+    let frame = poses.frame.as_ref().map_or("?", FrameId::as_str);
+    let (from, to) = overlay.span_s();
+    let (angle, of_grid) = (laid.fit.angle_rad.to_degrees(), grid.fit.angle_rad.to_degrees());
+    let message = format!(
+        "`{frame}` is the grid of UTM zone {}, and not east, north: from {from:.0} to {to:.0} s {} is turned by {angle:.3} +- {:.3} deg \
+         and scaled by {:.5} +- {:.5} against the fixes on {}; the grid is by {of_grid:.3} deg and {:.5}, east, north by 0 and 1",
+        grid.zone,
+        poses.subject,
+        laid.deviations.0.to_degrees(),
+        laid.fit.scale,
+        laid.deviations.1,
+        fixes.topic,
+        grid.fit.scale,
+    );
+    let aside = 1e3 * grid.fit.angle_rad.sin().abs();
+    let longer = 1e3 * (grid.fit.scale - 1.0);
+    Finding::warning(subject, message, poses.place())
+        .likely()
+        .relation("utm-grid")
+        .related(fixes.place(), "the fixes")
+        .help(format!(
+            "headings from true north are off by {of_grid:.2} deg in this frame, and in 1 km a point is {aside:.1} m aside and \
+             {longer:+.2} m along: make positions with a local tangent plane (`use_local_cartesian` of navsat_transform), or turn \
+             them by {:.4} deg and divide them by {:.6}, and say in the frame's name that it is a grid if it is meant to be one",
+            -of_grid, grid.fit.scale
+        ))
+}

@@ -1,0 +1,168 @@
+//! The heights that a recording states, and how far one is above another at the same times.
+//!
+//! Owns what each height is counted from by definition. Metres. Must not judge.
+
+use nalgebra::{Point3, Vector3};
+
+use crate::math::geodesy::Geodetic;
+use crate::math::geoid::undulation_m;
+use crate::math::stats::{mad, median};
+use crate::rules::motion::{BagMotion, Stream, Timed, around};
+use crate::rules::names::{self, Standard};
+use crate::source::Place;
+use crate::world::motion::{FixRow, NmeaRow, PoseRow, Row};
+use crate::world::{FrameId, World};
+
+use super::altitude_datum::Limits;
+
+/// What a height is counted from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Datum {
+    /// The ellipsoid, as the sentence itself gives mean sea level and how high that is.
+    Known,
+    /// The ellipsoid, by the definition of the message.
+    Claimed,
+    /// The ellipsoid, by the frames `earth` and `map`: right if the origin of the map is.
+    Map,
+    /// Nobody says.
+    Unknown,
+}
+
+/// A height over time.
+#[derive(Clone, Debug)]
+pub(super) struct Heights {
+    pub(super) topic: String,
+    pub(super) subject: String,
+    pub(super) place: Place,
+    pub(super) datum: Datum,
+    /// Latitude and longitude of the first height, degrees.
+    first_deg: (f64, f64),
+    runs: Vec<Vec<(f64, f64)>>,
+}
+
+/// One height minus another at the same times.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Apart {
+    /// The median, metres.
+    pub(super) median_m: f64,
+    /// Median absolute deviation from that, metres.
+    pub(super) spread_m: f64,
+    pub(super) samples: usize,
+}
+
+/// Longest step that a height is interpolated over, seconds.
+const MAX_STEP_S: f64 = 5.0;
+
+impl Heights {
+    /// Every height of a recording, what is known best first.
+    pub(super) fn all(world: &World, bag: &BagMotion, limits: &Limits) -> Vec<Self> {
+        let is_nmea = |fixes: &&Stream<FixRow>| bag.nmea.iter().any(|nmea| nmea.subject == fixes.subject);
+        let sentences = bag.nmea.iter().filter_map(|stream| Self::of_sentences(stream, limits));
+        let fixes = bag.fixes.iter().filter(|fixes| !is_nmea(fixes));
+        let poses = bag.poses.iter().filter_map(|stream| Self::of_poses(world, stream));
+        let mut all: Vec<Self> = sentences.chain(fixes.filter_map(Self::of_fixes)).chain(poses).collect();
+        all.sort_by_key(|heights| heights.datum);
+        all
+    }
+
+    /// The undulation of the geoid where the heights begin, metres.
+    pub(super) fn undulation_m(&self) -> Option<f64> {
+        let (latitude, longitude) = self.first_deg;
+        undulation_m(&Geodetic::from_degrees(latitude, longitude, 0.0)?)
+    }
+
+    /// How far these heights are above others.
+    pub(super) fn above(&self, other: &Self) -> Option<Apart> {
+        let difference = |(t_s, height): &(f64, f64)| Some(height - other.at(*t_s)?);
+        let all: Vec<f64> = self.runs.iter().flatten().filter_map(difference).collect();
+        Some(Apart {
+            median_m: median(&all)?,
+            spread_m: mad(&all)?,
+            samples: all.len(),
+        })
+    }
+
+    fn at(&self, t_s: f64) -> Option<f64> {
+        self.runs.iter().find_map(|run| {
+            let ([(t0, a), (t1, b)], share) = around(run, t_s)?;
+            (t1 - t0 <= MAX_STEP_S).then(|| a + (b - a) * share)
+        })
+    }
+
+    fn of<R: Row>(stream: &Stream<R>, datum: Datum, place: impl Fn(&R) -> Option<(f64, f64, f64)>) -> Option<Self> {
+        let mut first_deg = None;
+        let mut height = |timed: &Timed<R>| {
+            let (latitude, longitude, height) = place(&timed.row)?;
+            let is_place = latitude.is_finite() && longitude.is_finite() && height.is_finite();
+            is_place.then(|| {
+                first_deg.get_or_insert((latitude, longitude));
+                (timed.t_s, height)
+            })
+        };
+        let stretches = stream.stretches.iter();
+        let mut runs: Vec<Vec<(f64, f64)>> = stretches
+            .map(|rows| rows.iter().filter_map(&mut height).collect())
+            .collect();
+        runs.retain(|run| !run.is_empty());
+        Some(Self {
+            topic: stream.topic.clone(),
+            subject: stream.subject.clone(),
+            place: stream.place(),
+            datum,
+            first_deg: first_deg?,
+            runs,
+        })
+    }
+
+    fn of_fixes(stream: &Stream<FixRow>) -> Option<Self> {
+        // `GPSFix` and others leave it open what their altitude is counted from.
+        let name = stream.message_type.rsplit('/').next();
+        let is_claimed = matches!(name, Some("NavSatFix" | "GeoPointStamped" | "GeoPoseStamped"));
+        let datum = if is_claimed { Datum::Claimed } else { Datum::Unknown };
+        Self::of(stream, datum, |fix| {
+            Some((fix.latitude_deg, fix.longitude_deg, fix.altitude_m))
+        })
+    }
+
+    /// Mean sea level, and how high that is by the receiver, which must be near to the truth; a receiver that does not say it
+    /// is taken at its word that the height is above mean sea level.
+    fn of_sentences(stream: &Stream<NmeaRow>, limits: &Limits) -> Option<Self> {
+        let placed = stream.rows().find(|timed| timed.row.latitude_deg.is_finite())?;
+        let place = Geodetic::from_degrees(placed.row.latitude_deg, placed.row.longitude_deg, 0.0)?;
+        let undulation_m = undulation_m(&place)?;
+        Self::of(stream, Datum::Known, |row| {
+            let separation = if row.geoid_separation_m.is_nan() {
+                undulation_m
+            } else {
+                row.geoid_separation_m
+            };
+            let is_sound = (separation - undulation_m).abs() <= limits.max_off_m;
+            is_sound.then_some((row.latitude_deg, row.longitude_deg, row.altitude_m + separation))
+        })
+    }
+
+    /// Poses of the platform in a frame that hangs rigidly in `earth`.
+    fn of_poses(world: &World, stream: &Stream<PoseRow>) -> Option<Self> {
+        let frame = stream.frame.as_ref()?;
+        // TF ties the frame itself to `earth`; rows that were brought to ENU are no longer told in it.
+        if stream.told_in.converts() || stream.child.as_ref().is_some_and(|child| !names::is_base(child)) {
+            return None;
+        }
+        let graph = world.graph();
+        let is_earth = |frame: &&FrameId| names::standard(frame).is_some_and(|(_, kind)| kind == Standard::Earth);
+        let (earth_from_frame, _) = graph
+            .frames
+            .iter()
+            .filter(is_earth)
+            .find_map(|earth| graph.chain(earth, frame, |edge| edge.is_rigid))?;
+        Self::of(stream, Datum::Map, |pose| {
+            let position = Point3::from(Vector3::from(pose.position));
+            let place = Geodetic::from_ecef(&(earth_from_frame * position).coords)?;
+            Some((
+                place.latitude_rad.to_degrees(),
+                place.longitude_rad.to_degrees(),
+                place.height_m,
+            ))
+        })
+    }
+}

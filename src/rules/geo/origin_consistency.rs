@@ -1,0 +1,156 @@
+//! GEO07: sources that put the origin of a local frame at different places on the Earth.
+
+use nalgebra::Vector3;
+use serde::Deserialize;
+
+use crate::math::geoid::undulation_m;
+use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::source::Confidence;
+use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::World;
+
+use super::apart::{between, direction, told};
+use super::origins::{By, Origin, origins};
+
+/// GEO07.
+pub struct OriginConsistency;
+
+/// Limits of GEO07.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    warning_m: f64,
+    error_m: f64,
+    pub(super) track_m: f64,
+    site_m: f64,
+    geoid_m: f64,
+    min_geoid_m: f64,
+    pub(super) max_height_m: f64,
+    pub(super) local_m: f64,
+    pub(super) min_extent_m: f64,
+    pub(super) min_points: usize,
+    pub(super) blocks: usize,
+    pub(super) max_scale: f64,
+    pub(super) sigmas: f64,
+}
+
+impl Rule for OriginConsistency {
+    const PAGE: &'static str = include_str!("../../../rules/geo/origin-consistency.md");
+    const NEEDS: &'static [Need] = &[];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let (all, left_out) = origins(world, limits);
+        for why in left_out {
+            out.not_evaluated("origin", NotEvaluated::TooLittleEvidence, why);
+        }
+        let Some((reference, others)) = all.split_first() else {
+            return;
+        };
+        if others.is_empty() {
+            let why = format!(
+                "only {} says where the origin lies: two are needed to compare",
+                reference.who
+            );
+            return out.not_evaluated("origin", NotEvaluated::MissingInput, why);
+        }
+        for other in nearest_of_alternatives(reference, others) {
+            // What a drive says itself is held against that drive's own origin.
+            let of_drive = all
+                .iter()
+                .find(|origin| origin.bag.is_some() && origin.bag == other.bag && origin.by < other.by);
+            judge_pair(world, of_drive.unwrap_or(reference), other, limits, out);
+        }
+    }
+}
+
+/// Files of one format are for different maps: of these the one that is nearest to the reference, none where the reference is
+/// itself one of them.
+fn nearest_of_alternatives<'o>(reference: &Origin, others: &'o [Origin]) -> Vec<&'o Origin> {
+    let distance = |origin: &Origin| between(reference, origin).norm();
+    let mut kept: Vec<&Origin> = Vec::new();
+    for other in others {
+        let is_file = matches!(other.by, By::File(_));
+        if is_file && other.by == reference.by {
+            continue;
+        }
+        match kept.iter_mut().find(|kept| is_file && kept.by == other.by) {
+            Some(nearest) if distance(other) < distance(nearest) => *nearest = other,
+            Some(_) => {}
+            None => kept.push(other),
+        }
+    }
+    kept
+}
+
+fn judge_pair(world: &World, reference: &Origin, other: &Origin, limits: &Limits, out: &mut Judge) {
+    let named = |origin: &Origin| format!("{} in {}", origin.who, world.path(origin.place.source));
+    let subject = format!("origin: {} and {}", named(reference), named(other));
+    let apart = between(reference, other);
+    let distance_m = apart.norm();
+    let by_track = reference.by == By::Track || other.by == By::Track;
+    let excused_m = reference.within_m + other.within_m + if by_track { limits.track_m } else { 0.0 };
+    let (warning_m, error_m) = (limits.warning_m.max(excused_m), limits.error_m.max(excused_m));
+    let measured = Measured::new("distance of the two origins", distance_m, "m").limit(warning_m);
+    let two_drives = reference.bag.is_some() && other.bag.is_some() && reference.bag != other.bag;
+    if two_drives && distance_m > limits.site_m {
+        let why = format!(
+            "the two recordings have origins {:.1} km apart: they are of two sites",
+            distance_m / 1e3
+        );
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    if distance_m <= warning_m {
+        return out.pass(subject, [measured]);
+    }
+    let geoid_m = geoid(reference, other, &apart, limits);
+    let severity = if distance_m > error_m && geoid_m.is_none() {
+        Severity::Error
+    } else {
+        Severity::Warning
+    };
+    let message = format!(
+        "two origins {distance_m:.2} m apart{}: {} has {}, {} has {}{}",
+        direction(&apart),
+        named(reference),
+        told(reference),
+        named(other),
+        told(other),
+        geoid_m.map_or(String::new(), |n| format!(
+            "; they differ in height alone, by what the geoid lies over the ellipsoid here ({n:.1} m): one is above mean sea level (GEO06)"
+        ))
+    );
+    let help = if by_track {
+        "the poses and the origin that is stated do not fit: the map was made about another origin, or the poses are not told in it"
+    } else if two_drives {
+        "a map that was made on one drive is shifted on the other: write the origin down once, and load it"
+    } else {
+        "keep the origin in one file, and let everything read it from there; of two, keep the one that the map was made about"
+    };
+    // Files of one folder may be for two sites, and nothing here says which of them is used.
+    let files_alone = matches!((&reference.by, &other.by), (By::File(_), By::File(_)));
+    let ceiling = if files_alone && distance_m > limits.site_m {
+        Confidence::Hint
+    } else {
+        Confidence::Likely
+    };
+    let mut finding = Finding::new(severity, subject, message, other.place.clone())
+        .confidence(other.reading.min(reference.reading).min(ceiling))
+        .related(reference.place.clone(), "the other origin")
+        .help(help);
+    if geoid_m.is_some() {
+        finding = finding.relation("geoid");
+    } else if two_drives {
+        finding = finding.relation("origin-changed");
+    }
+    out.fail(finding.measured(measured));
+}
+
+/// The undulation of the geoid, where it explains the whole difference.
+fn geoid(a: &Origin, b: &Origin, apart: &Vector3<f64>, limits: &Limits) -> Option<f64> {
+    let level = apart.xy().norm() <= limits.error_m && a.has_height && b.has_height;
+    let undulation = undulation_m(&a.at).filter(|_| level)?;
+    let explains = (apart.z.abs() - undulation.abs()).abs() <= limits.geoid_m && undulation.abs() >= limits.min_geoid_m;
+    explains.then_some(undulation)
+}

@@ -1,0 +1,138 @@
+//! Poses and fixes of one platform at the same moments.
+//!
+//! Owns the way from the body of a pose to the antenna, where it is known. Must not judge.
+
+use std::sync::Arc;
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector2, Vector3};
+
+use crate::math::geodesy::Geodetic;
+use crate::math::similarity2::{Similarity2, fit_similarities};
+use crate::rules::motion::{Stream, Track};
+use crate::rules::names;
+use crate::world::World;
+use crate::world::motion::{FixRow, PoseRow};
+
+/// So many moments say where a track lies; of more every n-th is taken. Errors of receivers last for minutes.
+const MAX_MOMENTS: usize = 4096;
+
+/// One moment.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Both {
+    /// Seconds after the recording's start.
+    pub(super) t_s: f64,
+    /// The antenna in the frame of the poses, metres.
+    pub(super) place_m: Vector3<f64>,
+    /// Where the receiver says it is.
+    pub(super) fix: Geodetic,
+    /// The same in the tangent plane of the first fix, metres.
+    pub(super) enu_m: Vector3<f64>,
+    /// The altitude over that of the first fix, metres; `None` where the receiver gives none.
+    pub(super) climb_m: Option<f64>,
+}
+
+/// All moments of a stream of poses and a receiver.
+#[derive(Clone, Debug)]
+pub(super) struct Overlay {
+    /// The first fix: where the tangent plane of `enu_m` touches.
+    pub(super) first: Geodetic,
+    /// The moments, in the order of the fixes.
+    pub(super) both: Vec<Both>,
+}
+
+impl Overlay {
+    /// Puts poses beside fixes; `None` where they have fewer than two moments in common.
+    pub(super) fn of(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>) -> Option<Self> {
+        let arm = arm(world, poses, fixes).filter(|arm| *arm != Vector3::zeros());
+        let track = arm.map_or_else(|| poses.track(), |arm| Arc::new(Track::of_poses(&moved(poses, arm))));
+        let mut at = track.follow();
+        let origin = fixes.rows().find_map(|timed| geodetic(&timed.row))?;
+        let every = fixes.rows().count().div_ceil(MAX_MOMENTS).max(1);
+        let mut beside = |t_s: f64, row: &FixRow| {
+            let fix = geodetic(row)?;
+            Some(Both {
+                t_s,
+                place_m: at(t_s)?,
+                fix,
+                enu_m: origin.enu_of(&fix),
+                climb_m: row.altitude_m.is_finite().then_some(fix.height_m - origin.height_m),
+            })
+        };
+        let both: Vec<Both> = fixes
+            .rows()
+            .step_by(every)
+            .filter_map(|timed| beside(timed.t_s, &timed.row))
+            .collect();
+        (both.len() > 1).then_some(Self { first: origin, both })
+    }
+
+    /// East and north of the fixes, and x and y of the poses, metres.
+    pub(super) fn planes(&self) -> (Vec<Vector2<f64>>, Vec<Vector2<f64>>) {
+        let both = self.both.iter();
+        both.map(|both| (both.enu_m.xy(), both.place_m.xy())).unzip()
+    }
+
+    /// The longer side of the box around the fixes, metres.
+    pub(super) fn extent_m(&self) -> f64 {
+        let side = |of: fn(&Vector3<f64>) -> f64| {
+            let values = self.both.iter().map(|both| of(&both.enu_m));
+            let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+            most - least
+        };
+        side(|p| p.x).max(side(|p| p.y))
+    }
+
+    /// The turn, scale and shift that take x and y of the poses to east and north; `None` where the poses do not follow the
+    /// fixes: another scale by more than `scale`, or residuals of more than `share` of the extent.
+    pub(super) fn fit(&self, scale: f64, share: f64) -> Option<Similarity2> {
+        let (enu, xy) = self.planes();
+        let fit = fit_similarities(&xy, &enu)?.proper;
+        ((fit.scale - 1.0).abs() <= scale && fit.rms_m <= share * self.extent_m()).then_some(fit)
+    }
+
+    /// Where the origin of the poses' frame lies by a fit, at the height of the first fix.
+    pub(super) fn origin(&self, fit: &Similarity2) -> Option<Geodetic> {
+        self.first.at_enu(&fit.translation_m.push(0.0))
+    }
+
+    /// First and last moment, seconds after the recording's start.
+    pub(super) fn span_s(&self) -> (f64, f64) {
+        let ends = self.both.first().zip(self.both.last());
+        ends.map_or((f64::NAN, f64::NAN), |(first, last)| (first.t_s, last.t_s))
+    }
+}
+
+/// Whether poses say where the platform is in a frame of the world: not where one such frame lies in another.
+pub(super) fn is_way(poses: &Stream<PoseRow>) -> bool {
+    poses.frame.as_ref().is_some_and(names::is_world) && !poses.child.as_ref().is_some_and(names::is_world)
+}
+
+/// The place of a fix; at height 0 where the receiver gives none.
+pub(super) fn geodetic(fix: &FixRow) -> Option<Geodetic> {
+    let height_m = if fix.altitude_m.is_finite() {
+        fix.altitude_m
+    } else {
+        0.0
+    };
+    Geodetic::from_degrees(fix.latitude_deg, fix.longitude_deg, height_m)
+}
+
+/// The antenna in the axes of the body that the poses are of, metres.
+fn arm(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>) -> Option<Vector3<f64>> {
+    let (body, antenna) = (poses.child.as_ref()?, fixes.frame.as_ref()?);
+    if body == antenna {
+        return Some(Vector3::zeros());
+    }
+    let (body_from_antenna, _) = world.graph().chain(body, antenna, |edge| edge.is_rigid)?;
+    Some(body_from_antenna.translation.vector)
+}
+
+fn moved(poses: &Stream<PoseRow>, arm: Vector3<f64>) -> Stream<PoseRow> {
+    let mut poses = poses.clone();
+    for timed in poses.stretches.iter_mut().flatten() {
+        let [x, y, z, w] = timed.row.orientation;
+        let turned = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6).map(|q| q * arm);
+        timed.row.position = (Vector3::from(timed.row.position) + turned.unwrap_or_default()).into();
+    }
+    poses
+}

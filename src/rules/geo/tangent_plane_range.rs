@@ -1,0 +1,172 @@
+//! GEO05: how far from its origin a tangent plane is used.
+
+use serde::Deserialize;
+
+use crate::math::geodesy::{Geodetic, tangent_departure_m};
+use crate::rules::motion::{Motion, Stream};
+use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+use crate::world::motion::PoseRow;
+
+use super::curvature::{Curvature, Follows};
+use super::earth::OnEarth;
+use super::overlay::{Overlay, is_way};
+use super::plane::Plane;
+
+/// GEO05.
+pub struct TangentPlaneRange;
+
+/// Limits of GEO05.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    max_departure_m: f64,
+    note_departure_m: f64,
+    max_tilt_deg: f64,
+    max_height_m: f64,
+    sigmas: f64,
+    share: f64,
+    follow_scale: f64,
+    follow_share: f64,
+}
+
+impl Rule for TangentPlaneRange {
+    const PAGE: &'static str = include_str!("../../../rules/geo/tangent-plane-range.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let stated = OnEarth::all(world);
+        for bag in &Motion::of(world).bags {
+            let mut planes: Vec<Plane<'_>> = stated
+                .iter()
+                .filter_map(|stated| Plane::stated(stated, limits.max_height_m))
+                .collect();
+            for plane in &mut planes {
+                plane.reach(world, bag);
+                judge_plane(plane, limits, out);
+            }
+            for fixes in &bag.fixes {
+                let is_untold = |poses: &&Stream<PoseRow>| {
+                    is_way(poses) && planes.iter().all(|plane| Some(plane.local) != poses.frame.as_ref())
+                };
+                for poses in bag.poses.iter().filter(is_untold) {
+                    let subject = format!("{} against {}", poses.subject, fixes.subject);
+                    let fitted = Overlay::of(world, poses, fixes).and_then(|overlay| {
+                        let fit = overlay.fit(limits.follow_scale, limits.follow_share)?;
+                        Some((overlay.origin(&fit)?, overlay))
+                    });
+                    if let Some((origin, overlay)) = fitted {
+                        judge_track(&subject, &poses.place(), &origin, &overlay, limits, out);
+                    } else {
+                        let why = "poses and fixes have no time in common, or no turn takes one way to the other";
+                        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+                    }
+                }
+            }
+        }
+    }
+}
+
+fn measured(distance_m: f64, departure_m: f64, tilt_deg: f64, limits: &Limits) -> [Measured; 3] {
+    [
+        Measured::new("distance from the origin", distance_m, "m"),
+        Measured::new("departure of the plane from the ellipsoid", departure_m, "m").limit(limits.max_departure_m),
+        Measured::new("lean of the plane's up", tilt_deg, "deg").limit(limits.max_tilt_deg),
+    ]
+}
+
+fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
+    let Some((distance_m, who)) = &plane.reach else {
+        let why = format!("no poses are told in `{}`, and there are no fixes", plane.local);
+        return out.not_evaluated(plane.subject, NotEvaluated::MissingInput, why);
+    };
+    let radius_m = plane.origin.gaussian_radius_m();
+    let (departure_m, tilt_deg) = (
+        tangent_departure_m(*distance_m, radius_m),
+        (distance_m / radius_m).to_degrees(),
+    );
+    let measured = measured(*distance_m, departure_m, tilt_deg, limits);
+    let heights = plane
+        .curvature
+        .as_ref()
+        .map(|(curvature, who)| (curvature.follows(limits.sigmas, limits.share), who));
+    let (local, km) = (plane.local, distance_m / 1e3);
+    let finding = match heights {
+        Some((Follows::Altitude, poses)) if departure_m > limits.max_departure_m => {
+            let message = format!(
+                "{poses}: z is an altitude, but {} takes it for the height over a plane: {km:.1} km from the origin everything lies \
+                 {departure_m:.2} m too high on the Earth",
+                plane.subject
+            );
+            Finding::warning(plane.subject, message, plane.place.clone())
+                .likely()
+                .relation("altitude-as-z")
+                .help("convert fixes with a tangent plane in all three coordinates (east, north, up), or use the frame as a map without height")
+        }
+        _ if tilt_deg > limits.max_tilt_deg => {
+            let message = format!(
+                "{}: {who} is {km:.1} km from the origin, where the plane lies {departure_m:.1} m above the ellipsoid and leans by \
+                 {tilt_deg:.2} deg against the vertical there",
+                plane.subject
+            );
+            Finding::warning(plane.subject, message, plane.place.clone())
+                .relation("far-from-origin")
+                .help(format!(
+                    "put the origin of `{local}` near the place of use, or work in pieces with an origin each"
+                ))
+        }
+        _ if departure_m > limits.note_departure_m => {
+            let message = format!(
+                "{}: {km:.1} km from the origin the plane lies {departure_m:.2} m above the ellipsoid: z is no altitude there",
+                plane.subject
+            );
+            Finding::note(plane.subject, message, plane.place.clone())
+                .relation("tangent-plane")
+                .help("heights of fixes and of elevation maps are to be converted in all three coordinates, not by a shift")
+        }
+        _ => return out.pass(plane.subject, measured),
+    };
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
+}
+
+fn judge_track(subject: &str, place: &Place, origin: &Geodetic, overlay: &Overlay, limits: &Limits, out: &mut Judge) {
+    let far = overlay.both.iter().map(|both| origin.enu_of(&both.fix).xy().norm());
+    let distance_m = far.fold(0.0, f64::max);
+    let radius_m = origin.gaussian_radius_m();
+    let (departure_m, tilt_deg) = (
+        tangent_departure_m(distance_m, radius_m),
+        (distance_m / radius_m).to_degrees(),
+    );
+    let curvature = Curvature::of(overlay, origin);
+    let measured = measured(distance_m, departure_m, tilt_deg, limits);
+    match curvature
+        .as_ref()
+        .map(|curvature| curvature.follows(limits.sigmas, limits.share))
+    {
+        Some(Follows::Altitude) => out.pass(subject, measured),
+        Some(Follows::Plane) if departure_m <= limits.note_departure_m => out.pass(subject, measured),
+        Some(Follows::Plane) => {
+            let message = format!(
+                "{subject}: z is the height over a plane, which lies {departure_m:.2} m above the ellipsoid {:.1} km from its origin: z \
+                 is no altitude there",
+                distance_m / 1e3
+            );
+            let finding = Finding::note(subject, message, place.clone())
+                .likely()
+                .relation("tangent-plane")
+                .help("heights of fixes and of elevation maps are to be converted in all three coordinates, not by a shift");
+            out.fail(measured.into_iter().fold(finding, Finding::measured));
+        }
+        _ => {
+            let why = format!(
+                "{distance_m:.0} m from the origin a plane and the ellipsoid are {departure_m:.2} m apart, and the heights of the poses do \
+                 not tell which of them they follow; no transform from the Earth's frame says it either"
+            );
+            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        }
+    }
+}

@@ -1,0 +1,35 @@
+//! The orientation of a stream at any time.
+
+use nalgebra::UnitQuaternion;
+
+use crate::math::readings::Reading;
+
+use super::stream::Stream;
+use super::track::around;
+
+/// `world_from_body` over time, as published.
+pub(crate) struct Turned {
+    /// Runs of `(seconds after the recording's start, orientation)`.
+    pub(crate) runs: Vec<Vec<(f64, UnitQuaternion<f64>)>>,
+}
+
+impl Turned {
+    /// Of the four slots of each row; rows without an orientation are left out.
+    pub(crate) fn of<R>(stream: &Stream<R>, slots: impl Fn(&R) -> [f64; 4]) -> Self {
+        let runs = stream.stretches.iter().map(|rows| {
+            let of = |slots| Reading::Xyzw.world_from_body(slots);
+            let pairs = rows.iter().map(|timed| (timed.t_s, of(slots(&timed.row))));
+            pairs.filter_map(|(t_s, turned)| Some((t_s, turned?))).collect()
+        });
+        Self { runs: runs.collect() }
+    }
+
+    /// The orientation at a time, between two that are known and not farther apart than this.
+    pub(crate) fn at(&self, t_s: f64, max_step_s: f64) -> Option<UnitQuaternion<f64>> {
+        let covers = |run: &&Vec<(f64, UnitQuaternion<f64>)>| {
+            run.first().is_some_and(|first| first.0 <= t_s) && run.last().is_some_and(|last| last.0 >= t_s)
+        };
+        let ([(from_s, from), (to_s, to)], share) = around(self.runs.iter().find(covers)?, t_s)?;
+        (to_s - from_s <= max_step_s).then(|| from.try_slerp(to, share, 1e-9).unwrap_or(*to))
+    }
+}

@@ -1,0 +1,190 @@
+//! QUAT03: angles that give another source's rotation, or the turning of the gyro, once they are put together in another
+//! order.
+
+use crate::math::euler::Order;
+use crate::rules::axes::causes::Turn;
+use crate::rules::axes::sensors::{Sensor, Sensors};
+use crate::rules::cross::angles::{self, Explained, Limits, Unit};
+use crate::rules::cross::statements::{Pair, Statement, pairs};
+use crate::rules::motion::{Imu, Motion};
+use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+
+use super::by_gyro::Ordered;
+
+/// QUAT03.
+pub struct EulerSequence;
+
+impl Rule for EulerSequence {
+    const PAGE: &'static str = include_str!("../../../rules/quat/euler-sequence.md");
+    const NEEDS: &'static [Need] = &[Need::TransformsOrBag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for pair in pairs(world) {
+            if pair.reference.rpy.is_some() || pair.other.rpy.is_some() {
+                judge_pair(world, &pair, limits, out);
+            }
+        }
+        let (motion, sensors) = (Motion::of(world), Sensors::of(world));
+        for (imu, sensor) in sensors.each(&motion) {
+            judge_sensor(imu, sensor, out);
+        }
+    }
+}
+
+fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
+    let subject = format!("angles of {}", pair.subject(world));
+    if let Some(why) = &pair.repeats {
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    if !pair.reference.has_rotation || !pair.other.has_rotation {
+        let why = "one of the two states no rotation";
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    let apart_deg = pair.classify().angle_rad.to_degrees();
+    if apart_deg <= limits.equal_deg {
+        let measured = Measured::new("rotation difference", apart_deg, "deg").limit(limits.equal_deg);
+        return out.pass(subject, [measured]);
+    }
+    if let Some(found) = angles::explained(pair, limits) {
+        let finding = finding(pair, subject, &found, limits);
+        return out.fail(pair.point_at_all(finding));
+    }
+    let stated = [pair.reference.rpy, pair.other.rpy];
+    if !stated.into_iter().flatten().any(|rpy| angles::can_tell(rpy, limits)) {
+        let why = format!(
+            "fewer than two of the angles lie more than {} deg off the axes: what their order changes, a quarter turn may \
+             change as well; see CROSS01 and CROSS02",
+            limits.off_axis_deg
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let why = format!(
+        "the rotations differ by {apart_deg:.2} deg, and no other order of the angles explains that; see CROSS01 and CROSS02"
+    );
+    out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+}
+
+fn finding(pair: &Pair, subject: String, found: &Explained, limits: &Limits) -> Finding {
+    let (angles, against): (&Statement, &Statement) = if found.of_other {
+        (&pair.other, &pair.reference)
+    } else {
+        (&pair.reference, &pair.other)
+    };
+    let unit = match found.unit {
+        Unit::Right => "",
+        Unit::Degrees => ", and taken for degrees",
+        Unit::Radians => ", and taken for radians",
+    };
+    let message = format!(
+        "the angles of {} give the rotation that {} states when they are put together as {}{unit}, to {:.3} deg; read as ROS does, \
+         {}, they are {:.2} deg away{}",
+        angles.who,
+        against.who,
+        found.order.product(),
+        found.left_deg,
+        Order::ROS.product(),
+        found.apart_deg,
+        also(&found.alike),
+    );
+    let [roll, pitch, yaw] = Order::ROS.numbers_of(&found.meant).unwrap_or([f64::NAN; 3]);
+    let [r, p, y] = found.rpy;
+    let q = Order::ROS.compose([r, p, y]).coords;
+    let help = format!(
+        "if {} is right, write roll, pitch, yaw {roll:.6} {pitch:.6} {yaw:.6} rad for {}; if the angles are right as ROS reads them, \
+         the rotation is x y z w = {:.6} {:.6} {:.6} {:.6}",
+        against.who, angles.who, q.x, q.y, q.z, q.w
+    );
+    Finding::error(subject, message, pair.other.place.clone())
+        .help(help)
+        .relation(word(found))
+        .measured(Measured::new("rotation difference", found.apart_deg, "deg").limit(limits.equal_deg))
+        .measured(Measured::new("left by the order", rounded(found.left_deg), "deg").limit(limits.left_deg))
+        .measured(Measured::count("other orders that give the same", found.alike.len()))
+}
+
+/// The word of the relation dictionary where it has one for this order.
+fn word(found: &Explained) -> String {
+    let word = found.order.word();
+    let own = match (word.as_str(), found.of_other) {
+        ("euler-xyz", true) => "rpy-fixed".to_owned(),
+        ("euler-xyz", false) => "rpy-rotating".to_owned(),
+        ("euler-zyx-roll-pitch-yaw", _) => "ypr".to_owned(),
+        _ => word,
+    };
+    match found.unit {
+        Unit::Right => own,
+        Unit::Degrees => format!("{own}-degrees"),
+        Unit::Radians => format!("{own}-radians"),
+    }
+}
+
+/// The orders that cannot be told from the one that is named; all of them would be too many.
+fn also(alike: &[Order]) -> String {
+    let products: Vec<String> = alike.iter().take(2).map(|order| order.product()).collect();
+    match alike.len() {
+        0 => String::new(),
+        more if more > products.len() => {
+            let rest = more - products.len();
+            format!(" (indistinguishable here: {} and {rest} more)", products.join(", "))
+        }
+        _ => format!(" (indistinguishable here: {})", products.join(", ")),
+    }
+}
+
+/// What floating point leaves of nothing differs between machines.
+fn rounded(left_deg: f64) -> f64 {
+    if left_deg < 1e-6 { 0.0 } else { left_deg }
+}
+
+fn judge_sensor(imu: &Imu, sensor: &Sensor, out: &mut Judge) {
+    let subject = format!("angles behind the orientation of {}", imu.stream.subject);
+    let turned = match &sensor.turn {
+        Ok(turned) => turned,
+        Err((why, reason)) => return out.not_evaluated(subject, *why, reason),
+    };
+    match (&turned.ordered, turned.class) {
+        (Some(ordered), _) => out.fail(of_sensor(imu, subject, ordered)),
+        (None, Turn::Agree | Turn::Tilting) if turned.shows_order() => {
+            let [x, y, z] = turned.correlations().map(|value| value.unwrap_or(f64::NAN));
+            let least = x.min(y).min(z);
+            let measured = Measured::new("least correlation of an axis with the gyro", least, "1");
+            out.pass(subject, [measured]);
+        }
+        (None, Turn::Agree | Turn::Tilting) => {
+            let why = "it turns about one axis: no order of angles would show";
+            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        }
+        (None, _) => {
+            let why = "it does not follow the gyro, and no order of angles mends that: see QUAT01";
+            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        }
+    }
+}
+
+fn of_sensor(imu: &Imu, subject: String, ordered: &Ordered) -> Finding {
+    let product = ordered.order.product();
+    let message = format!(
+        "the quaternion of `{}` was put together as {product}: taken apart so and put together as {}, {:.1} % of the gyro's turning \
+         is left unexplained in place of {:.1} %{}",
+        imu.stream.topic,
+        Order::ROS.product(),
+        100.0 * ordered.residual,
+        100.0 * ordered.as_published,
+        also(&ordered.alike),
+    );
+    let help = format!(
+        "where the driver makes the quaternion, use {} (tf2 `setRPY(roll, pitch, yaw)`; scipy `from_euler('ZYX', [yaw, pitch, roll])`)",
+        Order::ROS.product()
+    );
+    Finding::error(subject, message, imu.stream.place())
+        .likely()
+        .help(help)
+        .relation(ordered.order.word())
+        .measured(Measured::new("residual as published", ordered.as_published, "1").samples(ordered.windows))
+        .measured(Measured::new("residual in the order of ROS", ordered.residual, "1").samples(ordered.windows))
+        .measured(Measured::new("residual of the next order", ordered.next, "1"))
+}

@@ -1,0 +1,193 @@
+//! QUAT04: a constant between two orientations stands on the side that frame names and mounts claim.
+
+use nalgebra::UnitQuaternion;
+use serde::Deserialize;
+
+use crate::math::constants::AxisTurn;
+use crate::math::sides::{Constant, Sides, sides};
+use crate::rules::motion::{BagMotion, Motion};
+use crate::rules::time::tell_once;
+use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+
+use super::oriented::{Claim, Oriented, oriented};
+
+/// QUAT04.
+pub struct LeftVsRightMultiplication;
+
+/// Limits of QUAT04.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    min_turn_deg: f64,
+    min_pairs: usize,
+    max_pairs: usize,
+    max_step_s: f64,
+    max_spread_deg: f64,
+    min_ratio: f64,
+    min_constant_deg: f64,
+    named_deg: f64,
+}
+
+impl Rule for LeftVsRightMultiplication {
+    const PAGE: &'static str = include_str!("../../../rules/quat/left-vs-right-multiplication.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let motion = Motion::of(world);
+        for bag in &motion.bags {
+            judge_bag(world, &motion, bag, limits, out);
+        }
+    }
+}
+
+fn judge_bag(world: &World, motion: &Motion, bag: &BagMotion, limits: &Limits, out: &mut Judge) {
+    let all = oriented(world, motion, bag);
+    let mut off = Vec::new();
+    for (index, b) in all.iter().enumerate().skip(1) {
+        // The first that it claims something in common with speaks for the others.
+        let mut before = all.iter().take(index);
+        let Some((a, claim)) = before.find_map(|a| Some((a, Claim::of(world, a, b)?))) else {
+            let why = "its frames are those of no other orientation, and nothing ties them: any constant may stand on either side";
+            out.not_evaluated(&b.subject, NotEvaluated::MissingInput, why);
+            continue;
+        };
+        off.extend(judge_pair(a, b, claim, limits, out));
+    }
+    tell_once(off, "differ likewise", out);
+}
+
+fn judge_pair(a: &Oriented, b: &Oriented, claim: Claim, limits: &Limits, out: &mut Judge) -> Option<Finding> {
+    let subject = format!("{} against {}", b.subject, a.subject);
+    let mut little = |why: String| {
+        out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
+        None
+    };
+    let pairs = pairs(a, b, &claim, limits);
+    if pairs.len() < limits.min_pairs {
+        return little(format!(
+            "{} orientations at the same times, {} are needed",
+            pairs.len(),
+            limits.min_pairs
+        ));
+    }
+    let found = sides(&pairs)?;
+    let turned_deg = found.turned_rad.to_degrees();
+    if turned_deg < limits.min_turn_deg {
+        return little(format!(
+            "they turn by {turned_deg:.0} deg, {} deg are needed to tell the world's side from the body's",
+            limits.min_turn_deg
+        ));
+    }
+    let is_constant = |constant: &Constant| constant.spread_rad.to_degrees() <= limits.max_spread_deg;
+    // Where the bodies are tied, a change of the world is what is left; else a change of the body.
+    let (claimed, other) = if claim.bodies.is_some() {
+        (found.left, found.right)
+    } else {
+        (found.right, found.left)
+    };
+    let measured = measured(&found, pairs.len(), limits);
+    let is_other = is_constant(&other)
+        && claimed.spread_rad >= limits.min_ratio * other.spread_rad
+        && other.mean.angle().to_degrees() >= limits.min_constant_deg;
+    if !is_constant(&claimed) && !is_other {
+        return little(format!(
+            "no one constant lies between them: the spread is {:.0} deg on the world's side, {:.0} deg on the body's",
+            found.left.spread_rad.to_degrees(),
+            found.right.spread_rad.to_degrees()
+        ));
+    }
+    if !is_other {
+        out.pass(subject, measured);
+        return None;
+    }
+    if let Some(owner) = a.reported_by.or(b.reported_by) {
+        let why = format!("a constant on the side that is not claimed: part of what {owner} reports of the sensor");
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return None;
+    }
+    let finding = contradiction(a, b, &claim, &other, &subject, limits);
+    Some(measured.into_iter().fold(finding, Finding::measured))
+}
+
+fn measured(found: &Sides, pairs: usize, limits: &Limits) -> [Measured; 3] {
+    let spread = |what: &str, constant: &Constant| {
+        Measured::new(what, constant.spread_rad.to_degrees(), "deg")
+            .limit(limits.max_spread_deg)
+            .samples(pairs as u64)
+    };
+    [
+        spread("spread of a change of the world", &found.left),
+        spread("spread of a change of the body", &found.right),
+        Measured::new("turned", found.turned_rad.to_degrees(), "deg").limit(limits.min_turn_deg),
+    ]
+}
+
+/// Orientations of both at the times of `a`, of one body where the bodies are tied.
+fn pairs(
+    a: &Oriented,
+    b: &Oriented,
+    claim: &Claim,
+    limits: &Limits,
+) -> Vec<(UnitQuaternion<f64>, UnitQuaternion<f64>)> {
+    let a_from_b = claim.bodies.unwrap_or_else(UnitQuaternion::identity);
+    let count: usize = a.turned.runs.iter().map(Vec::len).sum();
+    let every = count.div_ceil(limits.max_pairs.max(1)).max(1);
+    let rows = a.turned.runs.iter().flatten().step_by(every);
+    rows.filter_map(|(t_s, turned)| Some((turned * a_from_b, b.turned.at(*t_s, limits.max_step_s)?)))
+        .collect()
+}
+
+fn contradiction(
+    a: &Oriented,
+    b: &Oriented,
+    claim: &Claim,
+    constant: &Constant,
+    subject: &str,
+    limits: &Limits,
+) -> Finding {
+    let degrees = constant.mean.angle().to_degrees();
+    let axis = constant.mean.axis().map_or_else(String::new, |axis| {
+        format!(" about ({:+.2}, {:+.2}, {:+.2})", axis.x, axis.y, axis.z)
+    });
+    let name = |frame: &Option<crate::world::FrameId>| frame.as_ref().map_or("?", |frame| frame.as_str()).to_owned();
+    let (message, help) = if claim.bodies.is_some() {
+        let (one, other) = (name(&a.body), name(&b.body));
+        let tied = if one == other {
+            format!("both are of `{one}`")
+        } else {
+            format!("TF ties `{other}` to `{one}`")
+        };
+        (
+            format!(
+                "{} and {} differ by a constant in the body, {degrees:.0} deg{axis}, multiplied from the right, though {tied}",
+                b.subject, a.subject
+            ),
+            "a change of the world belongs on the left, `new_from_world * world_from_body`; if the body is another one, give it a frame \
+             of its own, or mend its mount in TF",
+        )
+    } else {
+        (
+            format!(
+                "{} and {} are both told in `{}`, yet differ by a constant of the world, {degrees:.0} deg{axis}, multiplied from the left",
+                b.subject,
+                a.subject,
+                name(&a.world)
+            ),
+            "two worlds of one name: give one another name and tie them by TF; a change of the body belongs on the right, \
+             `world_from_body * body_from_new`",
+        )
+    };
+    let finding = Finding::warning(subject, message, b.place.clone())
+        .likely()
+        .help(help)
+        .related(a.place.clone(), a.subject.clone());
+    let near = |turn: &&AxisTurn| constant.mean.angle_to(&turn.quaternion()).to_degrees() <= limits.named_deg;
+    match AxisTurn::all().iter().find(near) {
+        Some(turn) => finding.relation(turn.word()),
+        None => finding,
+    }
+}

@@ -1,0 +1,79 @@
+//! Streams of orientations, and what two of them claim to have in common.
+//!
+//! Must not judge.
+
+use nalgebra::UnitQuaternion;
+
+use crate::rules::axes::sensors::Sensors;
+use crate::rules::motion::{BagMotion, Motion, Turned};
+use crate::rules::names;
+use crate::source::Place;
+use crate::world::{FrameId, World};
+
+/// A stream of orientations.
+pub(super) struct Oriented {
+    pub(super) subject: String,
+    pub(super) place: Place,
+    /// The frame that it is told in, where it has a name.
+    pub(super) world: Option<FrameId>,
+    /// The frame that it is the orientation of.
+    pub(super) body: Option<FrameId>,
+    /// The rule that reports a fault of the sensor, which would show here.
+    pub(super) reported_by: Option<&'static str>,
+    pub(super) turned: Turned,
+}
+
+/// The streams of a recording: poses first.
+pub(super) fn oriented(world: &World, motion: &Motion, bag: &BagMotion) -> Vec<Oriented> {
+    let sensors = Sensors::of(world);
+    let is_way = |frame: Option<&FrameId>| frame.is_none_or(names::is_world);
+    let poses = bag.poses.iter().filter(|stream| {
+        is_way(stream.frame.as_ref())
+            && !stream.child.as_ref().is_some_and(names::is_world)
+            && !names::is_wish(&stream.topic)
+    });
+    let poses = poses.map(|stream| Oriented {
+        subject: stream.subject.clone(),
+        place: stream.place(),
+        world: stream.frame.clone(),
+        body: stream.child.clone(),
+        reported_by: None,
+        turned: Turned::of(stream, |row| row.orientation),
+    });
+    let imus = bag.imus.iter().filter(|imu| imu.no_orientation.is_none());
+    let imus = imus.map(|imu| Oriented {
+        subject: format!("orientation of {}", imu.stream.subject),
+        place: imu.stream.place(),
+        world: None,
+        body: imu.stream.frame.clone(),
+        reported_by: sensors
+            .each(motion)
+            .find(|(known, _)| std::ptr::eq(*known, imu))
+            .and_then(|(_, sensor)| sensor.diagnosis.owner),
+        turned: Turned::of(&imu.stream, |row| row.orientation),
+    });
+    poses.chain(imus).collect()
+}
+
+/// What two streams claim to have in common.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Claim {
+    /// `a_from_b` of their bodies, where these are tied to each other: then only a change of the world is left.
+    /// Else both are told in a frame of one name, and only a change of the body is left.
+    pub(super) bodies: Option<UnitQuaternion<f64>>,
+}
+
+impl Claim {
+    /// `None` where they claim nothing.
+    pub(super) fn of(world: &World, a: &Oriented, b: &Oriented) -> Option<Self> {
+        let bodies = a.body.as_ref().zip(b.body.as_ref()).and_then(|(a, b)| {
+            if a == b {
+                return Some(UnitQuaternion::identity());
+            }
+            let (a_from_b, _) = world.graph().chain(a, b, |edge| edge.is_rigid)?;
+            Some(a_from_b.rotation)
+        });
+        let same_world = a.world.is_some() && a.world == b.world;
+        (bodies.is_some() || same_world).then_some(Self { bodies })
+    }
+}

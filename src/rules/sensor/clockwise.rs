@@ -1,0 +1,69 @@
+//! What SENSOR08 says of a yaw: its numbers, and the finding where it grows clockwise.
+
+use crate::rules::axes::heading_convention;
+use crate::rules::motion::Stream;
+use crate::verdict::{Finding, Measured};
+use crate::world::motion::Row;
+
+use super::compass_in_quaternion::Limits;
+use super::yaw_zero::Found;
+
+impl Found {
+    /// The numbers.
+    pub(super) fn measured(&self, turns: &heading_convention::Limits) -> Vec<Measured> {
+        let samples = self.samples as u64;
+        let [best, other] = self.resultants;
+        let mut measured = vec![
+            Measured::new("resultant of the better sense", best, "1")
+                .limit(turns.min_resultant)
+                .samples(samples),
+            Measured::new("resultant of the other sense", other, "1").samples(samples),
+        ];
+        let zero = self.zero_rad.map(f64::to_degrees);
+        let what = if self.is_clockwise {
+            "yaw minus compass heading"
+        } else {
+            "yaw minus pi/2 - heading"
+        };
+        measured.extend(zero.map(|zero| Measured::new(what, zero, "deg").samples(samples)));
+        measured
+    }
+
+    /// What a yaw that grows clockwise is.
+    pub(super) fn finding<R: Row>(
+        &self,
+        stream: &Stream<R>,
+        subject: &str,
+        turns: &heading_convention::Limits,
+        limits: &Limits,
+    ) -> Finding {
+        let zero = self.zero_rad.map(f64::to_degrees);
+        let (relation, what) = match zero {
+            Some(zero) if zero.abs() <= limits.max_offset_deg => (
+                "compass-yaw",
+                format!("it is a compass heading, clockwise from north, off by {zero:.1} deg"),
+            ),
+            Some(zero) if (zero + 90.0).abs() <= limits.max_offset_deg => (
+                "clockwise-yaw",
+                "it counts from east as REP-103 does, but clockwise: the quaternion is the inverse one, or its yaw is negated"
+                    .to_owned(),
+            ),
+            Some(zero) => ("clockwise-yaw", format!("its zero is {zero:.0} deg from north")),
+            None => ("clockwise-yaw", "where its zero is cannot be told from that".to_owned()),
+        };
+        let message = format!(
+            "the yaw of `{}` grows clockwise with {}: {what} ({} samples)",
+            stream.topic, self.other, self.samples
+        );
+        let finding = Finding::error(subject, message, stream.place())
+            .likely()
+            .relation(relation)
+            .related(self.other_at.clone(), "what it was held against")
+            .help(
+                "REP-103 counts yaw counter-clockwise from east: publish `yaw_ros = pi/2 - heading` (the topic `heading` of \
+                 nmea_navsat_driver holds the compass heading itself)",
+            );
+        let finding = stream.told_in.tell(finding);
+        self.measured(turns).into_iter().fold(finding, Finding::measured)
+    }
+}

@@ -1,0 +1,143 @@
+//! SENSOR08: a compass heading in the yaw of a quaternion.
+
+use std::sync::Arc;
+
+use serde::Deserialize;
+
+use crate::rules::axes::heading_convention::{self, HeadingConvention};
+use crate::rules::axes::sensors::{Sensor, Sensors};
+use crate::rules::axes::worlds::Worlds;
+use crate::rules::motion::{Compass, Imu, Motion, Stream, Track, Yaws, mount};
+use crate::rules::{Evidence, Judge, Need, Rule, names};
+use crate::verdict::NotEvaluated;
+use crate::world::World;
+use crate::world::motion::{OrientationRow, PoseRow};
+
+use super::yaw_zero::{Found, by_compass, by_track};
+
+/// SENSOR08.
+pub struct CompassInQuaternion;
+
+/// Limits of SENSOR08.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    pub(super) min_samples: usize,
+    pub(super) same_deg: f64,
+    pub(super) apart_deg: f64,
+    pub(super) max_offset_deg: f64,
+}
+
+/// What a yaw can be held against, and the limits.
+struct Against<'a> {
+    compasses: &'a [Compass],
+    tracks: &'a [Arc<Track>],
+    turns: &'a heading_convention::Limits,
+    limits: &'a Limits,
+}
+
+impl Rule for CompassInQuaternion {
+    const PAGE: &'static str = include_str!("../../../rules/sensor/compass-in-quaternion.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let Some(turns) = crate::rules::limits_of::<HeadingConvention>() else {
+            return;
+        };
+        let (motion, sensors, worlds) = (Motion::of(world), Sensors::of(world), Worlds::of(world));
+        for (index, bag) in motion.bags.iter().enumerate() {
+            let tracks = bag.tracks(|frame| worlds.is_down(index, frame));
+            let compasses = bag.compasses();
+            let against = Against {
+                compasses: &compasses,
+                tracks: &tracks,
+                turns: &turns,
+                limits,
+            };
+            for stream in &bag.orientations {
+                against.judge_orientation(world, stream, out);
+            }
+            for (imu, sensor) in bag.imus.iter().zip(sensors.of_bag(index)) {
+                against.judge_imu(imu, sensor, out);
+            }
+            for stream in bag.poses.iter().filter(|stream| is_way(stream)) {
+                against.judge_pose(stream, out);
+            }
+        }
+    }
+}
+
+/// Whether a stream is of poses on a topic that tell a way; of odometry AXES08 judges the turning.
+fn is_way(stream: &Stream<PoseRow>) -> bool {
+    let has_twist = stream.rows().any(|timed| timed.row.twist.is_some());
+    stream.child.is_none() && !has_twist && stream.frame.as_ref().is_none_or(names::is_world)
+}
+
+impl Against<'_> {
+    fn by_compasses(&self, yaws: &Yaws, needs_turn: bool) -> Option<Found> {
+        let mut all = self.compasses.iter();
+        all.find_map(|compass| by_compass(yaws, compass, needs_turn, self.turns, self.limits))
+    }
+
+    fn judge_orientation(&self, world: &World, stream: &Stream<OrientationRow>, out: &mut Judge) {
+        let subject = format!("yaw of {}", stream.subject);
+        let mounted = stream.frame.as_ref().and_then(|frame| mount(world, frame));
+        let base_from_sensor = mounted.map(|mount| mount.base_from_sensor.rotation);
+        let yaws = Yaws::of(stream, &base_from_sensor.unwrap_or_default());
+        let by_tracks = || {
+            let mut tracks = self.tracks.iter();
+            tracks.find_map(|track| by_track(&yaws, track, track.is_geodetic, self.turns))
+        };
+        match self.by_compasses(&yaws, false).or_else(by_tracks) {
+            Some(found) if found.is_clockwise => out.fail(found.finding(stream, &subject, self.turns, self.limits)),
+            Some(found) => out.pass(subject, found.measured(self.turns)),
+            None => self.undecided(subject, out),
+        }
+    }
+
+    /// Of inertial sensors AXES04 holds the yaw against the course; here it is held against what other devices state.
+    fn judge_imu(&self, imu: &Imu, sensor: &Sensor, out: &mut Judge) {
+        let subject = format!("yaw of {}", imu.stream.subject);
+        if let Some(why) = imu.no_orientation {
+            return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        }
+        if self.compasses.is_empty() {
+            let why = "no other device states a heading; AXES04 holds it against the course";
+            return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        }
+        // Where the zero of a gyro's yaw lies is chance.
+        let yaws = Yaws::of(&imu.stream, &imu.base_from_imu());
+        let Some(found) = self.by_compasses(&yaws, true) else {
+            return self.undecided(subject, out);
+        };
+        if !found.is_clockwise {
+            return out.pass(subject, found.measured(self.turns));
+        }
+        let seen = format!("the yaw grows with the {}", found.other);
+        match sensor.diagnosis.reported_elsewhere("SENSOR08", &seen) {
+            Some(why) => out.not_evaluated(subject, NotEvaluated::NotApplicable, why),
+            None => out.fail(found.finding(&imu.stream, &subject, self.turns, self.limits)),
+        }
+    }
+
+    /// Poses tell their own way: yaw and position stand in one frame, wherever its zero is.
+    fn judge_pose(&self, stream: &Stream<PoseRow>, out: &mut Judge) {
+        let subject = format!("yaw of {}", stream.subject);
+        let yaws = Yaws::of(stream, &nalgebra::UnitQuaternion::identity());
+        match by_track(&yaws, &stream.track(), true, self.turns) {
+            Some(found) if found.is_clockwise => out.fail(found.finding(stream, &subject, self.turns, self.limits)),
+            Some(found) => out.pass(subject, found.measured(self.turns)),
+            None => self.undecided(subject, out),
+        }
+    }
+
+    fn undecided(&self, subject: String, out: &mut Judge) {
+        let why = format!(
+            "no heading from north and no course goes with it long enough, turns by {} deg, and follows it clearly one way",
+            self.turns.min_turn_deg
+        );
+        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+}

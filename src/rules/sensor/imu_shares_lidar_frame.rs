@@ -1,0 +1,120 @@
+//! SENSOR05: an inertial sensor that is told in the frame of a lidar's cloud.
+
+use serde::Deserialize;
+
+use crate::rules::{Evidence, Judge, Need, Rule, names};
+use crate::source::Place;
+use crate::tables;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::bag::TopicEvidence;
+use crate::world::{BagEvidence, FrameId, World};
+
+/// SENSOR05.
+pub struct ImuSharesLidarFrame;
+
+/// Limits of SENSOR05: it has none.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {}
+
+impl Rule for ImuSharesLidarFrame {
+    const PAGE: &'static str = include_str!("../../../rules/sensor/imu-shares-lidar-frame.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::LEAST;
+    type Limits = Limits;
+
+    fn judge(world: &World, _: &Limits, out: &mut Judge) {
+        for bag in &world.bags {
+            let clouds: Vec<&TopicEvidence> = bag.topics.values().filter(|topic| is_cloud(topic)).collect();
+            for imu in bag.topics.values().filter(|topic| topic.content.imu.is_some()) {
+                judge_imu(bag, imu, &clouds, out);
+            }
+        }
+    }
+}
+
+/// Whether the topic carries the points of a lidar in space.
+fn is_cloud(topic: &TopicEvidence) -> bool {
+    const TYPES: &[&str] = &["PointCloud2", "PointCloud", "CustomMsg", "PandarScan"];
+    let name = topic.message_type.rsplit(['/', '.']).next().unwrap_or_default();
+    TYPES.contains(&name) && topic.count > 0
+}
+
+fn judge_imu(bag: &BagEvidence, imu: &TopicEvidence, clouds: &[&TopicEvidence], out: &mut Judge) {
+    let subject = format!("frame of topic `{}`", imu.topic);
+    if clouds.is_empty() {
+        return out.not_evaluated(subject, NotEvaluated::MissingInput, "no point cloud in the recording");
+    }
+    let frames: Vec<FrameId> = imu.header_frames.keys().map(FrameId::canonical).collect();
+    let named = |frame: &&FrameId| !frame.as_str().is_empty();
+    let shares = |cloud: &TopicEvidence| {
+        let theirs: Vec<FrameId> = cloud.header_frames.keys().map(FrameId::canonical).collect();
+        frames
+            .iter()
+            .filter(named)
+            .find(|frame| theirs.contains(frame))
+            .cloned()
+    };
+    let shared = clouds.iter().find_map(|cloud| Some((*cloud, shares(cloud)?)));
+    let Some((cloud, frame)) = shared else {
+        return out.pass(subject, [Measured::count("point clouds in other frames", clouds.len())]);
+    };
+    if names::is_base(&frame) || names::is_world(&frame) {
+        let why = format!(
+            "the cloud of `{}` is told in `{frame}`, which is no sensor's frame",
+            cloud.topic
+        );
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    out.fail(finding(bag, subject, imu, cloud, &frame));
+}
+
+fn finding(bag: &BagEvidence, subject: String, imu: &TopicEvidence, cloud: &TopicEvidence, frame: &FrameId) -> Finding {
+    let words = [imu.words(), cloud.words()].concat();
+    let place = |topic: &TopicEvidence| match &topic.stamps.first {
+        Some(message) => Place::message(bag.source, message.clone()),
+        None => Place::whole(bag.source),
+    };
+    let known = tables::lidar_imu(&words);
+    let lever = known.and_then(|known| known.facts.lever_mm);
+    let (what, help) = match (known, lever) {
+        (Some(known), Some([x, y, z])) => (
+            format!(
+                "in a {} it sits at ({x:.1}, {y:.1}, {z:.1}) mm in the frame of the cloud",
+                known.name
+            ),
+            format!(
+                "publish the Imu under a frame of its own, with a static transform from `{frame}` of ({}, {}, {}) m",
+                x / 1e3,
+                y / 1e3,
+                z / 1e3
+            ),
+        ),
+        (Some(known), None) => (
+            format!("in a {} the two do not sit in one place", known.name),
+            format!(
+                "publish the Imu under a frame of its own, with a static transform from `{frame}` by the data sheet"
+            ),
+        ),
+        (None, _) => (
+            "which is right only where both have one origin".to_owned(),
+            format!("if they are apart, give the Imu a frame of its own, with a static transform from `{frame}`"),
+        ),
+    };
+    let message = format!(
+        "the Imu on `{}` names `{frame}`, the frame of the cloud on `{}`: {what}",
+        imu.topic, cloud.topic
+    );
+    let finding = Finding::warning(subject, message, place(imu))
+        .related(place(cloud), "the cloud")
+        .help(help);
+    let finding = if known.is_some() {
+        finding.likely()
+    } else {
+        finding.hint()
+    };
+    match lever {
+        Some([x, y, z]) => finding.measured(Measured::new("lever arm", (x * x + y * y + z * z).sqrt(), "mm")),
+        None => finding.measured(Measured::count("topics in that frame", 2)),
+    }
+}

@@ -1,0 +1,106 @@
+//! SENSOR06: what an inertial navigation system publishes, against what is known of its driver.
+
+use serde::Deserialize;
+
+use crate::rules::axes::sensors::{Sensor, Sensors};
+use crate::rules::motion::{Imu, Motion};
+use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::tables::{InsDriver, Known};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+
+/// SENSOR06.
+pub struct InsProfile;
+
+/// Limits of SENSOR06.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    max_tilt_deg: f64,
+    max_offset_deg: f64,
+}
+
+impl Rule for InsProfile {
+    const PAGE: &'static str = include_str!("../../../rules/sensor/ins-profile.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let (motion, sensors) = (Motion::of(world), Sensors::of(world));
+        for (imu, sensor) in sensors.each(&motion) {
+            if let Some(driver) = imu.driver {
+                judge_up(imu, sensor, driver, limits, out);
+                judge_zero(imu, sensor, driver, limits, out);
+            }
+        }
+    }
+}
+
+/// Up of the world, which tells ENU and FLU from NED and FRD.
+fn judge_up(imu: &Imu, sensor: &Sensor, driver: Known<InsDriver>, limits: &Limits, out: &mut Judge) {
+    let subject = format!("axes of {} ({})", imu.stream.subject, driver.name);
+    if let Some(why) = elsewhere(sensor) {
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    match sensor.up_rad() {
+        Ok(angle) if angle.to_degrees() <= limits.max_tilt_deg => {
+            let measured = Measured::new(
+                "angle of the mean acceleration to z of the world",
+                angle.to_degrees(),
+                "deg",
+            );
+            out.pass(subject, [measured.limit(limits.max_tilt_deg)]);
+        }
+        Ok(angle) => {
+            let why = format!("the acceleration is {:.0} deg from up: see AXES03", angle.to_degrees());
+            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        }
+        Err((why, reason)) => out.not_evaluated(subject, why, reason),
+    }
+}
+
+/// The zero of the yaw.
+fn judge_zero(imu: &Imu, sensor: &Sensor, driver: Known<InsDriver>, limits: &Limits, out: &mut Judge) {
+    let subject = format!("zero of the yaw of {} ({})", imu.stream.subject, driver.name);
+    if let Some(why) = elsewhere(sensor) {
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    let offset = match sensor.offset_rad() {
+        Ok(offset) => offset.to_degrees(),
+        Err((why, reason)) => return out.not_evaluated(subject, why, reason),
+    };
+    let measured = Measured::new("yaw minus course", offset, "deg").limit(limits.max_offset_deg);
+    let Some(known) = sensor.offset else {
+        if offset.abs() <= limits.max_offset_deg {
+            return out.pass(subject, [measured]);
+        }
+        let why =
+            format!("the yaw is {offset:.0} deg from the course, which no setting of this driver explains: see AXES04");
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    };
+    let message = format!(
+        "the yaw of `{}` is {offset:.0} deg from the course, as {} has it where {}; {}",
+        imu.stream.topic,
+        driver.name,
+        known.what,
+        imu.mounting()
+    );
+    let finding = Finding::error(subject, message, imu.stream.place())
+        .likely()
+        .relation("driver-setting")
+        .help(format!(
+            "{} (if the sensor is turned on the vehicle instead: give its frame that yaw in TF or URDF)",
+            known.setting
+        ))
+        .measured(measured);
+    out.fail(imu.stream.told_in.tell(finding));
+}
+
+/// Where another rule reports a fault of this sensor.
+fn elsewhere(sensor: &Sensor) -> Option<String> {
+    let owner = sensor.diagnosis.owner?;
+    Some(format!(
+        "{owner} reports what is wrong with this sensor, and what to set in its driver"
+    ))
+}

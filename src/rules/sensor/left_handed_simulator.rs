@@ -1,0 +1,130 @@
+//! SENSOR09: poses of a simulator whose world is left-handed.
+
+use serde::Deserialize;
+
+use crate::rules::axes::causes::Base;
+use crate::rules::axes::gnss_vs_odom_handedness::{self, GnssVsOdomHandedness};
+use crate::rules::axes::gyro_vs_turn_sign::{self, GyroVsTurnSign};
+use crate::rules::axes::sensors::Sensors;
+use crate::rules::limits_of;
+use crate::rules::motion::{BagMotion, Imu, Motion, Stream, Track};
+use crate::rules::{Evidence, Judge, Need, Rule, names};
+use crate::tables::{Known, Simulator};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+use crate::world::motion::{FixRow, PoseRow};
+
+/// SENSOR09.
+pub struct LeftHandedSimulator;
+
+/// Limits of SENSOR09: those of AXES05 and AXES07, by which it measures.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {}
+
+/// One thing that tells the hand of a track.
+struct Told {
+    is_left_handed: bool,
+    words: String,
+    measured: Measured,
+}
+
+impl Rule for LeftHandedSimulator {
+    const PAGE: &'static str = include_str!("../../../rules/sensor/left-handed-simulator.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, _: &Limits, out: &mut Judge) {
+        let (Some(tracks), Some(turns)) = (limits_of::<GnssVsOdomHandedness>(), limits_of::<GyroVsTurnSign>()) else {
+            return;
+        };
+        let (motion, sensors) = (Motion::of(world), Sensors::of(world));
+        for (index, bag) in motion.bags.iter().enumerate() {
+            let Some(simulator) = bag.simulator else { continue };
+            // A gyro that hangs upside down tells nothing of the track's hand.
+            let upright = bag
+                .imus
+                .iter()
+                .zip(sensors.of_bag(index))
+                .filter(|(_, sensor)| sensor.stands() == Some(Base::Up));
+            let imus: Vec<&Imu> = upright.map(|(imu, _)| imu).collect();
+            let is_way = |poses: &&Stream<PoseRow>| poses.frame.as_ref().is_none_or(names::is_world);
+            for poses in bag.poses.iter().filter(is_way) {
+                let track = poses.track();
+                let told = by_satellites(bag, &track, &tracks)
+                    .into_iter()
+                    .chain(by_gyros(&imus, &track, &turns))
+                    .collect();
+                judge_track(poses, simulator, told, out);
+            }
+        }
+    }
+}
+
+fn by_satellites(bag: &BagMotion, track: &Track, limits: &gnss_vs_odom_handedness::Limits) -> Vec<Told> {
+    let tell = |fixes: &Stream<FixRow>| {
+        let hand = gnss_vs_odom_handedness::hand(fixes, track, limits)?;
+        Some(Told {
+            is_left_handed: hand.is_mirrored,
+            words: format!("it is the mirror image of the satellites' track on {}", fixes.topic),
+            measured: hand.measured,
+        })
+    };
+    bag.fixes.iter().filter_map(tell).collect()
+}
+
+fn by_gyros(imus: &[&Imu], track: &Track, limits: &gyro_vs_turn_sign::Limits) -> Vec<Told> {
+    let tell = |imu: &&Imu| {
+        let gain = gyro_vs_turn_sign::gain(imu, track, limits)?;
+        Some(Told {
+            is_left_handed: gain < 0.0,
+            words: format!(
+                "the gyro of `{}` turns against it, and stands upright",
+                imu.stream.topic
+            ),
+            measured: Measured::new("yaw rate over the turning of the course", gain, "1"),
+        })
+    };
+    imus.iter().filter_map(tell).collect()
+}
+
+fn judge_track(poses: &Stream<PoseRow>, simulator: Known<Simulator>, told: Vec<Told>, out: &mut Judge) {
+    let subject = format!("{} ({})", poses.subject, simulator.name);
+    if told.is_empty() {
+        let why = "neither satellite fixes nor an upright gyro show which way it turns, or it does not turn enough";
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let (left, right): (Vec<Told>, Vec<Told>) = told.into_iter().partition(|told| told.is_left_handed);
+    if left.is_empty() {
+        return out.pass(subject, right.into_iter().map(|told| told.measured));
+    }
+    if !right.is_empty() {
+        let why = format!(
+            "{} of {} measurements say left-handed",
+            left.len(),
+            left.len() + right.len()
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let words: Vec<&str> = left.iter().map(|told| told.words.as_str()).collect();
+    let message = format!(
+        "the poses on {} are left-handed, as {} has them: {}",
+        poses.topic,
+        simulator.name,
+        words.join("; ")
+    );
+    let finding = Finding::error(subject, message, poses.place())
+        .likely()
+        .relation("left-handed")
+        .help(format!(
+            "{} is {}; to ROS: {}",
+            simulator.name, simulator.facts.axes, simulator.facts.conversion
+        ));
+    let finding = poses.told_in.tell(finding);
+    out.fail(
+        left.into_iter()
+            .map(|told| told.measured)
+            .fold(finding, Finding::measured),
+    );
+}

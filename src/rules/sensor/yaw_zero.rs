@@ -1,0 +1,117 @@
+//! A yaw against an angle that is known clockwise from north: which way it turns, and where its zero is.
+//!
+//! Must not report.
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::math::circular::{CircularMean, circular_mean, wrapped};
+use crate::rules::axes::heading::{Heading, Sense};
+use crate::rules::axes::heading_convention;
+use crate::rules::motion::{Compass, Track, Yaws};
+use crate::source::Place;
+
+use super::compass_in_quaternion::Limits;
+
+/// What a yaw was found to be.
+#[derive(Debug)]
+pub(super) struct Found {
+    /// Whether it grows clockwise, seen from above.
+    pub(super) is_clockwise: bool,
+    /// The yaw minus the compass heading, or minus the yaw that REP-103 asks for, by its sense; `None` where the other
+    /// angle does not know where north is.
+    pub(super) zero_rad: Option<f64>,
+    /// Resultant of that difference, and of the difference by the other sense.
+    pub(super) resultants: [f64; 2],
+    /// How many angles were compared.
+    pub(super) samples: usize,
+    /// What it was held against.
+    pub(super) other: String,
+    /// Where that begins.
+    pub(super) other_at: Place,
+}
+
+/// Holds a yaw against angles that are stated. With a turn the sense shows. Without one, where that is not needed, a yaw is
+/// a compass heading where it has the same value, and the yaw by REP-103 would be far from it.
+pub(super) fn by_compass(
+    yaws: &Yaws,
+    compass: &Compass,
+    needs_turn: bool,
+    turns: &heading_convention::Limits,
+    limits: &Limits,
+) -> Option<Found> {
+    let angles = compass.angles.iter();
+    let pairs: Vec<(f64, f64)> = angles
+        .filter_map(|(t_s, heading)| Some((yaws.at(*t_s)?, *heading)))
+        .collect();
+    let mean = |difference: fn(f64, f64) -> f64| {
+        circular_mean(pairs.iter().map(|(yaw, heading)| (difference(*yaw, *heading), 1.0)))
+    };
+    let same = mean(|yaw, heading| wrapped(yaw - heading))?;
+    let enu = mean(|yaw, heading| wrapped(yaw + heading - FRAC_PI_2))?;
+    if pairs.len() < limits.min_samples {
+        return None;
+    }
+    let found = |is_clockwise: bool, [best, other]: [&CircularMean; 2]| Found {
+        is_clockwise,
+        zero_rad: Some(best.mean_rad),
+        resultants: [best.resultant, other.resultant],
+        samples: pairs.len(),
+        other: compass.subject.clone(),
+        other_at: compass.place.clone(),
+    };
+    let has_turned = span_rad(&pairs) >= turns.min_turn_deg.to_radians();
+    let is = |[best, other]: [&CircularMean; 2]| {
+        let is_clear = if has_turned {
+            1.0 - other.resultant >= turns.variance_ratio * (1.0 - best.resultant)
+        } else {
+            !needs_turn
+                && best.mean_rad.abs() <= limits.same_deg.to_radians()
+                && other.mean_rad.abs() >= limits.apart_deg.to_radians()
+        };
+        best.resultant >= turns.min_resultant && is_clear
+    };
+    let (compass, rep) = ([&same, &enu], [&enu, &same]);
+    match (is(compass), is(rep)) {
+        (true, false) => Some(found(true, compass)),
+        (false, true) => Some(found(false, rep)),
+        _ => None,
+    }
+}
+
+/// How far the headings turn, from the rightmost to the leftmost, radians.
+fn span_rad(pairs: &[(f64, f64)]) -> f64 {
+    let (mut turned, mut least, mut most) = (0.0_f64, 0.0_f64, 0.0_f64);
+    for pair in pairs.windows(2) {
+        if let [(_, before), (_, after)] = pair {
+            turned += wrapped(after - before);
+            (least, most) = (least.min(turned), most.max(turned));
+        }
+    }
+    most - least
+}
+
+/// Holds a yaw against the courses of a track, as AXES04 does. `knows_north` says whether a course of zero is east.
+pub(super) fn by_track(
+    yaws: &Yaws,
+    track: &Track,
+    knows_north: bool,
+    turns: &heading_convention::Limits,
+) -> Option<Found> {
+    let heading = Heading::of(yaws, &track.courses(turns.min_speed_m_s), turns);
+    if heading.agreement().is_none_or(|share| share < turns.min_agreement) {
+        return None;
+    }
+    let is_clockwise = heading.winner() == Sense::Right;
+    // Clockwise, the offset is `yaw + course`, and `heading = pi/2 - course`.
+    let from_zero = if is_clockwise { FRAC_PI_2 } else { 0.0 };
+    let is_steady = heading.offset_resultant >= turns.min_resultant;
+    let [left, right] = heading.resultants;
+    Some(Found {
+        is_clockwise,
+        zero_rad: (knows_north && is_steady).then(|| wrapped(heading.offset_rad - from_zero)),
+        resultants: if is_clockwise { [right, left] } else { [left, right] },
+        samples: heading.samples,
+        other: format!("the course of {}", track.subject),
+        other_at: track.place.clone(),
+    })
+}

@@ -1,0 +1,226 @@
+//! TIME09: what one sensor's stamps say happened sooner or later than another's, by the motion that both saw.
+
+use serde::Deserialize;
+
+use crate::rules::motion::{BagMotion, Motion};
+use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::{BagEvidence, World};
+
+use super::offsets::{Offset, Without, held};
+use super::together::tell_once;
+use super::told::Told;
+use super::turning::{Kind, Signal, signals};
+
+/// TIME09.
+pub struct SensorTimeOffset;
+
+/// Limits of TIME09.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    limit_s: f64,
+    max_pairs: usize,
+    filter_s: f64,
+    fix_s: f64,
+    pub(super) sigmas: f64,
+    pub(super) steady_s: f64,
+    pub(super) max_lag_s: f64,
+    pub(super) min_correlation: f64,
+    pub(super) min_correlation_fix: f64,
+    pub(super) min_z: f64,
+    pub(super) min_part_z: f64,
+    pub(super) min_n_eff: f64,
+    pub(super) min_lead: f64,
+    pub(super) min_ratio: f64,
+}
+
+impl Rule for SensorTimeOffset {
+    const PAGE: &'static str = include_str!("../../../rules/time/sensor-time-offset.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for (bag, motion) in world.bags.iter().zip(&Motion::of(world).bags) {
+            judge_bag(world, bag, motion, limits, out);
+        }
+    }
+}
+
+fn judge_bag(world: &World, bag: &BagEvidence, motion: &BagMotion, limits: &Limits, out: &mut Judge) {
+    let signals = signals(motion);
+    // The first that anything can be held against.
+    let mut silent: Vec<Vec<Silence>> = Vec::new();
+    let mut found = None;
+    for (index, first) in signals.iter().enumerate() {
+        if silent.iter().map(Vec::len).sum::<usize>() >= limits.max_pairs {
+            break;
+        }
+        let others = signals.iter().skip(index + 1);
+        let others: Vec<(&Signal, Result<Offset, Without>)> = others
+            .map(|second| (second, held(world, first, second, limits)))
+            .collect();
+        let of = |(_, found): &(&Signal, Result<Offset, Without>)| match found {
+            Err(Without::Silent(rho, why)) => Some((*rho, why.clone())),
+            _ => None,
+        };
+        match others.iter().map(of).collect() {
+            Some(none) => silent.push(none),
+            None => {
+                found = Some((first, others));
+                break;
+            }
+        }
+    }
+    let Some((first, others)) = found else {
+        for (index, signal) in signals.iter().enumerate() {
+            let why = why_silent(&signals, index, &silent);
+            out.not_evaluated(&signal.subject, NotEvaluated::TooLittleEvidence, why);
+        }
+        return;
+    };
+    let told = Told::of(bag);
+    let mut off: Vec<Finding> = Vec::new();
+    for (second, found) in others {
+        let subject = second.subject.clone();
+        match found {
+            Err(Without::Silent(_, why)) => {
+                let why = format!("against {}, {why}", words(first));
+                out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            }
+            Err(Without::Varies(why)) => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+            Ok(offset) => {
+                let limit_s = limit_s(first, second, limits);
+                let measured = measured(first, &offset, limit_s);
+                let beyond_s = offset.in_stamps_s.abs() - limits.sigmas * offset.sigma_s - limit_s;
+                if beyond_s <= 0.0 {
+                    out.pass(subject, measured);
+                } else if offset.in_log_s.abs() <= limit_s && (told.stamps(first) || told.stamps(second)) {
+                    let why = "its stamps alone are off, as TIME01 or TIME02 report";
+                    out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                } else {
+                    let is_large = beyond_s > slack_s(first, second);
+                    off.push(late(first, second, &offset, measured, is_large, limits));
+                }
+            }
+        }
+    }
+    let (later, sooner) = off
+        .into_iter()
+        .partition(|finding: &Finding| finding.measured.first().is_some_and(|measured| measured.value > 0.0));
+    for together in [later, sooner] {
+        tell_once(together, "run likewise", out);
+    }
+}
+
+/// Why two signals say nothing of each other, and how near they came.
+type Silence = (f64, String);
+
+/// Why a signal says nothing: `silent` has, for each that was tried, the signals behind it.
+fn why_silent(signals: &[Signal], index: usize, silent: &[Vec<Silence>]) -> String {
+    let between = |other: usize| {
+        let (first, second) = (index.min(other), index.max(other));
+        silent.get(first)?.get((second - first).checked_sub(1)?)
+    };
+    let others = signals.iter().enumerate();
+    let whys = others.filter_map(|(other, signal)| Some((between(other)?, signal)));
+    let best = whys.max_by(|a, b| a.0.0.total_cmp(&b.0.0));
+    let why = best.map_or_else(
+        || "nothing else in the recording shows its motion".to_owned(),
+        |((_, why), other)| format!("against {}, {why}", words(other)),
+    );
+    if silent.len() < signals.len() {
+        format!(
+            "{why}; of {} streams the first {} were held against all others",
+            signals.len(),
+            silent.len()
+        )
+    } else {
+        why
+    }
+}
+
+/// The reference in words.
+fn words(signal: &Signal) -> String {
+    match signal.kind {
+        Kind::Gyro => format!("the gyro of {}", signal.subject),
+        _ => signal.subject.clone(),
+    }
+}
+
+/// Up to which offset two signals are sound, seconds.
+fn limit_s(first: &Signal, second: &Signal, limits: &Limits) -> f64 {
+    let of = |signal: &Signal| match signal.kind {
+        Kind::Fix => limits.fix_s + signal.period_s,
+        Kind::Orientation => limits.filter_s,
+        _ => limits.limit_s,
+    };
+    of(first).max(of(second))
+}
+
+/// What velocities made of the difference to the message before are late by, seconds: half a period of the slower signal.
+fn slack_s(first: &Signal, second: &Signal) -> f64 {
+    [first, second]
+        .map(|signal| {
+            if signal.kind == Kind::Fix {
+                0.0
+            } else {
+                signal.period_s / 2.0
+            }
+        })
+        .into_iter()
+        .fold(0.0, f64::max)
+}
+
+fn measured(first: &Signal, offset: &Offset, limit_s: f64) -> [Measured; 2] {
+    [
+        Measured::new(
+            format!("after {}, by {}", words(first), offset.by.words()),
+            offset.in_stamps_s,
+            "s",
+        )
+        .limit(limit_s.copysign(offset.in_stamps_s))
+        .spread(offset.sigma_s),
+        Measured::new("correlation", offset.correlation, "1").samples(count(offset.n_eff)),
+    ]
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn count(n_eff: f64) -> u64 {
+    n_eff.max(0.0) as u64
+}
+
+fn late(
+    first: &Signal,
+    second: &Signal,
+    offset: &Offset,
+    measured: [Measured; 2],
+    is_large: bool,
+    limits: &Limits,
+) -> Finding {
+    let way = if offset.in_stamps_s > 0.0 { "after" } else { "before" };
+    let size_s = offset.in_stamps_s.abs();
+    let message = format!(
+        "by its stamps, {} shows the motion {size_s:.3} s {way} {} (+-{:.3} s; {}, correlation {:.2}, alike in all parts of the \
+         recording)",
+        second.subject,
+        words(first),
+        limits.sigmas * offset.sigma_s,
+        offset.by.words(),
+        offset.correlation
+    );
+    let help = format!(
+        "stamp with the time of measuring, not of arrival; find which of the two is off, or tell the filter the delay: {} {size_s:.3} \
+         s {} the stamps of {}",
+        if offset.in_stamps_s > 0.0 { "take" } else { "add" },
+        if offset.in_stamps_s > 0.0 { "from" } else { "to" },
+        second.subject
+    );
+    let severity = if is_large { Severity::Warning } else { Severity::Note };
+    let finding = Finding::new(severity, &second.subject, message, second.place.clone())
+        .likely()
+        .help(help)
+        .related(first.place.clone(), words(first));
+    measured.into_iter().fold(finding, Finding::measured)
+}

@@ -1,0 +1,181 @@
+//! How far odometry drifts from another track of the same platform, between the first and the last third of a drive.
+//!
+//! Each third is laid over the other track by a turn and a shift of its own; the drift is how far apart the two put the middle
+//! of the last third. Must not judge.
+
+use std::sync::Arc;
+
+use nalgebra::{Rotation2, Vector2, Vector3};
+
+use crate::math::similarity2::{fit_similarities, path_length, spread};
+use crate::math::stats::median;
+use crate::rules::motion::{BagMotion, Stream, Track};
+use crate::rules::names;
+use crate::verdict::Measured;
+use crate::world::FrameId;
+use crate::world::motion::{FixRow, PoseRow};
+
+use super::map_odom_not_applied::Limits;
+
+/// A drift.
+pub(super) struct Drift {
+    /// What it was held against.
+    pub(super) against: String,
+    /// Metres.
+    pub(super) by_m: f64,
+    /// Its standard deviation, metres.
+    pub(super) sigma_m: f64,
+    /// Length of the odometry's way, metres.
+    pub(super) way_m: f64,
+    /// Root mean square of what each third leaves, metres.
+    rms_m: [f64; 2],
+    points: usize,
+}
+
+impl Drift {
+    fn least_m(&self, limits: &Limits) -> f64 {
+        limits.drift_m.max(limits.drift_share * self.way_m)
+    }
+
+    /// Whether it is one; `None` where it is too uncertain to say.
+    pub(super) fn is_told(&self, limits: &Limits) -> Option<bool> {
+        let least_m = self.least_m(limits);
+        if self.by_m <= least_m {
+            (self.sigma_m <= least_m).then_some(false)
+        } else {
+            (self.by_m > limits.sigmas * self.sigma_m).then_some(true)
+        }
+    }
+
+    pub(super) fn measured(&self, limits: &Limits) -> [Measured; 3] {
+        let [first, last] = self.rms_m;
+        [
+            Measured::new(format!("drift against {}", self.against), self.by_m, "m")
+                .limit(self.least_m(limits))
+                .spread(self.sigma_m)
+                .samples(self.points as u64),
+            Measured::new("way", self.way_m, "m"),
+            Measured::new("residual of the worse third", first.max(last), "m"),
+        ]
+    }
+}
+
+/// The drift of what moves in `odom` against fixes, or poses in `map`: the first that can tell; why none can, else.
+pub(super) fn drift(motion: &BagMotion, odom: &FrameId, map: &FrameId, limits: &Limits) -> Result<Drift, String> {
+    let in_frame = |frame: &FrameId| {
+        let poses = motion
+            .poses
+            .iter()
+            .filter(move |stream| stream.frame.as_ref() == Some(frame));
+        let poses: Vec<_> = poses
+            .filter(|stream| stream.child.as_ref() != Some(odom) && !names::is_wish(&stream.topic))
+            .collect();
+        poses
+    };
+    let odometry: Vec<Arc<Track>> = in_frame(odom).into_iter().map(Stream::<PoseRow>::track).collect();
+    let by_poses = in_frame(map)
+        .into_iter()
+        .map(|stream| (stream.track(), limits.least_sigma_m));
+    let fixes = motion.fixes.iter().map(|stream| {
+        let sigmas: Vec<f64> = stream.rows().filter_map(|timed| sigma_m(&timed.row)).collect();
+        (stream.track(), median(&sigmas).unwrap_or(0.0).max(limits.least_sigma_m))
+    });
+    let others: Vec<(Arc<Track>, f64)> = by_poses.chain(fixes).collect();
+    if others.is_empty() {
+        return Err(format!(
+            "whether a correction is missing takes a second source of the pose in `{map}`: fixes, or a localizer's pose"
+        ));
+    }
+    let pairs = odometry
+        .iter()
+        .flat_map(|odometry| others.iter().map(move |other| (odometry, other)));
+    let mut why = format!("no odometry in `{odom}` was recorded beside it");
+    for (odometry, (other, sigma_m)) in pairs {
+        match of(odometry, other, *sigma_m, limits) {
+            Ok(drift) => return Ok(drift),
+            Err(reason) => why = format!("against {}, {reason}", other.subject),
+        }
+    }
+    Err(why)
+}
+
+/// What a receiver says of its deviation to the side.
+fn sigma_m(row: &FixRow) -> Option<f64> {
+    let [east, north, _] = row.variance_m2;
+    let sigma = east.max(north).sqrt();
+    (sigma.is_finite() && sigma > 0.0).then_some(sigma)
+}
+
+/// A third of both tracks, and the turn and shift that lays one over the other.
+struct Laid {
+    middle: Vector2<f64>,
+    turn: Rotation2<f64>,
+    image: Vector2<f64>,
+    rms_m: f64,
+    /// Standard deviation of the turn, radians.
+    turn_sigma_rad: f64,
+}
+
+impl Laid {
+    fn of(both: &[(Vector2<f64>, Vector2<f64>)], sigma_m: f64) -> Option<Self> {
+        let (from, to): (Vec<_>, Vec<_>) = both.iter().copied().unzip();
+        let count = both.len() as f64;
+        let mean = |points: &[Vector2<f64>]| points.iter().sum::<Vector2<f64>>() / count;
+        let (middle, image) = (mean(&from), mean(&to));
+        // The best turn is that of the best similarity: the scale takes no part in it.
+        let turn = Rotation2::new(fit_similarities(&from, &to)?.proper.angle_rad);
+        let rest = |(from, to): &(Vector2<f64>, Vector2<f64>)| (turn * (from - middle) - (to - image)).norm_squared();
+        let rms_m = (both.iter().map(rest).sum::<f64>() / count).sqrt();
+        let spread = spread(&from)?;
+        // Errors of a receiver last for minutes: more points do not make them smaller.
+        let turn_sigma_rad = sigma_m.max(rms_m) / spread.major_sd_m.hypot(spread.minor_sd_m);
+        let is_finite = rms_m.is_finite() && turn_sigma_rad.is_finite();
+        is_finite.then_some(Self {
+            middle,
+            turn,
+            image,
+            rms_m,
+            turn_sigma_rad,
+        })
+    }
+
+    fn apply(&self, point: Vector2<f64>) -> Vector2<f64> {
+        self.image + self.turn * (point - self.middle)
+    }
+}
+
+fn of(odometry: &Track, other: &Track, sigma_m: f64, limits: &Limits) -> Result<Drift, String> {
+    let points = other.stretches.iter().flatten();
+    let both: Vec<(Vector2<f64>, Vector2<f64>)> = points
+        .filter_map(|(t_s, place)| Some((odometry.at(*t_s)?.xy(), Vector3::xy(place))))
+        .collect();
+    let third = both.len() / 3;
+    if third < limits.min_points {
+        return Err(format!(
+            "{} points in common, {} are needed",
+            both.len(),
+            3 * limits.min_points
+        ));
+    }
+    let part = |from: usize, to: usize| both.get(from..to).and_then(|part| Laid::of(part, sigma_m));
+    let way_m = path_length(&both.iter().map(|(odometry, _)| *odometry).collect::<Vec<_>>());
+    let (Some(first), Some(last)) = (part(0, third), part(both.len() - third, both.len())) else {
+        return Err("one third of the drive stands still".to_owned());
+    };
+    if first.rms_m.max(last.rms_m) > limits.max_residual * way_m {
+        return Err("the odometry cannot be laid over it even for a third of the drive".to_owned());
+    }
+    let by_m = (first.apply(last.middle) - last.image).norm();
+    let far_m = (last.middle - first.middle).norm();
+    let sigma_m = (sigma_m.max(first.rms_m))
+        .hypot(sigma_m.max(last.rms_m))
+        .hypot(first.turn_sigma_rad * far_m);
+    Ok(Drift {
+        against: other.subject.clone(),
+        by_m,
+        sigma_m,
+        way_m,
+        rms_m: [first.rms_m, last.rms_m],
+        points: both.len(),
+    })
+}
