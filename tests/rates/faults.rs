@@ -36,6 +36,11 @@ const MIRRORED: &str = "the track that it is held against is a mirror image";
 /// What a finding on a velocity says of the position that may be wrong instead.
 const POSITION: &str = "or the position beside it is wrong";
 
+/// Odometry that is stamped on arrival.
+const LATE: &str = "odom 0.1 s late";
+/// By how much, seconds.
+const LATE_S: f64 = 0.1;
+
 /// Faults of inertial sensors.
 pub const IMU: &[Known] = &[
     (
@@ -110,11 +115,7 @@ pub const IMU: &[Known] = &[
         (&["upside-down"], &["the sensor is mounted upside down"]),
     ),
     (SIDE, &[], (&["on-its-side"], &["the sensor is mounted on its side"])),
-    (
-        "Euler XYZ",
-        &[Error::EulerXyz],
-        (&[], &["follows its gyro about one axis"]),
-    ),
+    ("Euler XYZ", &[Error::EulerXyz], (&[], &["was put together as"])),
     (
         "left-handed",
         &[Error::LeftHanded],
@@ -213,11 +214,14 @@ impl Fault {
 
     /// The messages of odometry with the fault.
     pub fn odometry(self, healthy: &[OdometryRow]) -> Option<Vec<OdometryRow>> {
-        let Self::Odometry(_) = self else { return None };
+        let Self::Odometry(name) = self else { return None };
         let (_, errors, _) = self.known()?;
         let mut rows = healthy.to_vec();
         for row in &mut rows {
             errors.iter().for_each(|error| row.apply(*error));
+            if name == LATE {
+                row.pose.t_s += LATE_S;
+            }
         }
         Some(rows)
     }

@@ -13,6 +13,7 @@ pub fn table() -> Table {
     quaternions(&mut table);
     headings(&mut table);
     mirrors(&mut table);
+    times(&mut table);
     rules(&mut table);
     table
 }
@@ -32,6 +33,7 @@ fn simulated(
     table: &mut Table,
     group: &'static str,
     rule: &'static str,
+    subject: &'static str,
     of: Kind,
     faults: &[Fault],
     lines: &[Simulated],
@@ -48,7 +50,7 @@ fn simulated(
                 &Asked {
                     group,
                     rule,
-                    subject: "",
+                    subject,
                     fault: *fault,
                     called: None,
                     pooled: false,
@@ -77,7 +79,7 @@ fn quaternions(table: &mut Table) {
         (Straight, 60, 0.75, "1.00 to the east"),
         (Still, 60, 0.0, "0 (not evaluated)"),
     ];
-    simulated(table, group, "QUAT01", CAR, &faults, &tactical);
+    simulated(table, group, "QUAT01", "", CAR, &faults, &tactical);
     let mems = Kind {
         imu: Grade::Mems,
         ..CAR
@@ -87,7 +89,7 @@ fn quaternions(table: &mut Table) {
         (Turning, 20, 0.975, ".975-1.00"),
         (Turning, 60, 1.0, "1.00"),
     ];
-    simulated(table, group, "QUAT01", mems, &faults, &low);
+    simulated(table, group, "QUAT01", "", mems, &faults, &low);
 }
 
 /// S2: the heading against the course.
@@ -113,14 +115,14 @@ fn headings(table: &mut Table) {
         (Straight, 120, 0.0, ".02; real drives need turns"),
         (Straight, 300, 0.0, ".25; real drives need turns"),
     ];
-    simulated(table, group, "AXES04", mems, &faults, &lines);
+    simulated(table, group, "AXES04", "", mems, &faults, &lines);
     // Its courses of 2 s are off by 0.2 m/s, the noise of the position alone: S2 had 0.3 m/s.
     let single = Kind {
         gnss: Gnss::Single,
         ..mems
     };
     let lines = [(Turning, 60, 0.95, ".95"), (Turning, 300, 0.98, ".98")];
-    simulated(table, group, "AXES04", single, &faults, &lines);
+    simulated(table, group, "AXES04", "", single, &faults, &lines);
 }
 
 /// S3b: odometry mirrored against the satellites' track.
@@ -140,7 +142,7 @@ fn mirrors(table: &mut Table) {
         (Straight, 120, 0.96, ".96"),
         (Straight, 300, 1.0, "1.00"),
     ];
-    simulated(table, group, "AXES07", CAR, &faults, &rtk);
+    simulated(table, group, "AXES07", "", CAR, &faults, &rtk);
     let single = Kind {
         gnss: Gnss::Single,
         ..CAR
@@ -153,7 +155,22 @@ fn mirrors(table: &mut Table) {
         (Straight, 120, 0.10, ".10"),
         (Straight, 300, 0.17, ".17"),
     ];
-    simulated(table, group, "AXES07", single, &faults, &lines);
+    simulated(table, group, "AXES07", "", single, &faults, &lines);
+}
+
+/// S4: odometry stamped late against the gyro. S4 had a yaw rate at 10 Hz with noise of 0.01 rad/s; here it is 20 Hz and 0.005.
+fn times(table: &mut Table) {
+    use Motion::{Straight, Turning};
+    let faults = [Fault::Healthy, Fault::Odometry("odom 0.1 s late")];
+    let group = "S4 time offset (TIME09)";
+    let lines = [
+        (Turning, 10, 0.43, ".43"),
+        (Turning, 20, 0.63, ".63"),
+        (Turning, 40, 0.94, ".94"),
+        (Turning, 120, 1.0, "1.00"),
+        (Straight, 60, 0.0, "0-.05"),
+    ];
+    simulated(table, group, "TIME09", "topic `/odom`", CAR, &faults, &lines);
 }
 
 /// A rule, its subject, what its line without a fault is called, and the faults that show in it.
@@ -275,8 +292,19 @@ const SHOWS: &[Shows] = &[
             Fault::Imu("gyro, accel FRD"),
             Fault::Imu("gyro negated"),
             Fault::Imu("compass yaw"),
-            Fault::Imu("Euler XYZ"),
         ],
+    ),
+    (
+        "QUAT03",
+        "angles behind the orientation of",
+        "healthy",
+        &[Fault::Imu("Euler XYZ")],
+    ),
+    (
+        "TIME09",
+        "topic `/odom`",
+        "healthy",
+        &[Fault::Odometry("odom 0.1 s late")],
     ),
 ];
 

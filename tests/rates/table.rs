@@ -148,7 +148,7 @@ impl Table {
 
     /// Answers every question for so many seeds.
     pub fn fill(&mut self, seeds: u64) {
-        let rules = Rules::select(&["AXES", "QUAT01"]).unwrap();
+        let rules = Rules::select(&["AXES", "QUAT", "TIME09"]).unwrap();
         // Whoever is through early takes the next of the long drives first.
         let mut tasks: Vec<(usize, u64)> = Vec::new();
         for drives in 0..self.drives.len() {

@@ -10,7 +10,7 @@ use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
-use super::by_gyro::Ordered;
+use super::by_gyro::{Margins, Ordered, ordered};
 use super::ways::Ways;
 
 /// QUAT01.
@@ -166,19 +166,23 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
     }
     let slow = imu.inertial.slow_turns.as_ref().and_then(Ways::of);
     let turns_enough = |ways: &Ways| ways.rotation_deg() >= limits.min_rotation_deg;
-    let order = Some(&fast)
-        .filter(|ways| turns_enough(ways))
-        .and_then(|ways| ways.order(imu, limits));
-    let with_order = |turned: Turned| Turned {
-        ordered: order.clone(),
-        ..turned
-    };
-    if order.as_ref().is_some_and(|order| fast.is_beaten_by(order, limits)) {
-        return Ok(with_order(fast.found(Turn::Ordered, None, limits)));
+    let order = fast_order(imu, &fast, limits).filter(|_| turns_enough(&fast));
+    if let Some(order) = order
+        .as_ref()
+        .filter(|order| fast.maps_are_worse(order.residual, limits))
+    {
+        return Ok(Turned {
+            ordered: Some(order.clone()),
+            ..fast.found(Turn::Ordered, None, limits)
+        });
     }
     let by_ratio = Some(&fast).filter(|ways| turns_enough(ways)).and_then(|ways| {
         let class = ways.by_ratio(limits)?;
-        Some(ways.found(class, fast.axis(class, limits)?, limits))
+        let axis = fast.axis(class, limits)?;
+        Some(Turned {
+            ordered: order,
+            ..ways.found(class, axis, limits)
+        })
     });
     let by_gap = || {
         let ways = slow.as_ref().filter(|ways| turns_enough(ways))?;
@@ -188,7 +192,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         axis.is_none().then(|| ways.found(class, None, limits))
     };
     if let Some(turned) = by_ratio.or_else(by_gap) {
-        return Ok(with_order(turned));
+        return Ok(turned);
     }
     if !turns_enough(&fast) && !slow.as_ref().is_some_and(turns_enough) {
         return little(format!(
@@ -198,7 +202,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         ));
     }
     if fast.is_unrelated(limits) {
-        return Ok(with_order(fast.found(Turn::Unrelated, None, limits)));
+        return Ok(fast.found(Turn::Unrelated, None, limits));
     }
     little(format!(
         "neither follows the other clearly: {:.0} % of the turning is left unexplained as published, {:.0} % by the best other \
@@ -206,4 +210,19 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         100.0 * fast.as_published.residual,
         100.0 * fast.best()
     ))
+}
+
+/// The order of the angles behind the orientation, if it is another one. The search is dear, and its answer is sure: asked
+/// where anything speaks for it, at any rate.
+fn fast_order(imu: &Imu, fast: &Ways, limits: &Limits) -> Option<Ordered> {
+    let own = fast.as_published.residual;
+    let margins = Margins {
+        agrees: limits.agrees,
+        ratio: limits.ratio,
+        noise: limits.noise,
+    };
+    let is_odd = own > limits.unrelated || fast.has_odd_axis(limits);
+    (is_odd && !fast.is_simpler(limits))
+        .then(|| ordered(imu, own, &margins))
+        .flatten()
 }

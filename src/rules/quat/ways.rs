@@ -8,9 +8,7 @@ use crate::math::readings::Reading;
 use crate::math::rotation::singular_values;
 use crate::math::turns::{Score, Turns};
 use crate::rules::axes::causes::Turn;
-use crate::rules::motion::Imu;
 
-use super::by_gyro::{Margins, Ordered, ordered};
 use super::quaternion_convention::{Limits, Turned};
 
 /// The windows with the scores of the readings.
@@ -72,7 +70,7 @@ impl<'a> Ways<'a> {
 
     /// What was seen, by these windows.
     pub(super) fn found(&self, class: Turn, axis: Option<usize>, limits: &Limits) -> Turned {
-        let is_slow = self.by_ratio(limits).is_none() && class != Turn::Unrelated;
+        let is_slow = self.by_ratio(limits).is_none() && !matches!(class, Turn::Unrelated | Turn::Ordered);
         Turned {
             class: if axis.is_some() { Turn::Partly } else { class },
             as_published: self.as_published,
@@ -87,32 +85,35 @@ impl<'a> Ways<'a> {
             },
             axis,
             ordered: None,
-            speaking: self
-                .turns
-                .axis_rms_rad_s
-                .iter()
-                .filter(|rms| rms.to_degrees() >= limits.axis_deg_s)
-                .count(),
+            speaking: self.speaking(limits),
         }
     }
 
-    /// The order of angles that the gyro shows, where it is another than that of ROS. The search is dear, and its answer is
-    /// sure: asked where anything speaks for it.
-    pub(super) fn order(&self, imu: &Imu, limits: &Limits) -> Option<Ordered> {
-        let own = self.as_published.residual;
-        let is_odd = own > limits.unrelated || self.wrong_axis(limits).is_none_or(|axis| axis.is_some());
-        let is_simpler = self.readings < limits.agrees;
-        let margins = Margins {
-            agrees: limits.agrees,
-            ratio: limits.ratio,
-            noise: limits.noise,
-        };
-        (is_odd && !is_simpler).then(|| ordered(imu, own, &margins))?
+    /// How many axes turn fast enough to speak.
+    fn speaking(&self, limits: &Limits) -> usize {
+        let speaks = |rms: &&f64| rms.to_degrees() >= limits.axis_deg_s;
+        self.turns.axis_rms_rad_s.iter().filter(speaks).count()
     }
 
-    /// Whether an order of angles explains more than a turned or negated gyro, which would be the simpler fault.
-    pub(super) fn is_beaten_by(&self, order: &Ordered, limits: &Limits) -> bool {
-        self.best() >= limits.ratio * order.residual.max(limits.noise)
+    /// Whether another reading of the four numbers is the simpler explanation.
+    pub(super) fn is_simpler(&self, limits: &Limits) -> bool {
+        self.readings < limits.agrees
+    }
+
+    /// Whether a turned or negated gyro explains less than something else that leaves this residual: it is the simpler fault.
+    pub(super) fn maps_are_worse(&self, residual: f64, limits: &Limits) -> bool {
+        let maps = self.others.iter().filter(|way| is_map(way.0)).map(|way| way.1);
+        maps.fold(f64::INFINITY, f64::min) >= limits.ratio * residual.max(limits.noise)
+    }
+
+    /// Whether the orientation may not follow about an axis, though it does about another, noise or not.
+    pub(super) fn has_odd_axis(&self, limits: &Limits) -> bool {
+        let correlation = self.as_published.axis_correlation;
+        let fits = correlation.iter().flatten().any(|value| *value > limits.axis_right);
+        let mut axes = correlation.iter().zip(self.turns.axis_rms_rad_s);
+        fits && axes.any(|(correlation, rms)| {
+            correlation.is_some_and(|value| value < limits.axis_wrong) && rms.to_degrees() >= limits.axis_deg_s
+        })
     }
 
     /// The way whose residual is small, the others' being some times as large.
@@ -162,7 +163,6 @@ impl<'a> Ways<'a> {
     fn one_of(&self, is_alike: impl Fn(f64) -> bool, opposes: bool) -> Option<Turn> {
         let alike = self.others.iter().filter(|way| is_alike(way.1)).map(|way| way.0);
         let alike: Vec<Turn> = alike.collect();
-        let is_map = |turn: Turn| matches!(turn, Turn::Frd | Turn::Negated | Turn::Yaw);
         match alike.as_slice() {
             [only] if is_map(*only) && is_alike(self.unnamed) => None,
             [only] => Some(*only),
@@ -190,11 +190,6 @@ impl<'a> Ways<'a> {
         if !matches!(class, Turn::Agree | Turn::Tilting) || self.turns.step_s > limits.axis_step_s {
             return Some(None);
         }
-        self.wrong_axis(limits)
-    }
-
-    /// The same, whatever the rate of the messages.
-    fn wrong_axis(&self, limits: &Limits) -> Option<Option<usize>> {
         let score = &self.as_published;
         let axes = score.axis_correlation.iter().zip(score.axis_residual_rad);
         let right = axes.filter(|(correlation, _)| correlation.is_some_and(|value| value > limits.axis_right));
@@ -217,6 +212,10 @@ impl<'a> Ways<'a> {
         }
         (!unclear).then_some(None)
     }
+}
+
+fn is_map(turn: Turn) -> bool {
+    matches!(turn, Turn::Frd | Turn::Negated | Turn::Yaw)
 }
 
 fn is_reordered(turn: &Turn) -> bool {
