@@ -348,6 +348,5 @@ fn with_images(motion: &[u8], path: &Path) {
         let schema = message.channel.schema.as_ref().expect("a schema");
         put(&message.channel.topic, &schema.name, &schema.data, now, &message.data);
     }
-    drop(put);
     out.finish().expect("the drive is written");
 }

@@ -3,6 +3,7 @@
 //! Made once for all rules that judge motion. Numbers are as published, or, where the configuration or a frame's name says
 //! that they are told in another convention, brought from there to that of ROS. Must not judge.
 
+mod along;
 mod clock;
 mod compass;
 mod convention;
@@ -23,12 +24,13 @@ use crate::world::bag::TopicEvidence;
 use crate::world::motion::{FixRow, NmeaRow, OrientationRow, PoseRow, TwistRow};
 use crate::world::{BagEvidence, FrameId, World};
 
+pub(crate) use along::{Follower, around};
 pub(crate) use compass::Compass;
 pub(crate) use convention::ToldIn;
 pub(crate) use imu::Imu;
 pub(crate) use mount::mount;
 pub(crate) use stream::{Stream, Timed, edge_subject};
-pub(crate) use track::{Course, Follower, Span, Track, around, span_rad};
+pub(crate) use track::{Course, Span, Track, span_rad};
 pub(crate) use turned::Turned;
 pub(crate) use yaw::Yaws;
 

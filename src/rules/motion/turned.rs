@@ -4,8 +4,8 @@ use nalgebra::UnitQuaternion;
 
 use crate::math::readings::Reading;
 
+use super::along::near;
 use super::stream::Stream;
-use super::track::near;
 
 /// `world_from_body` over time, as published.
 pub(crate) struct Turned {

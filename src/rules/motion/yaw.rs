@@ -6,8 +6,8 @@ use crate::math::circular::wrapped;
 use crate::math::readings::Reading;
 use crate::world::motion::{InertialRow, OrientationRow, PoseRow};
 
+use super::along::near;
 use super::stream::Stream;
-use super::track::near;
 
 /// Longest step between two orientations that a yaw is interpolated over, seconds.
 const MAX_STEP_S: f64 = 2.5;

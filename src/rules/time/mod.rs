@@ -8,6 +8,7 @@ mod lateness;
 pub mod leap_table_expiry;
 mod naming;
 mod offsets;
+mod reference;
 pub mod sensor_time_offset;
 mod simulated;
 pub mod stamp_monotonic;

@@ -7,7 +7,8 @@ use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::{BagEvidence, World};
 
-use super::offsets::{Offset, Without, held};
+use super::offsets::{Offset, Without};
+use super::reference::reference;
 use super::together::tell_once;
 use super::told::Told;
 use super::turning::{Kind, Signal, signals};
@@ -20,7 +21,7 @@ pub struct SensorTimeOffset;
 #[serde(deny_unknown_fields)]
 pub struct Limits {
     limit_s: f64,
-    max_pairs: usize,
+    pub(super) max_pairs: usize,
     filter_s: f64,
     fix_s: f64,
     pub(super) sigmas: f64,
@@ -50,35 +51,14 @@ impl Rule for SensorTimeOffset {
 
 fn judge_bag(world: &World, bag: &BagEvidence, motion: &BagMotion, limits: &Limits, out: &mut Judge) {
     let signals = signals(motion);
-    // The first that anything can be held against.
-    let mut silent: Vec<Vec<Silence>> = Vec::new();
-    let mut found = None;
-    for (index, first) in signals.iter().enumerate() {
-        if silent.iter().map(Vec::len).sum::<usize>() >= limits.max_pairs {
-            break;
-        }
-        let others = signals.iter().skip(index + 1);
-        let others: Vec<(&Signal, Result<Offset, Without>)> = others
-            .map(|second| (second, held(world, first, second, limits)))
-            .collect();
-        let of = |(_, found): &(&Signal, Result<Offset, Without>)| match found {
-            Err(Without::Silent(rho, why)) => Some((*rho, why.clone())),
-            _ => None,
-        };
-        match others.iter().map(of).collect() {
-            Some(none) => silent.push(none),
-            None => {
-                found = Some((first, others));
-                break;
+    let (first, others) = match reference(world, &signals, limits) {
+        Ok(found) => found,
+        Err(whys) => {
+            for (signal, why) in signals.iter().zip(whys) {
+                out.not_evaluated(&signal.subject, NotEvaluated::TooLittleEvidence, why);
             }
+            return;
         }
-    }
-    let Some((first, others)) = found else {
-        for (index, signal) in signals.iter().enumerate() {
-            let why = why_silent(&signals, index, &silent);
-            out.not_evaluated(&signal.subject, NotEvaluated::TooLittleEvidence, why);
-        }
-        return;
     };
     let told = Told::of(bag);
     let mut off: Vec<Finding> = Vec::new();
@@ -114,35 +94,8 @@ fn judge_bag(world: &World, bag: &BagEvidence, motion: &BagMotion, limits: &Limi
     }
 }
 
-/// Why two signals say nothing of each other, and how near they came.
-type Silence = (f64, String);
-
-/// Why a signal says nothing: `silent` has, for each that was tried, the signals behind it.
-fn why_silent(signals: &[Signal], index: usize, silent: &[Vec<Silence>]) -> String {
-    let between = |other: usize| {
-        let (first, second) = (index.min(other), index.max(other));
-        silent.get(first)?.get((second - first).checked_sub(1)?)
-    };
-    let others = signals.iter().enumerate();
-    let whys = others.filter_map(|(other, signal)| Some((between(other)?, signal)));
-    let best = whys.max_by(|a, b| a.0.0.total_cmp(&b.0.0));
-    let why = best.map_or_else(
-        || "nothing else in the recording shows its motion".to_owned(),
-        |((_, why), other)| format!("against {}, {why}", words(other)),
-    );
-    if silent.len() < signals.len() {
-        format!(
-            "{why}; of {} streams the first {} were held against all others",
-            signals.len(),
-            silent.len()
-        )
-    } else {
-        why
-    }
-}
-
 /// The reference in words.
-fn words(signal: &Signal) -> String {
+pub(super) fn words(signal: &Signal) -> String {
     match signal.kind {
         Kind::Gyro => format!("the gyro of {}", signal.subject),
         _ => signal.subject.clone(),
