@@ -32,6 +32,7 @@ mod errors;
 mod mended;
 mod places;
 mod streams;
+mod table;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -184,12 +184,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         ratio: limits.ratio,
         noise: limits.noise,
     };
-    let reordered_inverse = score(Reading::WxyzConjugate).map(|score| score.residual);
-    let simpler = inverse
-        .residual
-        .min(reordered.residual)
-        .min(reordered_inverse.unwrap_or(own))
-        < limits.agrees;
+    let simpler = is_read_otherwise(turns, limits);
     let order = if is_odd && !simpler {
         ordered(imu, own, &margins)
     } else {
@@ -221,6 +216,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         return found(if axis.is_some() { Turn::Partly } else { Turn::Agree });
     }
     let mut ways = vec![(Turn::Inverse, inverse.residual), (Turn::Reordered, reordered.residual)];
+    let reordered_inverse = score(Reading::WxyzConjugate).map(|score| score.residual);
     ways.extend(reordered_inverse.map(|residual| (Turn::ReorderedInverse, residual)));
     ways.extend(maps(&as_published));
     ways.sort_by(|a, b| a.1.total_cmp(&b.1));
@@ -230,9 +226,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         let alike: Vec<Turn> = alike.map(|way| way.0).collect();
         match alike.as_slice() {
             [only] => return found(*only),
-            several if !several.iter().any(|turn| is_reordered(*turn)) && own > limits.opposes => {
-                return found(Turn::Reversed);
-            }
+            all if own > limits.opposes && !all.iter().copied().any(is_reordered) => return found(Turn::Reversed),
             _ => {}
         }
     }
@@ -245,6 +239,12 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         100.0 * own,
         100.0 * best
     ))
+}
+
+/// Whether the numbers, read in another order or as the inverse, agree with the gyro: a simpler fault than an order of angles.
+fn is_read_otherwise(turns: &Turns, limits: &Limits) -> bool {
+    let mut ways = [Reading::Conjugate, Reading::Wxyz, Reading::WxyzConjugate].into_iter();
+    ways.any(|reading| turns.score(reading).is_some_and(|score| score.residual < limits.agrees))
 }
 
 fn is_reordered(turn: Turn) -> bool {
