@@ -5,6 +5,7 @@ use nalgebra::{Rotation3, Vector3};
 use crate::errors::{Change, Error, GRAVITY, Needs};
 use crate::support::drive::covariance::rotate6;
 use crate::support::drive::errors::{Error as Known, Oriented, frd_from_flu, ned_from_enu, rotation, slots, turn};
+use crate::support::drive::rows::ImuRow;
 
 /// How high the geoid is taken to lie above the ellipsoid, metres.
 const UNDULATION_M: f64 = 30.0;
