@@ -471,7 +471,7 @@ pub static ERRORS: &[Error] = &[
                 &mut row.pose.covariance,
                 &back.to_rotation_matrix(),
                 &back.to_rotation_matrix(),
-            )
+            );
         }),
         ["not-rotated"],
         [],
