@@ -10,6 +10,7 @@
 //!     body: FRD                    # FLU, FRD
 //!     quaternion: {order: wxyz, algebra: hamilton}
 //!     time: gps                    # utc, gps, tai
+//!     fields: confirmed            # latitude, longitude, ... without a standard type are what their names say
 //! ```
 
 use std::fs::File;
@@ -25,7 +26,7 @@ use crate::read::discover::CONFIGURATION;
 use crate::source::{LineIndex, Place, Source, SourceId, SourceKind, Span};
 use crate::world::Conventions;
 use crate::world::conventions::{
-    BodyAxes, Convention, Declaration, QuaternionAlgebra, QuaternionOrder, Scope, TimeScale, WorldAxes,
+    BodyAxes, Convention, Declaration, Fields, QuaternionAlgebra, QuaternionOrder, Scope, TimeScale, WorldAxes,
 };
 
 /// Bound on its size, bytes.
@@ -138,7 +139,16 @@ impl Config {
 }
 
 /// The keys of one declaration.
-const KEYS: &[&str] = &["topic", "frame", "file", "world", "body", "quaternion", "time"];
+const KEYS: &[&str] = &[
+    "topic",
+    "frame",
+    "file",
+    "world",
+    "body",
+    "quaternion",
+    "time",
+    "fields",
+];
 
 struct Reader<'t> {
     path: &'t str,
@@ -196,6 +206,7 @@ impl Reader<'_> {
             world: self.word(item, "world", WorldAxes::WORDS)?,
             body: self.word(item, "body", BodyAxes::WORDS)?,
             time: self.word(item, "time", TimeScale::WORDS)?,
+            fields: self.word(item, "fields", Fields::WORDS)?,
             ..Convention::default()
         };
         if let Some(quaternion) = item.get("quaternion") {
@@ -204,7 +215,7 @@ impl Reader<'_> {
             convention.algebra = self.word(quaternion, "algebra", QuaternionAlgebra::WORDS)?;
         }
         if convention.is_empty() {
-            let what = "this declares nothing: `world`, `body`, `quaternion` or `time` is missing";
+            let what = "this declares nothing: `world`, `body`, `quaternion`, `time` or `fields` is missing";
             return Err(self.error(item.span.start, what));
         }
         let origin = format!("{}:{}", self.path, self.lines.locate(self.text, item.span.start).line);
@@ -317,7 +328,7 @@ mod tests {
         );
         assert_eq!(
             fault("conventions:\n  - topic: /imu\n    wrold: NED\n"),
-            "c.yaml:3:5: unknown key `wrold`; known keys: topic, frame, file, world, body, quaternion, time"
+            "c.yaml:3:5: unknown key `wrold`; known keys: topic, frame, file, world, body, quaternion, time, fields"
         );
         assert_eq!(
             fault("conventions:\n  - topic: /imu\n    world: NEU\n"),

@@ -89,6 +89,11 @@ fn is_the_same(paths: &[&Path], what: &str) {
         check(&options(paths)),
         check(&Options {
             evidence: vec![file],
+            // Evidence is saved elsewhere; what was declared beside the files is handed along.
+            config: paths
+                .iter()
+                .map(|path| path.join("frames-lint.yaml"))
+                .find(|path| path.is_file()),
             ..Options::default()
         }),
     );

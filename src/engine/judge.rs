@@ -62,7 +62,10 @@ fn doubt_guesses(world: &World, out: &mut Judge) {
         let Some((topic, fields)) = guessed.last() else {
             continue;
         };
-        let doubt = format!("that the fields `{fields}` of `{topic}` are what their names say is a guess");
+        let doubt = format!(
+            "that the fields `{fields}` of `{topic}` are what their names say is a guess (`fields: confirmed` in frames-lint.yaml \
+             settles it)"
+        );
         finding.help = if finding.help.is_empty() {
             doubt
         } else {

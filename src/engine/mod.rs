@@ -88,12 +88,12 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
     let mut skipped = inputs.skipped;
     for Saved {
         worlds: mut known,
-        sources: read,
+        sources: mut read,
         skipped: met,
     } in saved
     {
         if let Some(config) = &config {
-            declare(&mut known, config, None);
+            read = add_config(&mut known, &read, config);
         }
         let mut part = merged(judge_all(&known, &rules, several));
         drop(known);
@@ -226,12 +226,18 @@ fn configuration(options: &Options) -> Result<Option<Config>, UsageError> {
     Ok(config::find(options.config.as_deref(), &inputs)?)
 }
 
-/// Tells the worlds what the configuration declares.
-fn declare(worlds: &mut [World], config: &Config, id: Option<SourceId>) {
-    let conventions = Arc::new(config.conventions(id));
+/// Tells the worlds what the configuration declares, and adds it to their sources: behind all others, so that their
+/// numbers do not depend on it.
+fn add_config(worlds: &mut [World], sources: &[Source], config: &Config) -> Arc<Vec<Source>> {
+    let mut sources = sources.to_vec();
+    let id = u32::try_from(sources.len()).ok().map(SourceId);
+    sources.extend(id.map(|id| config.source(id)));
+    let (sources, conventions) = (Arc::new(sources), Arc::new(config.conventions(id)));
     for world in worlds {
+        world.sources = Arc::clone(&sources);
         world.declare(Arc::clone(&conventions));
     }
+    sources
 }
 
 fn worlds(
@@ -248,12 +254,10 @@ fn worlds(
         ..How::default()
     };
     let readings = gather::gather(inputs, &options.xacro_args, &how, &progress);
-    // The configuration comes behind the inputs, so that their numbers do not depend on it.
-    let id = config.and_then(|_| u32::try_from(readings.len()).ok()).map(SourceId);
-    let own = config.zip(id).map(|(config, id)| config.source(id));
-    let mut worlds = platform::platforms(readings, own, inputs);
-    if let Some(config) = config {
-        declare(&mut worlds, config, id);
+    let mut worlds = platform::platforms(readings, inputs);
+    if let (Some(config), Some(first)) = (config, worlds.first()) {
+        let sources = Arc::clone(&first.sources);
+        add_config(&mut worlds, &sources, config);
     }
     worlds
 }

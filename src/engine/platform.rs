@@ -25,8 +25,8 @@ struct Member {
     path: PathBuf,
 }
 
-/// Splits readings into worlds, ordered by their first source, each with all sources; `own` is one that belongs to none.
-pub(super) fn platforms(readings: Vec<Reading>, own: Option<Source>, inputs: &Inputs) -> Vec<World> {
+/// Splits readings into worlds, ordered by their first source, each with all sources.
+pub(super) fn platforms(readings: Vec<Reading>, inputs: &Inputs) -> Vec<World> {
     let mut groups: BTreeMap<usize, Vec<Member>> = BTreeMap::new();
     let mut sources = Vec::with_capacity(readings.len());
     for reading in readings {
@@ -47,7 +47,6 @@ pub(super) fn platforms(readings: Vec<Reading>, own: Option<Source>, inputs: &In
             path: input.path.clone(),
         });
     }
-    sources.extend(own);
     let sources = Arc::new(sources);
     let mut worlds: Vec<World> = Vec::new();
     for members in groups.into_values() {

@@ -45,6 +45,8 @@ pub struct Options {
     pub max_lag_s: f64,
     /// The step in which lags are tried, seconds.
     pub lag_step_s: f64,
+    /// The largest bias about each axis that is taken off the gyro, rad/s; 0 takes none.
+    pub max_bias_rad_s: f64,
     /// A window is active when its net turn by the gyro is at least this rate, rad/s.
     pub active_rad_s: f64,
     /// A step longer than this many median steps is a hole.
@@ -52,13 +54,15 @@ pub struct Options {
 }
 
 impl Options {
-    /// Windows of this length end to end, +-150 ms in steps of 10 ms, active from 2 degrees/s, holes from five steps.
+    /// Windows of this length end to end, +-150 ms in steps of 10 ms, biases up to 0.1 rad/s (five deviations of a consumer
+    /// grade's), active from 2 degrees/s, holes from five steps.
     pub fn new(window_s: f64) -> Options {
         Options {
             window_s,
             hop_s: window_s,
             max_lag_s: 0.15,
             lag_step_s: 0.01,
+            max_bias_rad_s: 0.1,
             active_rad_s: 2f64.to_radians(),
             hole_factor: 5.0,
         }
@@ -83,6 +87,8 @@ pub struct Turns {
     pub varying_rms_rad: f64,
     /// The root mean square of the gyro's rate about each axis over active windows, rad/s.
     pub axis_rms_rad_s: [f64; 3],
+    /// The bias that was taken off the gyro, rad/s.
+    pub bias_rad_s: Vector3<f64>,
     /// The median step between rows, seconds.
     pub step_s: f64,
     /// The result of each reading, in the order of [`Reading::ALL`].
@@ -104,7 +110,8 @@ pub struct Score {
     pub residual: f64,
     /// The same with no lag taken out, as the table of real recordings was measured.
     pub residual_without_lag: f64,
-    /// The mean of g - d per time, rad/s: the gyro's bias, where the reading is right.
+    /// The mean of g - d per time, rad/s, beyond [`Turns::bias_rad_s`]: the rest of the gyro's bias, where the reading is
+    /// right.
     pub bias_rad_s: Vector3<f64>,
     /// The lag of all numbers that follow, seconds: of the lags tried, that at which d is best explained by s, the plain
     /// integral of the rate, with any turn or mirror of the axes and any gain. Equal to `lag_s` where the reading and
@@ -117,6 +124,9 @@ pub struct Score {
     pub gain_correlation: f64,
     /// The correlation of d and s about each axis over active windows, -1..=1; `None` without variation.
     pub axis_correlation: [Option<f64>; 3],
+    /// The standard deviation of d - s about each axis over active windows, radians: the noise of the orientation, where
+    /// the reading is right.
+    pub axis_residual_rad: [f64; 3],
     /// sum g d^T over active windows, rad^2: the argument of the search for an axis map that takes g to d.
     pub cross: Matrix3<f64>,
     /// sum |g|^2 over active windows at this lag, rad^2.
@@ -168,10 +178,17 @@ pub fn turns<S: AsRef<[Row]>>(stretches: &[S], options: &Options) -> Option<Turn
     }
     let lags = best.iter().flat_map(|b| [b.lag(), b.match_lag()]).chain([0]);
     let lags: BTreeSet<i32> = lags.collect();
-    let by_lag: BTreeMap<i32, Vec<Turned>> = lags
+    let mut by_lag: BTreeMap<i32, Vec<Turned>> = lags
         .into_iter()
         .map(|lag| (lag, turned(&runs, &windows, 1, seconds(lag))))
         .collect();
+    let bias_rad_s = {
+        let at = |best: &Best| (best.r2(), by_lag.get(&best.lag()).map_or(&[][..], Vec::as_slice));
+        sums::bias(&windows, &best.each_ref().map(at), options.max_bias_rad_s)
+    };
+    for (window, gyro) in by_lag.values_mut().flat_map(|turned| windows.iter().zip(turned)) {
+        gyro.take_off(&(bias_rad_s * window.length_s()));
+    }
     let at = |lag: i32| by_lag.get(&lag).map_or(&[][..], Vec::as_slice);
     let still = at(0);
     let is_active = |(w, g): (&Window, &Turned)| g.turn.norm() >= options.active_rad_s * w.length_s();
@@ -197,6 +214,7 @@ pub fn turns<S: AsRef<[Row]>>(stretches: &[S], options: &Options) -> Option<Turn
         rotation_rad,
         varying_rms_rad: (varying / n).sqrt(),
         axis_rms_rad_s: squares.map(|sum| (sum / count.max(1) as f64).sqrt()).into(),
+        bias_rad_s,
         step_s,
         scores: std::array::from_fn(|i| {
             let best = best.get(i).copied().unwrap_or_default();

@@ -58,6 +58,13 @@ pub enum TimeScale {
     Tai,
 }
 
+/// Whether fields are what their names say, where no type tells.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Fields {
+    /// They are: what rests on them is no guess.
+    Confirmed,
+}
+
 macro_rules! words {
     ($type:ty { $($word:literal => $value:ident),* }) => {
         impl $type {
@@ -78,6 +85,7 @@ words!(WorldAxes { "ENU" => Enu, "NED" => Ned, "NWU" => Nwu });
 words!(BodyAxes { "FLU" => Flu, "FRD" => Frd });
 words!(QuaternionOrder { "xyzw" => Xyzw, "wxyz" => Wxyz });
 words!(QuaternionAlgebra { "hamilton" => Hamilton, "jpl" => Jpl });
+words!(Fields { "confirmed" => Confirmed });
 words!(TimeScale { "utc" => Utc, "gps" => Gps, "tai" => Tai });
 
 /// What numbers are told in; `None` where nothing is said.
@@ -93,6 +101,8 @@ pub struct Convention {
     pub algebra: Option<QuaternionAlgebra>,
     /// The scale of stamps.
     pub time: Option<TimeScale>,
+    /// Whether fields are what their names say.
+    pub fields: Option<Fields>,
 }
 
 impl Convention {
@@ -103,6 +113,7 @@ impl Convention {
         self.order = other.order.or(self.order);
         self.algebra = other.algebra.or(self.algebra);
         self.time = other.time.or(self.time);
+        self.fields = other.fields.or(self.fields);
     }
 
     /// Whether it says nothing.

@@ -103,13 +103,21 @@ impl World {
         self.source(id).map_or("?", |source| source.path.as_str())
     }
 
-    /// The topic and the fields of it that a place points at, where only their names say what they are.
+    /// The topic and the fields of it that a place points at, where only their names say what they are, and the
+    /// configuration does not confirm it.
     pub fn guessed_fields<'p>(&self, place: &'p Place) -> Option<(&'p str, &'p str)> {
         let At::Message(message) = &place.at else { return None };
         let fields = message.field.as_deref()?;
         let bag = self.bags.iter().find(|bag| bag.source == place.source)?;
         let member = bag.topics.get(&message.topic)?.members.get(fields)?;
-        member.guessed.then_some((message.topic.as_str(), fields))
+        let frames: Vec<&FrameId> = member.header_frames.keys().collect();
+        let declared = self.conventions.of(&conventions::Subject {
+            file: self.path(place.source),
+            topic: Some(&message.topic),
+            frames: &frames,
+        });
+        let is_confirmed = declared.is_some_and(|declared| declared.convention.fields.is_some());
+        (member.guessed && !is_confirmed).then_some((message.topic.as_str(), fields))
     }
 
     /// Adds what a reader found.

@@ -11,8 +11,8 @@ pub enum Answer {
     Right,
     /// A finding on what is healthy; a pass of what is not; a wrong name. With what was said.
     Wrong(String),
-    /// The rule did not judge.
-    NotEvaluated,
+    /// The rule did not judge. With why.
+    NotEvaluated(String),
 }
 
 /// What one rule answers for the subjects that begin so; a fault is expected to show in it.
@@ -48,7 +48,10 @@ pub fn of_rule(verdict: &Verdict, rule: &str, subject: &str, fault: Fault) -> An
         (Fault::Healthy, true, true) | (_, false, false) => Answer::Right,
         (_, _, true) => Answer::Wrong(format!("{rule} passes")),
         _ if points_elsewhere => Answer::Wrong(format!("{rule} points to a rule that says nothing")),
-        _ => Answer::NotEvaluated,
+        _ => {
+            let reasons: Vec<&str> = rows.iter().filter_map(|row| row.reason.as_deref()).collect();
+            Answer::NotEvaluated(reasons.join("; "))
+        }
     }
 }
 
@@ -64,7 +67,11 @@ pub fn of_all(verdict: &Verdict, fault: Fault) -> Answer {
         Fault::Healthy => verdict.count(Outcome::Pass) > 0,
         _ => !verdict.findings.is_empty(),
     };
-    if is_right { Answer::Right } else { Answer::NotEvaluated }
+    if is_right {
+        Answer::Right
+    } else {
+        Answer::NotEvaluated(String::new())
+    }
 }
 
 fn said(finding: &Finding) -> String {

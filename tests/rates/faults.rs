@@ -33,6 +33,14 @@ const SIDE: &str = "on its side";
 /// What a sensor's finding says of a track that may be wrong instead.
 const MIRRORED: &str = "the track that it is held against is a mirror image";
 
+/// What a finding on a velocity says of the position that may be wrong instead.
+const POSITION: &str = "or the position beside it is wrong";
+
+/// Odometry that is stamped on arrival.
+const LATE: &str = "odom 0.1 s late";
+/// By how much, seconds.
+const LATE_S: f64 = 0.1;
+
 /// Faults of inertial sensors.
 pub const IMU: &[Known] = &[
     (
@@ -64,7 +72,13 @@ pub const IMU: &[Known] = &[
     (
         "compass yaw",
         &[Error::CompassYaw],
-        (&["compass-yaw"], &["the yaw is a compass heading"]),
+        (
+            &["compass-yaw"],
+            &[
+                "the yaw is a compass heading",
+                "follows its gyro about one axis, and not about z",
+            ],
+        ),
     ),
     (
         "zero north",
@@ -101,11 +115,7 @@ pub const IMU: &[Known] = &[
         (&["upside-down"], &["the sensor is mounted upside down"]),
     ),
     (SIDE, &[], (&["on-its-side"], &["the sensor is mounted on its side"])),
-    (
-        "Euler XYZ",
-        &[Error::EulerXyz],
-        (&[], &["follows its gyro about one axis"]),
-    ),
+    ("Euler XYZ", &[Error::EulerXyz], (&[], &["was put together as"])),
     (
         "left-handed",
         &[Error::LeftHanded],
@@ -138,11 +148,15 @@ pub const IMU: &[Known] = &[
 
 /// Faults of odometry.
 pub const ODOMETRY: &[Known] = &[
-    ("odom swapped", &[Error::SwapXy], (&["mirrored"], &[MIRRORED])),
-    ("odom -x", &[Error::XNegated], (&["mirrored"], &[MIRRORED])),
-    ("odom -y", &[Error::YNegated], (&["mirrored"], &[MIRRORED])),
-    ("odom left-handed", &[Error::LeftHanded], (&["mirrored"], &[MIRRORED])),
-    ("odom NED/FRD", &[Error::NedFrd], (&["mirrored"], &[MIRRORED])),
+    ("odom swapped", &[Error::SwapXy], (&["mirrored"], &[MIRRORED, POSITION])),
+    ("odom -x", &[Error::XNegated], (&["mirrored"], &[MIRRORED, POSITION])),
+    ("odom -y", &[Error::YNegated], (&["mirrored"], &[MIRRORED, POSITION])),
+    (
+        "odom left-handed",
+        &[Error::LeftHanded],
+        (&["mirrored"], &[MIRRORED, POSITION]),
+    ),
+    ("odom NED/FRD", &[Error::NedFrd], (&["mirrored"], &[MIRRORED, POSITION])),
     ("twist in world", &[Error::TwistInWorld], (&["header-frame"], &[])),
     ("twist reversed", &[Error::TwistReversed], (&["negated"], &[])),
     ("twist -y", &[Error::TwistYNegated], (&["y-negated"], &[])),
@@ -155,7 +169,11 @@ pub const ODOMETRY: &[Known] = &[
 ];
 
 /// Faults of satellite receivers.
-pub const FIX: &[Known] = &[("lat/lon swapped", &[Error::Swapped], (&["mirrored"], &[MIRRORED]))];
+pub const FIX: &[Known] = &[(
+    "lat/lon swapped",
+    &[Error::Swapped],
+    (&["mirrored"], &[MIRRORED, POSITION]),
+)];
 
 impl Fault {
     /// In words.
@@ -196,11 +214,14 @@ impl Fault {
 
     /// The messages of odometry with the fault.
     pub fn odometry(self, healthy: &[OdometryRow]) -> Option<Vec<OdometryRow>> {
-        let Self::Odometry(_) = self else { return None };
+        let Self::Odometry(name) = self else { return None };
         let (_, errors, _) = self.known()?;
         let mut rows = healthy.to_vec();
         for row in &mut rows {
             errors.iter().for_each(|error| row.apply(*error));
+            if name == LATE {
+                row.pose.t_s += LATE_S;
+            }
         }
         Some(rows)
     }

@@ -5,7 +5,7 @@
 //! ```
 //!
 //! prints the table. `RATES_SEEDS` is how many seeds there are of each line (200), `RATES_ONLY` words of the groups, rules,
-//! drives and faults that are tried, with commas between them (all). A finding is right when it names the fault, alone or among those
+//! drives and faults that are tried, with commas between them (all); with `RATES_WHY` some reasons of what was not evaluated follow. A finding is right when it names the fault, alone or among those
 //! that it says fit as well; another rule may have it, where the rule says so. The table's references are simulations that
 //! others made of such rules, with vehicles and sensors like these.
 
@@ -37,6 +37,9 @@ fn rated(seeds: u64, only: &[String]) {
     table.only(only);
     table.fill(seeds);
     println!("{}", table.print());
+    if std::env::var_os("RATES_WHY").is_some() {
+        println!("{}", table.reasons());
+    }
     let faults = table.faults();
     assert!(faults.is_empty(), "\n{}", faults.join("\n"));
 }

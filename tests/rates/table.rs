@@ -55,6 +55,7 @@ pub struct Line {
     pub wrong: usize,
     pub not_evaluated: usize,
     examples: Vec<String>,
+    reasons: Vec<String>,
 }
 
 /// All lines.
@@ -101,6 +102,7 @@ impl Table {
                 wrong: 0,
                 not_evaluated: 0,
                 examples: Vec::new(),
+                reasons: Vec::new(),
             });
             self.lines.len() - 1
         });
@@ -146,7 +148,7 @@ impl Table {
 
     /// Answers every question for so many seeds.
     pub fn fill(&mut self, seeds: u64) {
-        let rules = Rules::select(&["AXES", "QUAT01"]).unwrap();
+        let rules = Rules::select(&["AXES", "QUAT", "TIME09"]).unwrap();
         // Whoever is through early takes the next of the long drives first.
         let mut tasks: Vec<(usize, u64)> = Vec::new();
         for drives in 0..self.drives.len() {
@@ -165,13 +167,14 @@ impl Table {
                     } else {
                         answers::of_rule(&verdict, question.rule, question.subject, cell.fault)
                     };
+                    let of = |said: String| {
+                        let drive: Vec<String> = words(*kind).split_whitespace().map(str::to_owned).collect();
+                        format!("seed {seed}, {}, {}: {said}", drive.join(" "), cell.fault.words())
+                    };
                     let answer = match answer {
-                        Answer::Wrong(said) => Answer::Wrong(format!(
-                            "seed {seed}, {}, {}: {said}",
-                            words(*kind).split_whitespace().collect::<Vec<_>>().join(" "),
-                            cell.fault.words()
-                        )),
-                        other => other,
+                        Answer::Right => Answer::Right,
+                        Answer::Wrong(said) => Answer::Wrong(of(said)),
+                        Answer::NotEvaluated(why) => Answer::NotEvaluated(of(why)),
                     };
                     answers.push((question.line, answer));
                 }
@@ -225,6 +228,17 @@ impl Table {
         text
     }
 
+    /// Why rules did not judge: some reasons of each line.
+    pub fn reasons(&self) -> String {
+        let mut text = String::new();
+        for line in self.counted() {
+            for reason in &line.reasons {
+                let _ = writeln!(text, "not evaluated: {} | {reason}", line.rule);
+            }
+        }
+        text
+    }
+
     /// What the table shows that must not be.
     pub fn faults(&self) -> Vec<String> {
         let mut faults = Vec::new();
@@ -262,7 +276,12 @@ impl Line {
     fn count(&mut self, answer: Answer) {
         match answer {
             Answer::Right => self.right += 1,
-            Answer::NotEvaluated => self.not_evaluated += 1,
+            Answer::NotEvaluated(why) => {
+                self.not_evaluated += 1;
+                if self.reasons.len() < KEPT {
+                    self.reasons.push(why);
+                }
+            }
             Answer::Wrong(said) => {
                 self.wrong += 1;
                 if self.examples.len() < KEPT {

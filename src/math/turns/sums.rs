@@ -35,6 +35,11 @@ impl Best {
         }
     }
 
+    /// The largest R2.
+    pub(super) fn r2(&self) -> f64 {
+        self.r2.map_or(f64::NEG_INFINITY, |(_, r2)| r2)
+    }
+
     /// The lag of the largest R2; 0 without one.
     pub(super) fn lag(&self) -> i32 {
         self.r2.map_or(0, |(lag, _)| lag)
@@ -108,6 +113,13 @@ impl Sums {
         (self.ee / self.gg).sqrt()
     }
 
+    /// The standard deviation of d - s about each axis, radians.
+    fn axis_residual(&self) -> [f64; 3] {
+        let mean = (self.d - self.s) / self.n;
+        let squares = (self.d2 + self.s2 - 2.0 * self.ds_axis) / self.n - mean.component_mul(&mean);
+        squares.map(|square| square.max(0.0).sqrt()).into()
+    }
+
     fn axis_correlation(&self) -> [Option<f64>; 3] {
         let about =
             |products: &Vector3<f64>, a: &Vector3<f64>, b: &Vector3<f64>| products - a.component_mul(b) / self.n;
@@ -122,6 +134,23 @@ pub(super) struct AtLags<'a> {
     pub(super) still: &'a [Turned],
     pub(super) best: (f64, &'a [Turned]),
     pub(super) matched: (f64, &'a [Turned]),
+}
+
+/// The bias of the gyro, rad/s: how far on the whole the gyro turns beyond the orientation, by the reading that agrees best
+/// among those by which it is a bias at all, at most so much about each axis. A steady turn under a wrong reading looks like a
+/// larger one. Zero where there is none.
+pub(super) fn bias(windows: &[Window], by_reading: &[(f64, &[Turned]); 4], limit_rad_s: f64) -> Vector3<f64> {
+    let biases = by_reading.iter().enumerate().map(|(index, (r2, turned))| {
+        let (mut drift, mut time_s) = (Vector3::zeros(), 0.0);
+        for (window, gyro) in windows.iter().zip(*turned) {
+            drift += gyro.turn - window.turns.get(index).copied().unwrap_or_default();
+            time_s += window.length_s();
+        }
+        (*r2, drift / time_s)
+    });
+    let believed = biases.filter(|(_, bias): &(f64, Vector3<f64>)| bias.amax() <= limit_rad_s);
+    let best = believed.max_by(|a, b| a.0.total_cmp(&b.0));
+    best.map_or_else(Vector3::zeros, |(_, bias)| bias)
 }
 
 /// The result of the reading with this index among [`Reading::ALL`].
@@ -154,6 +183,7 @@ pub(super) fn score(windows: &[Window], active: &[bool], index: usize, lags: &At
         gain: at_match.ds / at_match.ss,
         gain_correlation: at_match.ds / (at_match.dd * at_match.ss).sqrt(),
         axis_correlation: at_match.axis_correlation(),
+        axis_residual_rad: at_match.axis_residual(),
         cross: at_match.cross,
         gyro_power: at_match.gg,
         turn_power: at_match.dd,

@@ -150,9 +150,17 @@ fn a_bias_falls_out_of_r2_and_is_told() {
     for row in &mut rows {
         row.rate_rad_s = [0.02, -0.01, row.rate_rad_s[2] + 0.03];
     }
-    let s = score(&of(&rows, 0.5), Reading::Xyzw);
+    let bias = Vector3::new(0.02, -0.01, 0.03);
+    let kept = Options {
+        max_bias_rad_s: 0.0,
+        ..Options::new(0.5)
+    };
+    let s = score(&turns(&[&rows], &kept).unwrap(), Reading::Xyzw);
     assert!(s.r2 > 0.999 && s.residual > 0.02);
-    assert!((s.bias_rad_s - Vector3::new(0.02, -0.01, 0.03)).norm() < 2e-3);
+    assert!((s.bias_rad_s - bias).norm() < 2e-3);
+    let found = of(&rows, 0.5);
+    let s = score(&found, Reading::Xyzw);
+    assert!((found.bias_rad_s - bias).norm() < 2e-3 && s.bias_rad_s.norm() < 1e-6 && s.residual < 0.02);
 }
 
 #[test]

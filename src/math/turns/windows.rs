@@ -150,6 +150,14 @@ pub(super) struct Turned {
     pub(super) plain: Vector3<f64>,
 }
 
+impl Turned {
+    /// Without what a bias made of it, radians: good for turns of less than a radian or so.
+    pub(super) fn take_off(&mut self, bias_rad: &Vector3<f64>) {
+        self.turn -= bias_rad;
+        self.plain -= bias_rad;
+    }
+}
+
 /// The gyro's turns over every `nth` window, when the orientation is late by `lag_s`.
 pub(super) fn turned(runs: &[Run], windows: &[Window], nth: usize, lag_s: f64) -> Vec<Turned> {
     // The end of a window is mostly the start of the next.

@@ -79,6 +79,12 @@ fn judge_seen(base: &Base, subject: String, seen: &Seen, limits: &Limits, out: &
         );
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
+    if let Some(sensor) = &seen.against {
+        let why = format!(
+            "the pose turns against the gyro of {sensor}: all of the pose is told in NED/FRD, or the gyro is wrong (AXES05, QUAT01)"
+        );
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
     match seen.forward {
         Some(forward) if forward.index == 0 && !forward.is_negative => out.pass(subject, measured),
         Some(forward) if forward.index == 0 => {
@@ -118,6 +124,12 @@ fn turned(base: &Base, subject: String, seen: &Seen, up: Axis) -> Finding {
         |letters| format!("its axes point {}", words(letters)),
     );
     let because = match &seen.gravity {
+        Some((axis, sensor)) if *axis != up => {
+            format!(
+                "pose and motion of {} say so, where {sensor} on it has z up, and the pose turns against its gyro",
+                base.stream
+            )
+        }
         Some((_, sensor)) => format!("pose and motion of {} and gravity by {sensor} say so", base.stream),
         None => format!("pose and motion of {} say so", base.stream),
     };

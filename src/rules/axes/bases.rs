@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use crate::math::readings::Reading;
 use crate::page::Front;
 use crate::rules::Rule;
-use crate::rules::motion::{BagMotion, Imu, Motion, Stream};
+use crate::rules::motion::{BagMotion, Imu, Motion, Stream, Turned};
 use crate::rules::names;
 use crate::source::Place;
 use crate::verdict::NotEvaluated;
@@ -19,6 +19,7 @@ use crate::world::{FrameId, World};
 use super::base_frame_flu::{BaseFrameFlu, Limits};
 use super::imu_gravity_sign::{self, ImuGravitySign};
 use super::sensors::Look;
+use super::worlds::turns_against;
 
 /// A direction along an axis of the base.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -69,6 +70,8 @@ pub(super) struct Seen {
     pub(super) up: Option<Axis>,
     /// The axis that points up by gravity, and the sensor that says so.
     pub(super) gravity: Option<(Axis, String)>,
+    /// A sensor on the base whose gyro the pose turns against: the two mean other axes of the base.
+    pub(super) against: Option<String>,
     /// Whether the velocity that is published with the pose points along the same axis; `None` without one.
     pub(super) twist_agrees: Option<bool>,
     pub(super) way_m: f64,
@@ -84,7 +87,9 @@ impl Seen {
     pub(super) fn is_upside_down(&self) -> bool {
         // Without gravity another axis than -z may as well be the world's: a camera's map, or one of the Earth's axes.
         self.up.is_some_and(|up| match &self.gravity {
-            Some((axis, _)) => *axis == up && (up.index != 2 || up.is_negative),
+            Some((axis, _)) if *axis == up => up.index != 2 || up.is_negative,
+            // A world that is upside down turns with the gyro of what it carries.
+            Some((axis, _)) => self.against.is_some() && up.index == 2 && up.is_negative && axis.index == 2,
             None => up.index == 2 && up.is_negative,
         })
     }
@@ -142,10 +147,15 @@ fn bases(bag: &BagMotion) -> Option<Vec<Base>> {
         }
         found.retain(|base| base.frame != frame);
         let by_gravity = bag.imus.iter().find_map(|imu| up_by(imu, &frame, &gravity, &limits));
+        let turned = Turned::of(stream, |row| row.orientation);
+        let is_on_it = |imu: &&Imu| imu.mount.as_ref().is_some_and(|mount| mount.base == frame);
+        let mut on_it = bag.imus.iter().filter(is_on_it);
+        let against = on_it.find(|imu| turns_against(&turned, imu, &imu.base_from_imu(), limits.max_step_s));
+        let against = against.map(|imu| imu.stream.subject.clone());
         found.push(Base {
             stream: stream.subject.clone(),
             place: stream.place(),
-            seen: look(stream, by_gravity, &limits),
+            seen: look(stream, by_gravity, against, &limits),
             frame,
         });
     }
@@ -162,7 +172,12 @@ fn up_by(imu: &Imu, base: &FrameId, limits: &imu_gravity_sign::Limits, own: &Lim
     ))
 }
 
-fn look(stream: &Stream<PoseRow>, gravity: Option<(Axis, String)>, limits: &Limits) -> Look<Seen> {
+fn look(
+    stream: &Stream<PoseRow>,
+    gravity: Option<(Axis, String)>,
+    against: Option<String>,
+    limits: &Limits,
+) -> Look<Seen> {
     let (mut forward, mut up, mut twist) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
     let (mut way_m, mut rows) = (0.0, 0.0);
     for window in stream.windows(limits.window_s, limits.max_step_s) {
@@ -214,6 +229,7 @@ fn look(stream: &Stream<PoseRow>, gravity: Option<(Axis, String)>, limits: &Limi
         concentration,
         up: steady(up, rows),
         gravity,
+        against,
         twist_agrees: twist
             .zip(forward)
             .map(|(twist, forward)| twist.normalize().dot(&forward.vector()) > 0.5),

@@ -34,6 +34,8 @@ pub(crate) enum World {
 pub(crate) enum Turn {
     /// As its integral.
     Agree,
+    /// As its integral, while it hardly turns about z.
+    Tilting,
     /// The other way, and the inverse orientation agrees best.
     Inverse,
     /// The other way, and a gyro with y and z negated agrees best.
@@ -129,7 +131,7 @@ const HEALTHY: Cause = Cause {
     owner: "",
     base: &[Base::Up],
     world: &[World::Up],
-    turn: &[Turn::Agree],
+    turn: &[Turn::Agree, Turn::Tilting],
     heading: &[Heading::With],
     sense: &[Sense::With],
     push: &[Push::Forward],
@@ -143,7 +145,7 @@ const NED: Cause = Cause {
     owner: "AXES03",
     base: &[Base::Down],
     world: &[World::Down],
-    turn: &[Turn::Agree],
+    turn: &[Turn::Agree, Turn::Tilting],
     heading: &[Heading::Against],
     sense: &[Sense::Against],
     push: ANY_PUSH,
@@ -186,7 +188,7 @@ const CAUSES: &[Cause] = &[
         text: "the yaw is a compass heading, clockwise from north",
         help: "publish `yaw_ros = pi/2 - heading`",
         owner: "AXES04",
-        turn: &[Turn::Yaw, Turn::Reversed],
+        turn: &[Turn::Yaw, Turn::Reversed, Turn::Tilting],
         heading: &[Heading::Against],
         ..HEALTHY
     },
@@ -240,6 +242,24 @@ const CAUSES: &[Cause] = &[
         owner: "QUAT01",
         turn: &[Turn::Negated, Turn::Reversed],
         sense: &[Sense::Against],
+        ..HEALTHY
+    },
+    Cause {
+        word: "gyro-frd",
+        text: "the gyro alone is told in FRD axes (y right, z down)",
+        help: "negate y and z of the angular velocity",
+        owner: "QUAT01",
+        turn: &[Turn::Frd, Turn::Reversed],
+        sense: &[Sense::Against],
+        ..HEALTHY
+    },
+    Cause {
+        word: "frd-body",
+        text: "the body of the orientation alone is forward, right, down: its world is as it should be",
+        help: "turn the body of the orientation into FLU: `R_enu_flu = R_enu_frd * F`",
+        owner: "AXES03",
+        world: &[World::Down],
+        turn: &[Turn::Frd, Turn::Reversed],
         ..HEALTHY
     },
     Cause {
@@ -445,7 +465,7 @@ fn shows(seen: Seen, code: &str) -> bool {
         "AXES03" => seen.world.is_some_and(|world| world != World::Up),
         "QUAT01" => seen
             .turn
-            .is_some_and(|turn| !matches!(turn, Turn::Agree | Turn::Ordered)),
+            .is_some_and(|turn| turn != Turn::Ordered && !HEALTHY.turn.contains(&turn)),
         "AXES04" => seen.heading == Some(Heading::Against),
         "AXES05" => seen.sense == Some(Sense::Against),
         "AXES06" => seen.push.is_some_and(|push| push != Push::Forward),

@@ -7,7 +7,7 @@ use crate::rules::motion::{Motion, Stream, Track};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
-use crate::world::motion::FixRow;
+use crate::world::motion::{FixRow, PoseRow};
 
 use super::handedness::Votes;
 use super::worlds::Worlds;
@@ -46,6 +46,10 @@ impl Rule for GnssVsOdomHandedness {
                     let minor_m = min_minor_m(fixes, limits);
                     let votes = Votes::of(&satellites, &poses.track(), minor_m, limits);
                     let is_mirrored = votes.majority(limits) == Some(true);
+                    if let Some(finding) = swapped(poses, fixes, &votes, minor_m, limits) {
+                        out.fail(Finding { subject, ..finding });
+                        continue;
+                    }
                     if is_mirrored && bag.simulator.is_some() {
                         let why = "it is mirrored, and the poses are a simulator's: SENSOR09 reports it";
                         out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
@@ -76,6 +80,40 @@ pub(crate) fn hand(fixes: &Stream<FixRow>, track: &Track, limits: &Limits) -> Op
         is_mirrored: votes.majority(limits)?,
         measured: Measured::new("agreement of windows", votes.agreement(), "1").limit(limits.min_agreement),
     })
+}
+
+/// A finding, where no window fits as the fixes are told, and those that vote fit once latitude and longitude are exchanged.
+/// A track of exchanged coordinates is mirrored, and stretched besides: away from the equator neither fit meets it.
+fn swapped(
+    poses: &Stream<PoseRow>,
+    fixes: &Stream<FixRow>,
+    votes: &Votes,
+    minor_m: f64,
+    limits: &Limits,
+) -> Option<Finding> {
+    if votes.says != [0, 0] {
+        return None;
+    }
+    let mut exchanged = fixes.clone();
+    for fix in exchanged.stretches.iter_mut().flatten() {
+        std::mem::swap(&mut fix.row.latitude_deg, &mut fix.row.longitude_deg);
+    }
+    let is_place = exchanged.rows().all(|fix| fix.row.latitude_deg.abs() <= 90.0);
+    let votes = Votes::of(&Track::of_fixes(&exchanged), &Track::of_poses(poses), minor_m, limits);
+    if !is_place || votes.majority(limits) != Some(false) {
+        return None;
+    }
+    let ([rms_m, _], [all, _]) = (votes.rms_m, votes.says);
+    let message = format!(
+        "latitude and longitude on {} are exchanged: so read the track on {} fits the satellites' within {rms_m:.2} m, as told neither \
+         turned nor mirrored",
+        fixes.topic, poses.topic
+    );
+    let finding = Finding::error("", message, fixes.place()).likely().relation("swapped");
+    let finding = finding
+        .related(poses.place(), "the other track")
+        .help("latitude comes first in NavSatFix; GeoJSON, KML and shapes of maps have longitude first");
+    Some(finding.measured(Measured::new("residual, exchanged", rms_m, "m").samples(all as u64)))
 }
 
 /// How far odometry must spread to be told from its mirror image under this receiver's noise.

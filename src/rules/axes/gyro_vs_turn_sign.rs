@@ -23,6 +23,7 @@ pub struct GyroVsTurnSign;
 #[serde(deny_unknown_fields)]
 pub struct Limits {
     speed_m_s: f64,
+    odometry_speed_m_s: f64,
     min_rate: f64,
     min_s: f64,
     min_t: f64,
@@ -33,7 +34,7 @@ pub struct Limits {
 pub(super) struct Turned {
     pub(super) class: Sense,
     slope: Slope,
-    track: String,
+    pub(super) track: String,
     track_at: Place,
     is_geodetic: bool,
 }
@@ -121,8 +122,10 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
 pub(super) fn look(integrals: &Integrals, tracks: &[Arc<Track>], limits: &Limits) -> Look<Turned> {
     needed(tracks)?;
     let mut best: Option<Slope> = None;
-    for track in tracks {
-        let slope = Rates::of(integrals, &track.courses(limits.speed_m_s)).turning;
+    let slow = tracks.iter().filter(|track| !track.is_geodetic);
+    let tried = tracks.iter().map(|track| (track, limits.speed_m_s));
+    for (track, speed_m_s) in tried.chain(slow.map(|track| (track, limits.odometry_speed_m_s))) {
+        let slope = Rates::of(integrals, &track.courses(speed_m_s)).turning;
         if limits.tells(&slope) {
             let class = if slope.gain > 0.0 { Sense::With } else { Sense::Against };
             return Ok(Turned {

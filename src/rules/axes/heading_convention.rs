@@ -23,6 +23,7 @@ pub struct HeadingConvention;
 #[serde(deny_unknown_fields)]
 pub struct Limits {
     pub(crate) min_speed_m_s: f64,
+    odometry_speed_m_s: f64,
     pub(super) window_s: f64,
     pub(super) window_turn_deg: f64,
     pub(crate) min_turn_deg: f64,
@@ -80,6 +81,11 @@ fn judge_decided(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagno
         return out.fail(clockwise(imu, subject, decided, diagnosis, measured));
     }
     match offset_finding(imu, subject, decided, limits) {
+        Some(_) if diagnosis.owner.is_some_and(|owner| owner != "AXES04") => {
+            let seen = format!("the yaw is {:.0} deg from the course", heading.offset_rad.to_degrees());
+            let why = diagnosis.reported_elsewhere("AXES04", &seen).unwrap_or_default();
+            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        }
         Some(finding) => {
             let finding = finding.related(decided.track_at.clone(), TRACK);
             out.fail(measured.into_iter().fold(finding, Finding::measured));
@@ -91,7 +97,7 @@ fn judge_decided(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagno
 /// What was seen.
 pub(super) struct Decided {
     /// What reports call the track.
-    track: String,
+    pub(super) track: String,
     track_at: Place,
     /// Whether the track knows where east is.
     is_geodetic: bool,
@@ -146,8 +152,10 @@ pub(super) fn look(imu: &Imu, tracks: &[Arc<Track>], limits: &Limits) -> Look<De
     needed(tracks)?;
     let mut undecided_by = Vec::new();
     let yaws = Yaws::of(&imu.stream, &imu.base_from_imu());
-    for track in tracks {
-        let heading = Heading::of(&yaws, &track.courses(limits.min_speed_m_s), limits);
+    let slow = tracks.iter().filter(|track| !track.is_geodetic);
+    let tried = tracks.iter().map(|track| (track, limits.min_speed_m_s));
+    for (track, speed_m_s) in tried.chain(slow.map(|track| (track, limits.odometry_speed_m_s))) {
+        let heading = Heading::of(&yaws, &track.courses(speed_m_s), limits);
         if heading.agreement().is_some_and(|share| share >= limits.min_agreement) {
             return Ok(Decided {
                 track: track.subject.clone(),

@@ -1,12 +1,15 @@
 //! AXES02: the units of an inertial sensor.
 
+use nalgebra::Vector3;
 use serde::Deserialize;
 
 use crate::math::readings::Reading;
-use crate::rules::motion::{Imu, Motion};
+use crate::math::stats::median;
+use crate::rules::motion::{Imu, Motion, Timed};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
+use crate::world::motion::InertialRow;
 
 /// AXES02.
 pub struct ImuUnits;
@@ -19,6 +22,12 @@ pub struct Limits {
     gravity: f64,
     gravity_share: f64,
     max_removed: f64,
+    min_motion_s: f64,
+    max_mean: f64,
+    max_free: f64,
+    max_uneven: f64,
+    min_vertical: f64,
+    min_t: f64,
     min_rotation_deg: f64,
     gain_share: f64,
     min_correlation: f64,
@@ -58,7 +67,18 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
     if near(limits.gravity) {
         return out.pass(subject, [measured]);
     }
-    let (what, help) = if near(1.0) {
+    // A drive ends as fast as it began: without gravity nothing is left in the mean.
+    let is_free = force <= limits.max_free
+        && seconds >= limits.min_motion_s
+        && mean_length(imu).is_some_and(|mean| mean <= limits.max_mean && mean <= force / 2.0);
+    let is_removed = force <= limits.max_removed || is_free;
+    if near(1.0) && !is_free && !is_steady(imu, force, limits) {
+        let why = format!(
+            "its length is {force:.2} in the median, as in units of g, or of a vehicle that speeds up without gravity"
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let (what, help) = if near(1.0) && !is_free {
         (
             "as in units of gravity (g)",
             "multiply it by 9.80665: REP-145 and sensor_msgs/Imu want m/s2",
@@ -70,7 +90,7 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
             "as in mm/s2 or thousandths of g",
             "scale it: sensor_msgs/Imu wants m/s2",
         )
-    } else if force <= limits.max_removed {
+    } else if is_removed {
         (
             "as where gravity was taken off",
             "publish the specific force, gravity included (REP-145): filters take it off themselves",
@@ -83,12 +103,37 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
         "the acceleration of `{}` is {force:.3} long in the median of {seconds:.0} s, {what}, where m/s2 with gravity are 9.81",
         imu.stream.topic
     );
-    let finding = if force <= limits.max_removed && !near(1.0) {
+    let finding = if is_removed {
         Finding::warning(subject, message, imu.stream.place())
     } else {
         Finding::error(subject, message, imu.stream.place())
     };
     out.fail(finding.likely().help(help).measured(measured));
+}
+
+/// Length of the mean of the acceleration in the sensor's axes, m/s² by definition.
+fn mean_length(imu: &Imu) -> Option<f64> {
+    let forces = imu
+        .stream
+        .rows()
+        .map(|timed| Vector3::from(timed.row.linear_acceleration));
+    let forces: Vec<Vector3<f64>> = forces
+        .filter(|force| force.iter().all(|value| value.is_finite()))
+        .collect();
+    (!forces.is_empty()).then(|| (forces.iter().sum::<Vector3<f64>>() / forces.len() as f64).norm())
+}
+
+/// Whether an acceleration is as steady as gravity is, and as the orientation turns it into the world, vertical under some
+/// reading.
+fn is_steady(imu: &Imu, force: f64, limits: &Limits) -> bool {
+    let length = |timed: &Timed<InertialRow>| Vector3::from(timed.row.linear_acceleration).norm();
+    let off: Vec<f64> = imu.stream.rows().map(|timed| (length(timed) - force).abs()).collect();
+    let is_even = median(&off).is_some_and(|off| off <= limits.max_uneven * force);
+    let is_vertical = imu.inertial.gravity.as_ref().is_none_or(|gravity| {
+        let means = gravity.means.iter().map(|mean| mean.mean_m_s2);
+        means.map(|mean| mean.z.abs() / mean.norm()).fold(0.0, f64::max) >= limits.min_vertical
+    });
+    is_even && is_vertical
 }
 
 fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
@@ -129,6 +174,13 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
         .limit(limits.gain_share)
         .samples(turns.active as u64);
     let near = |value: f64| (gain / value - 1.0).abs() <= limits.gain_share;
+    // Standard error of a slope, three numbers a window.
+    let rest = (1.0 - score.gain_correlation * score.gain_correlation).max(0.0);
+    let error = gain / score.gain_correlation.abs() * (rest / (3.0 * turns.active as f64 - 1.0).max(1.0)).sqrt();
+    if !near(1.0) && (gain - 1.0).abs() < limits.min_t * error {
+        let why = format!("the orientation turns {gain:.2} times as far as its gyro says, give or take {error:.2}");
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
     if near(1.0) {
         return out.pass(subject, [measured]);
     }

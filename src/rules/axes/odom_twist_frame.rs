@@ -47,8 +47,19 @@ impl Rule for OdomTwistFrame {
                     continue;
                 }
                 let twists = Twists::of(stream, limits);
-                judge_linear(stream, &twists, limits, out);
-                judge_turning(stream, &twists.turning, limits, out);
+                let pose = wrong_pose(&twists, limits);
+                if let Some((best, second)) = pose {
+                    fail_pose(stream, &twists, best, second, limits, out);
+                } else {
+                    judge_linear(stream, &twists, limits, out);
+                }
+                if pose.is_some_and(|(best, _)| best.0 == Reading::Inverse) {
+                    let subject = format!("turning velocity of {}", stream.subject);
+                    let why = "the pose turns against the yaw rate: part of what AXES08 reports of its orientation";
+                    out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                } else {
+                    judge_turning(stream, &twists.turning, limits, out);
+                }
             }
         }
     }
@@ -61,7 +72,8 @@ pub(crate) fn is_in_world(stream: &Stream<PoseRow>) -> bool {
         .and_then(|page| page.limits().ok());
     limits.is_some_and(|limits: Limits| {
         let twists = Twists::of(stream, &limits);
-        let best = twists.residuals.first();
+        let told = twists.told(limits.least_aside);
+        let best = told.first();
         twists.distance_m >= limits.min_distance_m
             && best.is_some_and(|best| best.0 == Reading::World && best.1 <= limits.max_residual)
     })
@@ -69,6 +81,56 @@ pub(crate) fn is_in_world(stream: &Stream<PoseRow>) -> bool {
 
 fn has_twist(stream: &Stream<PoseRow>) -> bool {
     stream.rows().any(|timed| timed.row.twist.is_some())
+}
+
+/// The reading of a wrong pose that explains what no reading of the velocity does, and the next one.
+fn wrong_pose(twists: &Twists, limits: &Limits) -> Option<((Reading, f64), (Reading, f64))> {
+    if twists.distance_m < limits.min_distance_m || twists.is_zero {
+        return None;
+    }
+    let of_twist = twists.told(limits.least_aside);
+    let of_pose = twists.told_of_pose();
+    let best = *of_pose.first()?;
+    let second = [of_pose.get(1), of_twist.first()].into_iter().flatten();
+    let second = *second.min_by(|a, b| a.1.total_cmp(&b.1))?;
+    let is_told = second.1 >= limits.min_ratio * best.1.max(limits.max_residual / 10.0);
+    (best.1 <= limits.max_residual && of_twist.first()?.1 > limits.max_residual && is_told).then_some((best, second))
+}
+
+fn fail_pose(
+    stream: &Stream<PoseRow>,
+    twists: &Twists,
+    best: (Reading, f64),
+    second: (Reading, f64),
+    limits: &Limits,
+    out: &mut Judge,
+) {
+    let as_defined = twists.residual(Reading::Body);
+    let message = format!(
+        "the velocity on {} is {}: so read it leaves {:.1} % of the motion of the pose, as told {:.0} %",
+        stream.topic,
+        best.0.words(),
+        100.0 * best.1,
+        100.0 * as_defined
+    );
+    let measured = |reading: (Reading, f64)| {
+        Measured::new(format!("residual, {}", reading.0.word()), reading.1, "1")
+            .limit(limits.max_residual)
+            .samples(twists.windows)
+    };
+    let finding = Finding::error(format!("velocity of {}", stream.subject), message, stream.place());
+    out.fail(
+        stream
+            .told_in
+            .tell(finding)
+            .likely()
+            .relation(best.0.word())
+            .help(best.0.help())
+            .measured(measured(best))
+            .measured(measured(second))
+            .measured(Measured::new("residual, as defined", as_defined, "1"))
+            .measured(Measured::new("distance", twists.distance_m, "m")),
+    );
 }
 
 fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out: &mut Judge) {
@@ -123,7 +185,8 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
         .as_ref()
         .map_or_else(|| "the child frame".to_owned(), |child| format!("`{child}`"));
     let message = format!(
-        "the velocity on {} is {}, not in {child}: so read it leaves {:.1} % of the motion of the pose, as defined {:.0} %",
+        "the velocity on {} is {}, not in {child}: so read it leaves {:.1} % of the motion of the pose, as defined {:.0} % (or the position beside it is \
+         wrong, and the velocity right)",
         stream.topic,
         best.0.words(),
         100.0 * best.1,

@@ -145,12 +145,24 @@ impl Sensor {
         fn class<T, C>(look: &Look<T>, of: impl Fn(&T) -> C) -> Option<C> {
             look.as_ref().ok().map(of)
         }
+        let mut heading = class(&self.heading, Decided::class);
+        let mut sense = class(&self.sense, |seen| seen.class);
+        // Two tracks that contradict each other: what turns against one may be the track's fault, so the other says nothing.
+        if let (Ok(by_yaw), Ok(by_gyro)) = (&self.heading, &self.sense)
+            && by_yaw.track != by_gyro.track
+        {
+            match (heading, sense) {
+                (Some(causes::Heading::With), Some(causes::Sense::Against)) => heading = None,
+                (Some(causes::Heading::Against), Some(causes::Sense::With)) => sense = None,
+                _ => {}
+            }
+        }
         Seen {
             base: class(&self.base, |seen| seen.class),
             world: class(&self.world, |seen| seen.class),
             turn: class(&self.turn, |seen| seen.class),
-            heading: class(&self.heading, Decided::class),
-            sense: class(&self.sense, |seen| seen.class),
+            heading,
+            sense,
             push: class(&self.push, |seen| seen.class),
         }
     }

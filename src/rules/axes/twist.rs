@@ -22,14 +22,26 @@ pub(super) enum Reading {
     RightHand,
     /// In the child frame, x and y changed.
     Swapped,
+    /// In the child frame, of the inverse orientation.
+    Inverse,
+    /// In the child frame, of positions with y negated.
+    PositionY,
+    /// In the child frame, of positions with x negated.
+    PositionX,
+    /// In the child frame, of positions with x and y changed.
+    PositionSwapped,
 }
 
-const READINGS: [Reading; 5] = [
+const READINGS: [Reading; 9] = [
     Reading::Body,
     Reading::World,
     Reading::Backwards,
     Reading::RightHand,
     Reading::Swapped,
+    Reading::Inverse,
+    Reading::PositionY,
+    Reading::PositionX,
+    Reading::PositionSwapped,
 ];
 
 impl Reading {
@@ -40,7 +52,17 @@ impl Reading {
             Self::Backwards => "negated",
             Self::RightHand => "y-negated",
             Self::Swapped => "xy-swapped",
+            Self::Inverse => "inverse",
+            Self::PositionY | Self::PositionX | Self::PositionSwapped => "mirrored",
         }
+    }
+
+    /// Whether it is the pose that is told otherwise, not the velocity.
+    pub(super) fn is_of_pose(self) -> bool {
+        matches!(
+            self,
+            Self::Inverse | Self::PositionY | Self::PositionX | Self::PositionSwapped
+        )
     }
 
     pub(super) fn words(self) -> &'static str {
@@ -50,6 +72,10 @@ impl Reading {
             Self::Backwards => "told backwards (-x, -y)",
             Self::RightHand => "told with y to the right",
             Self::Swapped => "told with x and y changed",
+            Self::Inverse => "right, and the orientation is the inverse one (child_from_header, or JPL numbers)",
+            Self::PositionY => "right, and the position is a mirror image (y negated)",
+            Self::PositionX => "right, and the position is a mirror image (x negated)",
+            Self::PositionSwapped => "right, and the position is a mirror image (x and y changed)",
         }
     }
 
@@ -61,6 +87,12 @@ impl Reading {
             Self::Backwards => "negate the velocity, or turn the base frame about z: x points forward (REP-103)",
             Self::RightHand => "negate vy: y points to the left (REP-103)",
             Self::Swapped => "change vx and vy: x points forward, y to the left (REP-103)",
+            Self::Inverse => "conjugate the quaternion (negate x, y and z)",
+            Self::PositionY => "negate y of the position",
+            Self::PositionX => "negate x of the position",
+            Self::PositionSwapped => {
+                "change x and y of the position: of NED positions x is y, y is x, and z is negated"
+            }
         }
     }
 
@@ -72,6 +104,13 @@ impl Reading {
             Self::Backwards => -(orientation * v),
             Self::RightHand => orientation * Vector3::new(v.x, -v.y, v.z),
             Self::Swapped => orientation * Vector3::new(v.y, v.x, v.z),
+            Self::Inverse => orientation.inverse() * v,
+            Self::PositionY => (orientation * v).component_mul(&Vector3::new(1.0, -1.0, 1.0)),
+            Self::PositionX => (orientation * v).component_mul(&Vector3::new(-1.0, 1.0, 1.0)),
+            Self::PositionSwapped => {
+                let v = orientation * v;
+                Vector3::new(v.y, v.x, v.z)
+            }
         }
     }
 }
@@ -121,7 +160,7 @@ impl Twists {
             for (sum, predicted) in sums.iter_mut().zip(&moved.predicted) {
                 *sum += (predicted - moved.shift).norm_squared();
             }
-            let [as_defined, _, _, right_hand, _] = moved.predicted;
+            let [as_defined, _, _, right_hand, ..] = moved.predicted;
             apart += (right_hand - as_defined).norm_squared();
             turned_rad += moved.turned.abs();
             crossed += moved.turned * moved.rated;
@@ -154,7 +193,24 @@ impl Twists {
     /// The readings that the velocity can tell apart, the best first: what drives along x alone has no sign of y.
     pub(super) fn told(&self, least_aside: f64) -> Vec<(Reading, f64)> {
         let has_sign = |(reading, _): &&(Reading, f64)| *reading != Reading::RightHand || self.aside >= least_aside;
-        self.residuals.iter().filter(has_sign).copied().collect()
+        let of_twist = |(reading, _): &&(Reading, f64)| !reading.is_of_pose();
+        self.residuals
+            .iter()
+            .filter(of_twist)
+            .filter(has_sign)
+            .copied()
+            .collect()
+    }
+
+    /// The readings of a wrong pose beside a right velocity, the best first. In a plane the inverse orientation is a mirror
+    /// image: the yaw rate tells whether the orientation turns as it should.
+    pub(super) fn told_of_pose(&self) -> Vec<(Reading, f64)> {
+        let turns_back = self.turning.slope < 0.0;
+        let fits = |(reading, _): &&(Reading, f64)| match reading {
+            Reading::Inverse => turns_back || self.turning.slope == 0.0,
+            reading => reading.is_of_pose() && !turns_back,
+        };
+        self.residuals.iter().filter(fits).copied().collect()
     }
 
     /// What a reading leaves unexplained.

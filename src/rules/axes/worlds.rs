@@ -22,6 +22,11 @@ use super::imu_gravity_sign::{self, ImuGravitySign};
 use super::map_z_up::{Limits, MapZUp};
 use super::sensors::Look;
 
+/// Squared turns of half a second that a pose and a gyro must show to contradict each other, rad²: four of 0.25 rad.
+const MIN_TURN_RAD2: f64 = 0.25;
+/// Correlation of their turns from which on they do.
+const AGREES: f64 = 0.7;
+
 /// Gravity in a frame.
 pub(super) struct Gravity {
     /// Mean direction of the specific force: up.
@@ -196,6 +201,13 @@ fn gravity<'t>(
         None => return missing(format!("nothing ties `{sensor}` to `{child}`")),
     };
     let turned = turned();
+    if turns_against(&turned, imu, &child_from_imu, limits.max_step_s) {
+        let why = format!(
+            "{} turns against the gyro of {}: one of the two tells `{child}` in other axes, so its gravity says nothing of the frame",
+            stream.subject, imu.stream.subject
+        );
+        return Err((NotEvaluated::NotApplicable, why));
+    }
     let (mut sum, mut count, mut lengths, mut tilt_rad) = (Vector3::zeros(), 0_u64, Vec::new(), 0.0_f64);
     let mut times: Option<(f64, f64)> = None;
     for timed in imu.stream.rows() {
@@ -241,6 +253,39 @@ fn gravity<'t>(
         sensor: imu.stream.subject.clone(),
         sensor_is_right: imu_gravity_sign::look(imu, sign).ok().map(|up| up.class == Base::Up),
     })
+}
+
+/// Whether a pose turns against the gyro of a sensor on its body: then the two mean other axes of it, and neither turns what the
+/// other measures. What hardly turns says nothing.
+pub(super) fn turns_against(turned: &Turned, imu: &Imu, child_from_imu: &UnitQuaternion<f64>, max_step_s: f64) -> bool {
+    let (mut together, mut by_pose, mut by_gyro) = (0.0, 0.0, 0.0);
+    for stretch in &imu.stream.stretches {
+        let mut known: Option<(f64, UnitQuaternion<f64>, Vector3<f64>)> = None;
+        for timed in stretch {
+            let rate = child_from_imu * Vector3::from(timed.row.angular_velocity);
+            let Some(here) = turned.at(timed.t_s, max_step_s).filter(|_| rate.norm().is_finite()) else {
+                known = None;
+                continue;
+            };
+            let Some((from_s, from, first)) = known else {
+                known = Some((timed.t_s, here, rate));
+                continue;
+            };
+            let lasts = timed.t_s - from_s;
+            // Long against the noise of a pose, short against a turn.
+            if lasts < max_step_s {
+                continue;
+            }
+            let turn = (from.inverse() * here).scaled_axis();
+            let told = (first + rate) / 2.0 * lasts;
+            together += turn.dot(&told);
+            by_pose += turn.norm_squared();
+            by_gyro += told.norm_squared();
+            known = Some((timed.t_s, here, rate));
+        }
+    }
+    let correlation = together / (by_pose * by_gyro).sqrt();
+    by_pose.min(by_gyro) >= MIN_TURN_RAD2 && correlation < -AGREES
 }
 
 /// Heights against altitudes at the times of fixes.

@@ -2,6 +2,8 @@
 //!
 //! Must not judge.
 
+use std::borrow::Cow;
+
 use crate::math::circular::{circular_mean, diversity};
 use crate::math::noise::Ellipse;
 use crate::math::stats::median;
@@ -26,7 +28,11 @@ pub(super) fn each(world: &World, field: &str, mut with: impl FnMut(&BagEvidence
             let topics = bag.topics.values().filter(|topic| topic.topic == stream.topic);
             for topic in topics.filter(|topic| topic.content.motion.poses.is_some()) {
                 if let Some(evidence) = topic.content.covariances.get(field) {
-                    with(bag, stream, &Declared::of(stream, topic, evidence));
+                    with(
+                        bag,
+                        stream,
+                        &Declared::of(stream, topic, evidence, field.starts_with("twist")),
+                    );
                 }
             }
         }
@@ -36,8 +42,8 @@ pub(super) fn each(world: &World, field: &str, mut with: impl FnMut(&BagEvidence
 /// The covariances of a stream.
 pub(super) struct Declared<'w> {
     pub(super) topic: &'w TopicEvidence,
-    /// The different ones that say something, with the yaw at their time.
-    pub(super) samples: Vec<(&'w CovarianceAt, Option<f64>)>,
+    /// The different ones that say something, in the axes of ROS, with the yaw at their time.
+    pub(super) samples: Vec<(Cow<'w, CovarianceAt>, Option<f64>)>,
     /// The yaws of the whole stream.
     yaws: Vec<f64>,
 }
@@ -60,7 +66,12 @@ pub(super) struct Axes {
 }
 
 impl<'w> Declared<'w> {
-    fn of(stream: &Stream<PoseRow>, topic: &'w TopicEvidence, evidence: &'w CovarianceEvidence) -> Self {
+    fn of(
+        stream: &Stream<PoseRow>,
+        topic: &'w TopicEvidence,
+        evidence: &'w CovarianceEvidence,
+        is_twist: bool,
+    ) -> Self {
         let rows: Vec<&PoseRow> = stream.rows().map(|timed| &timed.row).collect();
         let at = |sample: &CovarianceAt| {
             let log_ns = sample.at.log_ns;
@@ -76,9 +87,18 @@ impl<'w> Declared<'w> {
             finite && sample.values.len() == 36 && sample.values.iter().any(|value| *value != 0.0)
         };
         let samples = evidence.samples.iter().filter(says);
+        let in_ros = |sample: &'w CovarianceAt| {
+            if !stream.told_in.converts() {
+                return Cow::Borrowed(sample);
+            }
+            Cow::Owned(CovarianceAt {
+                values: stream.told_in.covariance(&sample.values, is_twist),
+                ..sample.clone()
+            })
+        };
         Self {
             topic,
-            samples: samples.map(|sample| (sample, at(sample))).collect(),
+            samples: samples.map(|sample| (in_ros(sample), at(sample))).collect(),
             yaws: stream.rows().filter_map(|timed| yaw(timed.row.orientation)).collect(),
         }
     }

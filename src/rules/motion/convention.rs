@@ -6,7 +6,7 @@
 //!
 //! Sources: REP-103 (ENU, FLU; suffix `_ned`), REP-145 (`imu_link_ned`).
 
-use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use nalgebra::{Matrix6, Quaternion, UnitQuaternion, Vector3};
 
 use crate::math::constants::AxisTurn;
 use crate::rules::names;
@@ -154,6 +154,25 @@ impl ToldIn {
         }
     }
 
+    /// A covariance of position and orientation, of a pose or of a twist, in the axes of ROS: row-major 6x6, `M C Mᵀ` block by
+    /// block. Of another length it stays as it is.
+    pub(crate) fn covariance(&self, values: &[f64], is_twist: bool) -> Vec<f64> {
+        let turn = if is_twist {
+            self.turn_of_body()
+        } else {
+            self.turn_of_world()
+        };
+        let (Some(turn), 36) = (turn, values.len()) else {
+            return values.to_vec();
+        };
+        let m = *turn.to_rotation_matrix().matrix();
+        let mut both = Matrix6::zeros();
+        both.fixed_view_mut::<3, 3>(0, 0).copy_from(&m);
+        both.fixed_view_mut::<3, 3>(3, 3).copy_from(&m);
+        let turned = both * Matrix6::from_row_slice(values) * both.transpose();
+        turned.transpose().as_slice().to_vec()
+    }
+
     /// `enu_from_world`.
     fn turn_of_world(&self) -> Option<UnitQuaternion<f64>> {
         Some(match self.convention.world? {
@@ -261,7 +280,7 @@ impl Convert for TwistRow {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
     use crate::math::rotation::from_rpy;
 
@@ -300,6 +319,42 @@ mod tests {
         let nwu = told_in(Some(WorldAxes::Nwu), None);
         let [east, north, up] = nwu.in_world([5.0, 2.0, 1.0]);
         assert!((east + 2.0).abs() < 1e-12 && (north - 5.0).abs() < 1e-12 && (up - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_covariance_is_told_in_the_axes_of_ros() {
+        let mut values = vec![0.0; 36];
+        // North, east, down; roll, pitch, yaw; north with east.
+        for (at, value) in [
+            (0, 4.0),
+            (7, 1.0),
+            (14, 9.0),
+            (21, 0.1),
+            (28, 0.2),
+            (35, 0.3),
+            (1, 0.5),
+            (6, 0.5),
+            (2, 0.7),
+            (12, 0.7),
+        ] {
+            values[at] = value;
+        }
+        let ned = told_in(Some(WorldAxes::Ned), None);
+        let enu = ned.covariance(&values, false);
+        let near = |at: usize, value: f64| assert!((enu[at] - value).abs() < 1e-12, "{at}: {}", enu[at]);
+        for (at, value) in [
+            (0, 1.0),
+            (7, 4.0),
+            (14, 9.0),
+            (21, 0.2),
+            (28, 0.1),
+            (35, 0.3),
+            (1, 0.5),
+            (8, -0.7),
+        ] {
+            near(at, value);
+        }
+        assert_eq!(ned.covariance(&values, true), values);
     }
 
     #[test]

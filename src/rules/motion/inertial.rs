@@ -16,6 +16,10 @@ const GRAVITY_WINDOW_S: f64 = 2.0;
 const TILTED_RAD: f64 = 0.087;
 /// Length of the windows of turns, seconds: the best on real recordings.
 const TURN_WINDOW_S: f64 = 0.5;
+/// Length of the windows of turns for orientations with noise of a degree, seconds.
+const SLOW_TURN_WINDOW_S: f64 = 2.0;
+/// From one of these to the next, seconds.
+const SLOW_TURN_HOP_S: f64 = 0.5;
 
 /// The measurements of one sensor.
 #[derive(Clone, Debug)]
@@ -28,6 +32,8 @@ pub(crate) struct Inertial {
     pub(crate) gravity: Option<Gravity>,
     /// Turns by orientation and gyro; `None` without an orientation, or where nothing lasts long enough.
     pub(crate) turns: Option<Turns>,
+    /// The same over longer windows.
+    pub(crate) slow_turns: Option<Turns>,
 }
 
 impl Inertial {
@@ -50,15 +56,23 @@ impl Inertial {
             slots: timed.row.orientation,
             rate_rad_s: timed.row.angular_velocity,
         };
+        let turns_over = |options: &turns::Options| {
+            has_orientation
+                .then(|| turns(&made(stream, turning), options))
+                .flatten()
+        };
+        let slow = turns::Options {
+            hop_s: SLOW_TURN_HOP_S,
+            ..turns::Options::new(SLOW_TURN_WINDOW_S)
+        };
         Self {
             force: median(&forces),
             rest: rest(&made(stream, still), &rest::Options::default()),
             gravity: has_orientation
                 .then(|| gravity(&made(stream, level), GRAVITY_WINDOW_S, TILTED_RAD))
                 .flatten(),
-            turns: has_orientation
-                .then(|| turns(&made(stream, turning), &turns::Options::new(TURN_WINDOW_S)))
-                .flatten(),
+            turns: turns_over(&turns::Options::new(TURN_WINDOW_S)),
+            slow_turns: turns_over(&slow),
         }
     }
 }

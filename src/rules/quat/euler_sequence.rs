@@ -148,13 +148,13 @@ fn judge_sensor(imu: &Imu, sensor: &Sensor, out: &mut Judge) {
     };
     match (&turned.ordered, turned.class) {
         (Some(ordered), _) => out.fail(of_sensor(imu, subject, ordered)),
-        (None, Turn::Agree) if turned.shows_order() => {
+        (None, Turn::Agree | Turn::Tilting) if turned.shows_order() => {
             let [x, y, z] = turned.correlations().map(|value| value.unwrap_or(f64::NAN));
             let least = x.min(y).min(z);
             let measured = Measured::new("least correlation of an axis with the gyro", least, "1");
             out.pass(subject, [measured]);
         }
-        (None, Turn::Agree) => {
+        (None, Turn::Agree | Turn::Tilting) => {
             let why = "it turns about one axis: no order of angles would show";
             out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
         }

@@ -9,3 +9,4 @@ pub mod left_vs_right_multiplication;
 mod oriented;
 pub mod quaternion_convention;
 pub mod quaternion_order_static;
+mod ways;

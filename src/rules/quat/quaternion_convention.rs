@@ -1,10 +1,8 @@
 //! QUAT01: an orientation against the integral of its gyro.
 
-use nalgebra::Matrix3;
 use serde::Deserialize;
 
-use crate::math::readings::Reading;
-use crate::math::turns::{Score, Turns};
+use crate::math::turns::Score;
 use crate::rules::axes::causes::{Diagnosis, Turn};
 use crate::rules::axes::sensors::{Look, Sensors};
 use crate::rules::motion::{Imu, Motion};
@@ -13,6 +11,7 @@ use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
 use super::by_gyro::{Margins, Ordered, ordered};
+use super::ways::Ways;
 
 /// QUAT01.
 pub struct QuaternionConvention;
@@ -21,34 +20,42 @@ pub struct QuaternionConvention;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
-    min_rotation_deg: f64,
-    max_step_s: f64,
-    agrees: f64,
-    opposes: f64,
-    unrelated: f64,
-    unrelated_deg: f64,
-    ratio: f64,
-    noise: f64,
-    axis_deg_s: f64,
-    axis_step_s: f64,
-    axis_wrong: f64,
-    axis_right: f64,
+    pub(super) min_rotation_deg: f64,
+    pub(super) max_step_s: f64,
+    pub(super) agrees: f64,
+    pub(super) opposes: f64,
+    pub(super) unrelated: f64,
+    pub(super) unrelated_deg: f64,
+    pub(super) ratio: f64,
+    pub(super) slow_agrees: f64,
+    pub(super) slow_gap: f64,
+    pub(super) unrelated_correlation: f64,
+    pub(super) standing: f64,
+    pub(super) noise: f64,
+    pub(super) axis_deg_s: f64,
+    pub(super) axis_step_s: f64,
+    pub(super) axis_wrong: f64,
+    pub(super) axis_agrees: f64,
+    pub(super) axis_right: f64,
+    pub(super) axis_noise: f64,
 }
 
 /// What was seen.
 pub(crate) struct Turned {
     pub(crate) class: Turn,
-    as_published: Score,
-    inverse: Score,
-    reordered: Score,
-    windows: usize,
-    rotation_deg: f64,
+    pub(super) as_published: Score,
+    pub(super) inverse: Score,
+    pub(super) reordered: Score,
+    pub(super) windows: usize,
+    pub(super) rotation_deg: f64,
+    /// The largest residual that agrees, in the windows that told.
+    pub(super) limit: f64,
     /// The axis about which it does not follow, of those that turn.
-    axis: Option<usize>,
+    pub(super) axis: Option<usize>,
     /// The order of angles behind it, where the gyro shows another than that of ROS.
     pub(super) ordered: Option<Ordered>,
     /// How many axes turn fast enough to speak.
-    speaking: usize,
+    pub(super) speaking: usize,
 }
 
 impl Turned {
@@ -85,13 +92,13 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
     let windows = turned.windows as u64;
     let measured = [
         Measured::new("residual as published", turned.as_published.residual, "1")
-            .limit(limits.agrees)
+            .limit(turned.limit)
             .samples(windows),
         Measured::new("residual of the inverse", turned.inverse.residual, "1").samples(windows),
         Measured::new("residual read as w x y z", turned.reordered.residual, "1").samples(windows),
         Measured::new("rotation", turned.rotation_deg, "deg").limit(limits.min_rotation_deg),
     ];
-    if turned.class == Turn::Agree {
+    if matches!(turned.class, Turn::Agree | Turn::Tilting) {
         return out.pass(subject, measured);
     }
     if turned.class == Turn::Ordered {
@@ -141,142 +148,81 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         return Err((NotEvaluated::NotApplicable, why.to_owned()));
     }
     let little = |reason: String| Err((NotEvaluated::TooLittleEvidence, reason));
-    let Some(turns) = &imu.inertial.turns else {
+    let Some(fast) = imu.inertial.turns.as_ref().and_then(Ways::of) else {
         return little("no unbroken second of orientation and rate".to_owned());
     };
-    let score = |reading: Reading| turns.score(reading).copied();
-    let (Some(as_published), Some(inverse), Some(reordered)) =
-        (score(Reading::Xyzw), score(Reading::Conjugate), score(Reading::Wxyz))
-    else {
-        return little("no unbroken second of orientation and rate".to_owned());
-    };
-    let rotation_deg = turns.rotation_rad.to_degrees();
-    if rotation_deg < limits.min_rotation_deg {
-        return little(format!(
-            "it turns by {rotation_deg:.1} deg in windows with a rate, {} deg are needed",
-            limits.min_rotation_deg
-        ));
-    }
-    if turns.step_s > limits.max_step_s {
+    if fast.turns.step_s > limits.max_step_s {
         return little(format!(
             "one message every {:.2} s: a gyro cannot be integrated at that rate, {} s are needed",
-            turns.step_s, limits.max_step_s
+            fast.turns.step_s, limits.max_step_s
         ));
     }
     // A gyro in another unit is AXES02's: it hides whether the senses agree.
-    let gain = as_published.gain.abs().max(inverse.gain.abs());
-    if !(0.5..=2.0).contains(&gain) {
-        let best = as_published.gain_correlation.abs().max(inverse.gain_correlation.abs());
-        if best > 0.9 {
-            return little(format!(
-                "the scale of the gyro is {gain:.3} of the orientation's turning: see AXES02"
-            ));
-        }
+    let gain = fast.as_published.gain.abs().max(fast.inverse.gain.abs());
+    if !(0.5..=2.0).contains(&gain) && fast.follows() > 0.9 {
+        return little(format!(
+            "the scale of the gyro is {gain:.3} of the orientation's turning: see AXES02"
+        ));
     }
-    let axis = wrong_axis(turns, &as_published, limits).filter(|_| turns.step_s <= limits.axis_step_s);
-    let speaks = |rms: &&f64| rms.to_degrees() >= limits.axis_deg_s;
-    let speaking = turns.axis_rms_rad_s.iter().filter(speaks).count();
-    let own = as_published.residual;
-    // The search is dear, and its answer is sure: asked where anything speaks for it, at any rate.
-    let is_odd = own > limits.unrelated || wrong_axis(turns, &as_published, limits).is_some();
+    let slow = imu.inertial.slow_turns.as_ref().and_then(Ways::of);
+    let turns_enough = |ways: &Ways| ways.rotation_deg() >= limits.min_rotation_deg;
+    let order = fast_order(imu, &fast, limits).filter(|_| turns_enough(&fast));
+    if let Some(order) = order
+        .as_ref()
+        .filter(|order| fast.maps_are_worse(order.residual, limits))
+    {
+        return Ok(Turned {
+            ordered: Some(order.clone()),
+            ..fast.found(Turn::Ordered, None, limits)
+        });
+    }
+    let by_ratio = Some(&fast).filter(|ways| turns_enough(ways)).and_then(|ways| {
+        let class = ways.by_ratio(limits)?;
+        let axis = fast.axis(class, limits)?;
+        Some(Turned {
+            ordered: order,
+            ..ways.found(class, axis, limits)
+        })
+    });
+    let by_gap = || {
+        let ways = slow.as_ref().filter(|ways| turns_enough(ways))?;
+        let class = ways.by_gap(limits)?;
+        // What noise hides in short windows is no proof against an axis.
+        let axis = fast.axis(class, limits)?;
+        axis.is_none().then(|| ways.found(class, None, limits))
+    };
+    if let Some(turned) = by_ratio.or_else(by_gap) {
+        return Ok(turned);
+    }
+    if !turns_enough(&fast) && !slow.as_ref().is_some_and(turns_enough) {
+        return little(format!(
+            "it turns by {:.1} deg in windows with a rate, {} deg are needed",
+            fast.rotation_deg(),
+            limits.min_rotation_deg
+        ));
+    }
+    if fast.is_unrelated(limits) {
+        return Ok(fast.found(Turn::Unrelated, None, limits));
+    }
+    little(format!(
+        "neither follows the other clearly: {:.0} % of the turning is left unexplained as published, {:.0} % by the best other \
+         reading",
+        100.0 * fast.as_published.residual,
+        100.0 * fast.best()
+    ))
+}
+
+/// The order of the angles behind the orientation, if it is another one. The search is dear, and its answer is sure: asked
+/// where anything speaks for it, at any rate.
+fn fast_order(imu: &Imu, fast: &Ways, limits: &Limits) -> Option<Ordered> {
+    let own = fast.as_published.residual;
     let margins = Margins {
         agrees: limits.agrees,
         ratio: limits.ratio,
         noise: limits.noise,
     };
-    let simpler = inverse.residual.min(reordered.residual) < limits.agrees;
-    let order = if is_odd && !simpler {
-        ordered(imu, own, &margins)
-    } else {
-        None
-    };
-    let found = |class: Turn| {
-        Ok(Turned {
-            class,
-            ordered: order.clone(),
-            speaking,
-            as_published,
-            inverse,
-            reordered,
-            windows: turns.active,
-            rotation_deg,
-            axis,
-        })
-    };
-    let best_map = maps(&as_published)
-        .into_iter()
-        .map(|way| way.1)
-        .fold(f64::INFINITY, f64::min);
-    // A turned or negated gyro is the simpler fault.
-    let beats_maps = |order: &Ordered| best_map >= limits.ratio * order.residual.max(limits.noise);
-    if order.as_ref().is_some_and(beats_maps) {
-        return found(Turn::Ordered);
-    }
-    if own < limits.agrees && inverse.residual > limits.opposes {
-        return found(if axis.is_some() { Turn::Partly } else { Turn::Agree });
-    }
-    let mut ways = vec![(Turn::Inverse, inverse.residual), (Turn::Reordered, reordered.residual)];
-    let reordered_inverse = score(Reading::WxyzConjugate).map(|score| score.residual);
-    ways.extend(reordered_inverse.map(|residual| (Turn::ReorderedInverse, residual)));
-    ways.extend(maps(&as_published));
-    ways.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let best = ways.first().map_or(f64::NAN, |way| way.1);
-    if best < limits.agrees && own >= limits.ratio * best.max(limits.noise) {
-        let alike = ways.iter().filter(|way| way.1 < limits.ratio * best.max(limits.noise));
-        let alike: Vec<Turn> = alike.map(|way| way.0).collect();
-        match alike.as_slice() {
-            [only] => return found(*only),
-            several if !several.iter().any(is_reordered) && own > limits.opposes => return found(Turn::Reversed),
-            _ => {}
-        }
-    }
-    if own > limits.unrelated && best > limits.unrelated && rotation_deg >= limits.unrelated_deg {
-        return found(Turn::Unrelated);
-    }
-    little(format!(
-        "neither follows the other clearly: {:.0} % of the turning is left unexplained as published, {:.0} % by the best other \
-         reading",
-        100.0 * own,
-        100.0 * best
-    ))
-}
-
-fn is_reordered(turn: &Turn) -> bool {
-    matches!(turn, Turn::Reordered | Turn::ReorderedInverse)
-}
-
-/// Residuals of the gyro with its axes in FRD, negated, and with z alone negated.
-fn maps(as_published: &Score) -> Vec<(Turn, f64)> {
-    let Some(search) = as_published.axis_search() else {
-        return Vec::new();
-    };
-    let class = |matrix: Matrix3<f64>| {
-        let is = |signs: [f64; 3]| (matrix - Matrix3::from_diagonal(&signs.into())).norm() < 0.5;
-        if is([1.0, -1.0, -1.0]) {
-            Some(Turn::Frd)
-        } else if is([-1.0, -1.0, -1.0]) {
-            Some(Turn::Negated)
-        } else if is([1.0, 1.0, -1.0]) {
-            Some(Turn::Yaw)
-        } else {
-            None
-        }
-    };
-    let ranked = search.ranked().iter();
-    ranked
-        .filter_map(|scored| Some((class(scored.map.matrix())?, search.residual(scored))))
-        .collect()
-}
-
-/// An axis about which the orientation does not follow, though the gyro turns about it and another axis fits.
-fn wrong_axis(turns: &Turns, score: &Score, limits: &Limits) -> Option<usize> {
-    let correlation = score.axis_correlation;
-    let fits = correlation.iter().flatten().any(|value| *value > limits.axis_right);
-    let axes = correlation.iter().zip(turns.axis_rms_rad_s).enumerate();
-    axes.filter(|(_, (correlation, rms))| {
-        correlation.is_some_and(|value| value < limits.axis_wrong) && rms.to_degrees() >= limits.axis_deg_s
-    })
-    .map(|(axis, _)| axis)
-    .next()
-    .filter(|_| fits)
+    let is_odd = own > limits.unrelated || fast.has_odd_axis(limits);
+    (is_odd && !fast.is_simpler(limits))
+        .then(|| ordered(imu, own, &margins))
+        .flatten()
 }

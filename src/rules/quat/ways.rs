@@ -1,0 +1,255 @@
+//! What the windows of an orientation and a gyro say: which way of reading them fits.
+//!
+//! Owns the comparisons, by the limits of QUAT01's page. Must not judge.
+
+use nalgebra::Matrix3;
+
+use crate::math::readings::Reading;
+use crate::math::rotation::singular_values;
+use crate::math::turns::{Score, Turns};
+use crate::rules::axes::causes::Turn;
+
+use super::quaternion_convention::{Limits, Turned};
+
+/// The windows with the scores of the readings.
+pub(super) struct Ways<'a> {
+    pub(super) turns: &'a Turns,
+    pub(super) as_published: Score,
+    pub(super) inverse: Score,
+    reordered: Score,
+    /// Every way with a name but the published one, with its residual, the best first.
+    others: Vec<(Turn, f64)>,
+    /// The smallest residual of the other readings of the four numbers.
+    readings: f64,
+    /// The smallest residual of the gyro's other axes that have no name.
+    unnamed: f64,
+}
+
+impl<'a> Ways<'a> {
+    /// `None` where a score is missing.
+    pub(super) fn of(turns: &'a Turns) -> Option<Self> {
+        let score = |reading: Reading| turns.score(reading).copied();
+        let (as_published, inverse) = (score(Reading::Xyzw)?, score(Reading::Conjugate)?);
+        let (reordered, reordered_inverse) = (score(Reading::Wxyz)?, score(Reading::WxyzConjugate)?);
+        let mut others = vec![
+            (Turn::Inverse, inverse.residual),
+            (Turn::Reordered, reordered.residual),
+            (Turn::ReorderedInverse, reordered_inverse.residual),
+        ];
+        let readings = others.iter().map(|way| way.1).fold(f64::INFINITY, f64::min);
+        let (named, unnamed): (Vec<_>, Vec<_>) = maps(&as_published).into_iter().partition(|map| map.0.is_some());
+        others.extend(named.into_iter().filter_map(|(turn, residual)| Some((turn?, residual))));
+        let unnamed = unnamed.iter().map(|map| map.1).fold(f64::INFINITY, f64::min);
+        others.sort_by(|a, b| a.1.total_cmp(&b.1));
+        Some(Self {
+            turns,
+            as_published,
+            inverse,
+            reordered,
+            others,
+            readings,
+            unnamed,
+        })
+    }
+
+    /// Rotation in windows with a rate, degrees.
+    pub(super) fn rotation_deg(&self) -> f64 {
+        self.turns.rotation_rad.to_degrees()
+    }
+
+    /// How well the orientation as published or its inverse follows the gyro, whatever its unit.
+    pub(super) fn follows(&self) -> f64 {
+        let of = |score: &Score| score.gain_correlation.abs();
+        of(&self.as_published).max(of(&self.inverse))
+    }
+
+    /// The residual of the best way that is not the published one.
+    pub(super) fn best(&self) -> f64 {
+        self.others.first().map_or(f64::NAN, |way| way.1)
+    }
+
+    /// What was seen, by these windows.
+    pub(super) fn found(&self, class: Turn, axis: Option<usize>, limits: &Limits) -> Turned {
+        let is_slow = self.by_ratio(limits).is_none() && !matches!(class, Turn::Unrelated | Turn::Ordered);
+        Turned {
+            class: if axis.is_some() { Turn::Partly } else { class },
+            as_published: self.as_published,
+            inverse: self.inverse,
+            reordered: self.reordered,
+            windows: self.turns.active,
+            rotation_deg: self.rotation_deg(),
+            limit: if is_slow {
+                limits.slow_agrees.sqrt()
+            } else {
+                limits.agrees
+            },
+            axis,
+            ordered: None,
+            speaking: self.speaking(limits),
+        }
+    }
+
+    /// How many axes turn fast enough to speak.
+    fn speaking(&self, limits: &Limits) -> usize {
+        let speaks = |rms: &&f64| rms.to_degrees() >= limits.axis_deg_s;
+        self.turns.axis_rms_rad_s.iter().filter(speaks).count()
+    }
+
+    /// Whether another reading of the four numbers is the simpler explanation.
+    pub(super) fn is_simpler(&self, limits: &Limits) -> bool {
+        self.readings < limits.agrees
+    }
+
+    /// Whether a turned or negated gyro explains less than something else that leaves this residual: it is the simpler fault.
+    pub(super) fn maps_are_worse(&self, residual: f64, limits: &Limits) -> bool {
+        let maps = self.others.iter().filter(|way| is_map(way.0)).map(|way| way.1);
+        maps.fold(f64::INFINITY, f64::min) >= limits.ratio * residual.max(limits.noise)
+    }
+
+    /// Whether the orientation may not follow about an axis, though it does about another, noise or not.
+    pub(super) fn has_odd_axis(&self, limits: &Limits) -> bool {
+        let correlation = self.as_published.axis_correlation;
+        let fits = correlation.iter().flatten().any(|value| *value > limits.axis_right);
+        let mut axes = correlation.iter().zip(self.turns.axis_rms_rad_s);
+        fits && axes.any(|(correlation, rms)| {
+            correlation.is_some_and(|value| value < limits.axis_wrong) && rms.to_degrees() >= limits.axis_deg_s
+        })
+    }
+
+    /// The way whose residual is small, the others' being some times as large.
+    pub(super) fn by_ratio(&self, limits: &Limits) -> Option<Turn> {
+        let own = self.as_published.residual;
+        // Of a straight drive to the west the inverse orientation pitches and rolls as the right one.
+        if own < limits.agrees && self.readings >= limits.ratio * own.max(limits.noise) {
+            return Some(self.agreement(limits));
+        }
+        let best = self.best();
+        if best >= limits.agrees || own < limits.ratio * best.max(limits.noise) {
+            return None;
+        }
+        let is_alike = |residual: f64| residual < limits.ratio * best.max(limits.noise);
+        self.one_of(is_alike, own > limits.opposes)
+    }
+
+    /// The way that explains the turning, the noise of the orientation aside: noise adds the same square to every residual, so
+    /// what counts is how far their squares are apart.
+    pub(super) fn by_gap(&self, limits: &Limits) -> Option<Turn> {
+        let (own, best) = (self.as_published.residual.powi(2), self.best().powi(2));
+        if own <= limits.slow_agrees && self.readings.powi(2) - own >= limits.slow_gap && own - best < limits.slow_gap {
+            return Some(self.agreement(limits));
+        }
+        if best > limits.slow_agrees || own - best < limits.slow_gap {
+            return None;
+        }
+        self.one_of(|residual| residual.powi(2) - best < limits.slow_gap, true)
+    }
+
+    /// How the published orientation agrees: with the yaw, or not so that it would tell.
+    fn agreement(&self, limits: &Limits) -> Turn {
+        let own = self.as_published.residual.powi(2);
+        let mut yaw = self
+            .others
+            .iter()
+            .filter(|way| way.0 == Turn::Yaw)
+            .map(|way| way.1.powi(2));
+        if yaw.any(|yaw| yaw - own < limits.slow_gap) {
+            Turn::Tilting
+        } else {
+            Turn::Agree
+        }
+    }
+
+    /// The way that alone is as good as the best; where several are, that they turn the other way, if they all do.
+    fn one_of(&self, is_alike: impl Fn(f64) -> bool, opposes: bool) -> Option<Turn> {
+        let alike = self.others.iter().filter(|way| is_alike(way.1)).map(|way| way.0);
+        let alike: Vec<Turn> = alike.collect();
+        match alike.as_slice() {
+            [only] if is_map(*only) && is_alike(self.unnamed) => None,
+            [only] => Some(*only),
+            several if opposes && !several.iter().any(is_reordered) => Some(Turn::Reversed),
+            _ => None,
+        }
+    }
+
+    /// Whether the orientation turns, and not as the gyro does under any reading.
+    pub(super) fn is_unrelated(&self, limits: &Limits) -> bool {
+        let follows = self.turns.scores.iter().map(explained);
+        let own = self.as_published;
+        // A gyro in degrees has a bias as large as a turn, and nothing turns.
+        let turns = own.turn_power >= limits.standing * own.gyro_power;
+        own.residual > limits.unrelated
+            && self.best() > limits.unrelated
+            && self.rotation_deg() >= limits.unrelated_deg
+            && follows.fold(0.0, f64::max) <= limits.unrelated_correlation
+            && turns
+    }
+
+    /// For an orientation that follows its gyro on the whole, the axis about which it does not; `None` where that cannot be
+    /// told of an axis that turns.
+    pub(super) fn axis(&self, class: Turn, limits: &Limits) -> Option<Option<usize>> {
+        if !matches!(class, Turn::Agree | Turn::Tilting) || self.turns.step_s > limits.axis_step_s {
+            return Some(None);
+        }
+        let score = &self.as_published;
+        let axes = score.axis_correlation.iter().zip(score.axis_residual_rad);
+        let right = axes.filter(|(correlation, _)| correlation.is_some_and(|value| value > limits.axis_right));
+        // The noise of the orientation shows about the axis that fits best.
+        let Some(noise_rad) = right.map(|(_, residual)| residual).reduce(f64::min) else {
+            return Some(None);
+        };
+        let window_s = self.turns.covered_s / self.turns.windows.max(1) as f64;
+        let axes = score.axis_correlation.iter().zip(self.turns.axis_rms_rad_s).enumerate();
+        let turning = axes.filter(|(_, (_, rms))| {
+            rms.to_degrees() >= limits.axis_deg_s && rms * window_s >= limits.axis_noise * noise_rad
+        });
+        let mut unclear = false;
+        for (axis, (correlation, _)) in turning {
+            match correlation {
+                Some(value) if *value < limits.axis_wrong => return Some(Some(axis)),
+                Some(value) if *value < limits.axis_agrees => unclear = true,
+                _ => {}
+            }
+        }
+        (!unclear).then_some(None)
+    }
+}
+
+fn is_map(turn: Turn) -> bool {
+    matches!(turn, Turn::Frd | Turn::Negated | Turn::Yaw)
+}
+
+fn is_reordered(turn: &Turn) -> bool {
+    matches!(turn, Turn::Reordered | Turn::ReorderedInverse)
+}
+
+/// The correlation of the orientation's turns with the gyro's under the rotation or mirror that serves it best (Kabsch 1976):
+/// 0 to 1.
+fn explained(score: &Score) -> f64 {
+    let sum = singular_values(&score.cross).map_or(0.0, |values| values.iter().sum::<f64>());
+    let power = (score.gyro_power * score.turn_power).sqrt();
+    if power > 0.0 { sum / power } else { 0.0 }
+}
+
+/// Residuals of the gyro with other axes: FRD, negated and with z alone negated have a name. Its own axes are left out.
+fn maps(as_published: &Score) -> Vec<(Option<Turn>, f64)> {
+    let Some(search) = as_published.axis_search() else {
+        return Vec::new();
+    };
+    let class = |matrix: Matrix3<f64>| {
+        let is = |signs: [f64; 3]| (matrix - Matrix3::from_diagonal(&signs.into())).norm() < 0.5;
+        if is([1.0, -1.0, -1.0]) {
+            Some(Turn::Frd)
+        } else if is([-1.0, -1.0, -1.0]) {
+            Some(Turn::Negated)
+        } else if is([1.0, 1.0, -1.0]) {
+            Some(Turn::Yaw)
+        } else {
+            None
+        }
+    };
+    let ranked = search.ranked().iter();
+    let others = ranked.filter(|scored| scored.map.matrix() != Matrix3::identity());
+    others
+        .map(|scored| (class(scored.map.matrix()), search.residual(scored)))
+        .collect()
+}

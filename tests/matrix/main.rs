@@ -1,0 +1,162 @@
+//! Convention errors, put one at a time into every real recording that has the streams for it: the matrix of recordings and
+//! errors.
+//!
+//! ```text
+//! FRAMES_LINT_BAGS=folder cargo test --profile rates --test matrix -- --ignored --nocapture
+//! ```
+//!
+//! prints the matrix, and why a cell was not evaluated. Recordings are read wholly, once; errors are put into their evidence,
+//! whose rows are means of messages, number by number, so that orders, signs and units of the numbers commute with them. A
+//! recording that lies beside others is judged with them, as a user gets it. `MATRIX_ONLY` is words of recordings and errors
+//! that are tried, with commas between them (all).
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    clippy::print_stdout,
+    clippy::float_cmp,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap,
+    clippy::cast_sign_loss,
+    clippy::format_push_string,
+    unreachable_pub,
+    missing_docs
+)]
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod cells;
+mod errors;
+mod mended;
+mod places;
+mod streams;
+mod table;
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use cells::Cell;
+use frames_lint::engine::{self, Extent, Options, Rules};
+use frames_lint::world::World;
+use streams::{Kind, Stream};
+
+/// A row of the matrix: the streams of one kind of one recording.
+struct Line {
+    name: String,
+    cells: BTreeMap<&'static str, Cell>,
+}
+
+#[test]
+#[ignore = "some minutes, and a folder of recordings"]
+fn errors_in_real_recordings_are_named_or_not_evaluated() {
+    let folder = support::real_bags().unwrap();
+    let run = engine::collect(&Options {
+        paths: vec![folder],
+        extent: Extent {
+            full: true,
+            ..Extent::default()
+        },
+        ..Options::default()
+    })
+    .unwrap();
+    let only = std::env::var("MATRIX_ONLY").unwrap_or_default();
+    let only: Vec<&str> = only.split(',').filter(|word| !word.is_empty()).collect();
+    let rules = Rules::select(&[]).unwrap();
+    let mut lines = Vec::new();
+    let sources = Arc::new(run.sources);
+    for mut world in run.worlds {
+        world.sources = Arc::clone(&sources);
+        for told in mended::mend(&mut world) {
+            println!("mended: {told}");
+        }
+        lines.extend(of_world(&world, &rules, &only));
+    }
+    let reasons = print(&lines);
+    let bad: Vec<&String> = reasons
+        .iter()
+        .filter(|reason| reason.starts_with('M') || reason.starts_with('W'))
+        .collect();
+    assert!(bad.is_empty(), "{} cells are missed or wrong", bad.len());
+}
+
+fn of_world(world: &World, rules: &Rules, only: &[&str]) -> Vec<Line> {
+    let mut lines = Vec::new();
+    if let Some(why) = mended::left_out(world) {
+        println!("left out: {}: {why}", world.label);
+        return lines;
+    }
+    for stream in Stream::all(world) {
+        let path = world.path(world.bags[stream.bag].source);
+        let name = format!("{} {}", short(path), stream.name());
+        let mut cells = BTreeMap::new();
+        let judged = cells::Judged::of(world, &stream, rules);
+        for error in errors::all() {
+            let is_meant = |word: &&str| name.contains(*word) || error.name == *word;
+            if !only.is_empty() && !only.iter().any(|word| is_meant(word)) {
+                continue;
+            }
+            if let Some(cell) = judged.with(error) {
+                cells.insert(error.name, cell);
+            }
+        }
+        if !cells.is_empty() {
+            lines.push(Line { name, cells });
+        }
+    }
+    lines
+}
+
+/// The last two names of a path, without what all of them end in.
+fn short(path: &str) -> String {
+    let path = path.trim_end_matches("/metadata.yaml");
+    let names: Vec<&str> = path.rsplit('/').take(2).collect();
+    let stem = names[0].rsplit_once('.').map_or(names[0], |(stem, _)| stem);
+    if stem.len() > 6 {
+        stem.to_owned()
+    } else {
+        format!("{}/{stem}", names[1])
+    }
+}
+
+/// Prints the matrix, a kind of stream after the other; gives the legend of what is neither named nor lacks streams.
+fn print(lines: &[Line]) -> Vec<String> {
+    let mut reasons = Vec::new();
+    for (kind, of) in [("imu", Kind::Imu), ("poses", Kind::Poses), ("fixes", Kind::Fixes)] {
+        let lines: Vec<&Line> = lines
+            .iter()
+            .filter(|line| line.name.contains(&format!(" {kind} ")))
+            .collect();
+        println!("\n## {kind}\n");
+        for (number, line) in lines.iter().enumerate() {
+            println!("{:3}  {}", number + 1, line.name);
+        }
+        let numbers: Vec<String> = (1..=lines.len()).map(|number| format!("{number:4}")).collect();
+        println!("\n{:24}{}", "", numbers.concat());
+        for error in errors::all()
+            .filter(|error| error.kind() == of && lines.iter().any(|line| line.cells.contains_key(error.name)))
+        {
+            let mut row = String::new();
+            for (number, line) in lines.iter().enumerate() {
+                let Some(cell) = line.cells.get(error.name) else {
+                    row.push_str("   .");
+                    continue;
+                };
+                let letter = cell.letter();
+                row.push_str(&format!("{letter:>4}"));
+                if let Some(said) = cell.said() {
+                    reasons.push(format!("{letter} {} {}. {}: {said}", error.name, number + 1, line.name));
+                }
+            }
+            println!("{:24}{row}", error.name);
+        }
+    }
+    println!(
+        "\nN named; n named among others that fit as well; p found, not named; - not evaluated; M missed; W wrong; . no such stream\n"
+    );
+    for reason in &reasons {
+        println!("{reason}");
+    }
+    reasons
+}
