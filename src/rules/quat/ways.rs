@@ -97,7 +97,7 @@ impl<'a> Ways<'a> {
 
     /// Whether the inverse, or the four numbers as w x y z, is the simpler explanation.
     pub(super) fn is_simpler(&self, limits: &Limits) -> bool {
-        self.inverse.residual.min(self.reordered.residual) < limits.agrees
+        self.readings < limits.agrees
     }
 
     /// Whether a turned or negated gyro explains less than something else that leaves this residual: it is the simpler fault.
