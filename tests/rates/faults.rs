@@ -36,6 +36,9 @@ const MIRRORED: &str = "the track that it is held against is a mirror image";
 /// What a finding on a velocity says of the position that may be wrong instead.
 const POSITION: &str = "or the position beside it is wrong";
 
+/// What a finding on two orientations says of a mounting.
+const CONSTANT: &str = "differ by a constant in the body";
+
 /// Odometry that is stamped on arrival.
 const LATE: &str = "odom 0.1 s late";
 /// By how much, seconds.
@@ -89,32 +92,36 @@ pub const IMU: &[Known] = &[
         "y forward",
         &[Error::YForward],
         (
-            &["turned-mount"],
-            &["its y axis points forward", "whose y axis points forward"],
+            &["turned-mount", "z-90"],
+            &["its y axis points forward", "whose y axis points forward", CONSTANT],
         ),
     ),
     (
         "mounted backward",
         &[Error::Backward],
         (
-            &["turned-mount"],
-            &["mounted turned about z", "a sensor mounted backwards"],
+            &["turned-mount", "z180"],
+            &["mounted turned about z", "a sensor mounted backwards", CONSTANT],
         ),
     ),
     (
         "mounted at 90 deg",
         &[Error::Yaw90],
         (
-            &["turned-mount"],
-            &["mounted turned about z", "a sensor turned to the left"],
+            &["turned-mount", "z90"],
+            &["mounted turned about z", "a sensor turned to the left", CONSTANT],
         ),
     ),
     (
         "upside down",
         &[Error::Inverted],
-        (&["upside-down"], &["the sensor is mounted upside down"]),
+        (&["upside-down"], &["the sensor is mounted upside down", CONSTANT]),
     ),
-    (SIDE, &[], (&["on-its-side"], &["the sensor is mounted on its side"])),
+    (
+        SIDE,
+        &[],
+        (&["on-its-side"], &["the sensor is mounted on its side", CONSTANT]),
+    ),
     ("Euler XYZ", &[Error::EulerXyz], (&[], &["was put together as"])),
     (
         "left-handed",
@@ -149,18 +156,27 @@ pub const IMU: &[Known] = &[
 /// Faults of odometry.
 pub const ODOMETRY: &[Known] = &[
     ("odom swapped", &[Error::SwapXy], (&["mirrored"], &[MIRRORED, POSITION])),
-    ("odom -x", &[Error::XNegated], (&["mirrored"], &[MIRRORED, POSITION])),
+    (
+        "odom -x",
+        &[Error::XNegated],
+        (&["mirrored"], &[MIRRORED, POSITION, "goes backwards all the way"]),
+    ),
     ("odom -y", &[Error::YNegated], (&["mirrored"], &[MIRRORED, POSITION])),
     (
         "odom left-handed",
         &[Error::LeftHanded],
         (&["mirrored"], &[MIRRORED, POSITION]),
     ),
-    ("odom NED/FRD", &[Error::NedFrd], (&["mirrored"], &[MIRRORED, POSITION])),
+    (
+        "odom NED/FRD",
+        &[Error::NedFrd],
+        (&["mirrored", "z-down"], &[MIRRORED, POSITION]),
+    ),
     ("twist in world", &[Error::TwistInWorld], (&["header-frame"], &[])),
     ("twist reversed", &[Error::TwistReversed], (&["negated"], &[])),
     ("twist -y", &[Error::TwistYNegated], (&["y-negated"], &[])),
     ("twist swapped", &[Error::TwistSwapped], (&["xy-swapped"], &[])),
+    (LATE, &[], (&[], &["shows the motion 0."])),
     (
         "yaw rate negated",
         &[Error::TwistYawNegated],

@@ -35,11 +35,6 @@ impl Best {
         }
     }
 
-    /// The largest R2.
-    pub(super) fn r2(&self) -> f64 {
-        self.r2.map_or(f64::NEG_INFINITY, |(_, r2)| r2)
-    }
-
     /// The lag of the largest R2; 0 without one.
     pub(super) fn lag(&self) -> i32 {
         self.r2.map_or(0, |(lag, _)| lag)
@@ -136,21 +131,20 @@ pub(super) struct AtLags<'a> {
     pub(super) matched: (f64, &'a [Turned]),
 }
 
-/// The bias of the gyro, rad/s: how far on the whole the gyro turns beyond the orientation, by the reading that agrees best
-/// among those by which it is a bias at all, at most so much about each axis. A steady turn under a wrong reading looks like a
-/// larger one. Zero where there is none.
-pub(super) fn bias(windows: &[Window], by_reading: &[(f64, &[Turned]); 4], limit_rad_s: f64) -> Vector3<f64> {
-    let biases = by_reading.iter().enumerate().map(|(index, (r2, turned))| {
+/// The bias of the gyro, rad/s: how far on the whole the gyro turns beyond the orientation, by the reading that makes it the
+/// smallest: a steady turn under a wrong reading looks like a larger one. Zero where it is larger than a bias may be about an
+/// axis.
+pub(super) fn bias(windows: &[Window], by_reading: &[&[Turned]; 4], limit_rad_s: f64) -> Vector3<f64> {
+    let biases = by_reading.iter().enumerate().map(|(index, turned)| {
         let (mut drift, mut time_s) = (Vector3::zeros(), 0.0);
         for (window, gyro) in windows.iter().zip(*turned) {
             drift += gyro.turn - window.turns.get(index).copied().unwrap_or_default();
             time_s += window.length_s();
         }
-        (*r2, drift / time_s)
+        drift / time_s
     });
-    let believed = biases.filter(|(_, bias): &(f64, Vector3<f64>)| bias.amax() <= limit_rad_s);
-    let best = believed.max_by(|a, b| a.0.total_cmp(&b.0));
-    best.map_or_else(Vector3::zeros, |(_, bias)| bias)
+    let least = biases.min_by(|a, b| a.norm().total_cmp(&b.norm()));
+    least.filter(|bias| bias.amax() <= limit_rad_s).unwrap_or_default()
 }
 
 /// The result of the reading with this index among [`Reading::ALL`].

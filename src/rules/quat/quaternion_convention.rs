@@ -180,7 +180,8 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         let class = ways.by_ratio(limits)?;
         let axis = fast.axis(class, limits)?;
         Some(Turned {
-            ordered: order,
+            // What a simpler fault explains is no matter of order.
+            ordered: order.filter(|_| matches!(class, Turn::Agree | Turn::Tilting)),
             ..ways.found(class, axis, limits)
         })
     });

@@ -74,7 +74,15 @@ fn judge_bag(world: &World, bag: &BagEvidence, motion: &BagMotion, limits: &Limi
                 let limit_s = limit_s(first, second, limits);
                 let measured = measured(first, &offset, limit_s);
                 let beyond_s = offset.in_stamps_s.abs() - limits.sigmas * offset.sigma_s - limit_s;
-                if beyond_s <= 0.0 {
+                let give_s = limits.sigmas * offset.sigma_s;
+                if beyond_s <= 0.0 && give_s > limit_s {
+                    let why = format!(
+                        "an offset of {:+.3} s against {}, give or take {give_s:.3} s: more than the {limit_s:.3} s that are sound",
+                        offset.in_stamps_s,
+                        words(first)
+                    );
+                    out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+                } else if beyond_s <= 0.0 {
                     out.pass(subject, measured);
                 } else if offset.in_log_s.abs() <= limit_s && (told.stamps(first) || told.stamps(second)) {
                     let why = "its stamps alone are off, as TIME01 or TIME02 report";
