@@ -169,7 +169,7 @@ fn has(world: &World, stream: &Stream, needs: Needs) -> bool {
                         .filter_map(|row| Some(row.twist?.linear[axis].powi(2)))
                         .sum::<f64>()
                 };
-                sum(1) >= 0.03_f64.powi(2) * (sum(0) + sum(1))
+                sum(1) > 0.0 && sum(1) >= 0.03_f64.powi(2) * (sum(0) + sum(1))
             }
             Needs::Twist => poses().any(|row| {
                 row.twist

@@ -94,7 +94,7 @@ fn of_world(world: &World, rules: &Rules, only: &[&str]) -> Vec<Line> {
         let judged = cells::Judged::of(world, &stream, rules);
         for error in errors::all() {
             let is_meant = |word: &&str| name.contains(*word) || error.name == *word;
-            if !only.is_empty() && !only.iter().any(|word| is_meant(word)) {
+            if !only.is_empty() && !only.iter().any(is_meant) {
                 continue;
             }
             if let Some(cell) = judged.with(error) {

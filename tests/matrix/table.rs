@@ -328,7 +328,7 @@ pub static ERRORS: &[Error] = &[
         "base FRD",
         Child,
         [Inverted],
-        ["frd"],
+        ["frd", "flu-frd"],
         ["forward, right, down"],
         ["AXES13"]
     ),
@@ -345,7 +345,7 @@ pub static ERRORS: &[Error] = &[
         "body turned on the left",
         Change::Poses(Needs::Child, |row| row.pose.orientation =
             slots(turned() * rotation(row.pose.orientation))),
-        ["x180", "frd"],
+        ["x180", "frd", "z-down", "flu-frd"],
         ["stands on the", "-z points up"],
         ["QUAT04", "AXES13", "AXES08 velocity"]
     ),
@@ -354,7 +354,7 @@ pub static ERRORS: &[Error] = &[
         Change::Poses(Needs::Child, |row| row.pose.orientation =
             slots(rotation(row.pose.orientation) * turn(-std::f64::consts::FRAC_PI_2))),
         ["rfu"],
-        ["stands on the"],
+        ["stands on the", "turned by 90 deg about z against the position"],
         ["QUAT04", "AXES08 velocity", "AXES13"]
     ),
     poses!(

@@ -106,10 +106,19 @@ fn fail_pose(
     out: &mut Judge,
 ) {
     let as_defined = twists.residual(Reading::Body);
+    // A position that is a mirror image of a plane is one that is turned about an axis in it: z of the orientation tells.
+    let (words, word, help) = if twists.is_upside_down && best.0 != Reading::Inverse {
+        (
+            "right, and the orientation is told in a world with z down, the position in one with z up",
+            "z-down",
+            "tell position and orientation in one world: `R_enu = P * R_ned`, and (y, x, -z) of the position",
+        )
+    } else {
+        (best.0.words(), best.0.word(), best.0.help())
+    };
     let message = format!(
-        "the velocity on {} is {}: so read it leaves {:.1} % of the motion of the pose, as told {:.0} %",
+        "the velocity on {} is {words}: so read it leaves {:.1} % of the motion of the pose, as told {:.0} %",
         stream.topic,
-        best.0.words(),
         100.0 * best.1,
         100.0 * as_defined
     );
@@ -124,8 +133,8 @@ fn fail_pose(
             .told_in
             .tell(finding)
             .likely()
-            .relation(best.0.word())
-            .help(best.0.help())
+            .relation(word)
+            .help(help)
             .measured(measured(best))
             .measured(measured(second))
             .measured(Measured::new("residual, as defined", as_defined, "1"))

@@ -69,9 +69,13 @@ impl Reading {
         match self {
             Self::Body => "in the child frame",
             Self::World => "told in the header's frame",
-            Self::Backwards => "told backwards (-x, -y)",
+            Self::Backwards => {
+                "told backwards (-x, -y), or the orientation is turned by 180 deg about z against the position"
+            }
             Self::RightHand => "told with y to the right",
-            Self::Swapped => "told with x and y changed",
+            Self::Swapped => {
+                "told with x and y changed, or the orientation is turned by 90 deg about z against the position"
+            }
             Self::Inverse => "right, and the orientation is the inverse one (child_from_header, or JPL numbers)",
             Self::PositionY => "right, and the position is a mirror image (y negated)",
             Self::PositionX => "right, and the position is a mirror image (x negated)",
@@ -122,6 +126,8 @@ pub(super) struct Twists {
     pub(super) windows: u64,
     /// Distance that the pose moves over the windows, metres.
     pub(super) distance_m: f64,
+    /// Whether z of the child points down in the header's frame, by the orientation.
+    pub(super) is_upside_down: bool,
     /// Whether every velocity is zero.
     pub(super) is_zero: bool,
     /// The part of the motion that is to the side of the child frame, by the velocity.
@@ -149,7 +155,7 @@ impl Twists {
     pub(super) fn of(stream: &Stream<PoseRow>, limits: &Limits) -> Self {
         let mut sums = [0.0; READINGS.len()];
         let (mut windows, mut distance_m, mut squares, mut is_zero) = (0, 0.0, 0.0, true);
-        let mut apart = 0.0;
+        let (mut apart, mut up) = (0.0, 0.0);
         let (mut turned_rad, mut crossed, mut poses, mut rates) = (0.0, 0.0, 0.0, 0.0);
         for window in stream.windows(limits.window_s, limits.max_step_s) {
             let Some(moved) = Moved::of(window) else { continue };
@@ -161,6 +167,7 @@ impl Twists {
                 *sum += (predicted - moved.shift).norm_squared();
             }
             let [as_defined, _, _, right_hand, ..] = moved.predicted;
+            up += moved.up;
             apart += (right_hand - as_defined).norm_squared();
             turned_rad += moved.turned.abs();
             crossed += moved.turned * moved.rated;
@@ -177,6 +184,7 @@ impl Twists {
         Self {
             windows,
             distance_m,
+            is_upside_down: up < 0.0,
             is_zero,
             // With y negated it is twice that from what it was.
             aside: ratio(apart, squares).sqrt() / 2.0,
@@ -230,6 +238,8 @@ struct Moved {
     turned: f64,
     /// Integral of the yaw rate, radians.
     rated: f64,
+    /// z of the child's z axis in the header's frame, at the first pose.
+    up: f64,
     is_zero: bool,
 }
 
@@ -242,6 +252,7 @@ impl Moved {
             predicted: [Vector3::zeros(); READINGS.len()],
             turned: 0.0,
             rated: 0.0,
+            up: (orientation(&first.row)? * Vector3::z()).z,
             is_zero: true,
         };
         for pair in window.windows(2) {

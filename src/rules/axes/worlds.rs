@@ -278,9 +278,10 @@ pub(super) fn turns_against(turned: &Turned, imu: &Imu, child_from_imu: &UnitQua
             }
             let turn = (from.inverse() * here).scaled_axis();
             let told = (first + rate) / 2.0 * lasts;
-            together += turn.dot(&told);
-            by_pose += turn.norm_squared();
-            by_gyro += told.norm_squared();
+            // About z alone: odometry in a plane knows nothing of the roll and pitch that a gyro feels.
+            together += turn.z * told.z;
+            by_pose += turn.z * turn.z;
+            by_gyro += told.z * told.z;
             known = Some((timed.t_s, here, rate));
         }
     }
