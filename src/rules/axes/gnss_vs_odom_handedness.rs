@@ -82,7 +82,7 @@ pub(crate) fn hand(fixes: &Stream<FixRow>, track: &Track, limits: &Limits) -> Op
     })
 }
 
-/// A finding, where no window fits as the fixes are told, and those that vote fit once latitude and longitude are exchanged.
+/// A finding, where the tracks fit once latitude and longitude are exchanged, and as told neither turned nor, by far, mirrored.
 /// A track of exchanged coordinates is mirrored, and stretched besides: away from the equator neither fit meets it.
 fn swapped(
     poses: &Stream<PoseRow>,
@@ -91,22 +91,32 @@ fn swapped(
     minor_m: f64,
     limits: &Limits,
 ) -> Option<Finding> {
-    if votes.says != [0, 0] {
+    // As told the tracks must not fit turned, and mirrored clearly worse than the exchanged ones do.
+    if votes.majority(limits) == Some(false) {
         return None;
     }
+    let [_, mirrored_m] = votes.rms_m;
+    let as_told_m = if votes.says == [0, 0] {
+        f64::INFINITY
+    } else {
+        mirrored_m
+    };
     let mut exchanged = fixes.clone();
     for fix in exchanged.stretches.iter_mut().flatten() {
         std::mem::swap(&mut fix.row.latitude_deg, &mut fix.row.longitude_deg);
     }
     let is_place = exchanged.rows().all(|fix| fix.row.latitude_deg.abs() <= 90.0);
-    let votes = Votes::of(&Track::of_fixes(&exchanged), &Track::of_poses(poses), minor_m, limits);
+    let votes = Votes::of(&Track::of_fixes(&exchanged), &poses.track(), minor_m, limits);
     if !is_place || votes.majority(limits) != Some(false) {
         return None;
     }
     let ([rms_m, _], [all, _]) = (votes.rms_m, votes.says);
+    if rms_m * limits.min_ratio > as_told_m {
+        return None;
+    }
     let message = format!(
-        "latitude and longitude on {} are exchanged: so read the track on {} fits the satellites' within {rms_m:.2} m, as told neither \
-         turned nor mirrored",
+        "latitude and longitude on {} are exchanged: so read the track on {} fits the satellites' within {rms_m:.2} m, as told it does \
+         not",
         fixes.topic, poses.topic
     );
     let finding = Finding::error("", message, fixes.place()).likely().relation("swapped");

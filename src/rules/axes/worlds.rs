@@ -201,7 +201,9 @@ fn gravity<'t>(
         None => return missing(format!("nothing ties `{sensor}` to `{child}`")),
     };
     let turned = turned();
-    if turns_against(&turned, imu, &child_from_imu, limits.max_step_s) {
+    let sensor_is_right = imu_gravity_sign::look(imu, sign).ok().map(|up| up.class == Base::Up);
+    // Of a sensor that is wrong itself AXES01 speaks.
+    if sensor_is_right != Some(false) && turns_against(turned, imu, &child_from_imu, limits.max_step_s) {
         let why = format!(
             "{} turns against the gyro of {}: one of the two tells `{child}` in other axes, so its gravity says nothing of the frame",
             stream.subject, imu.stream.subject
@@ -251,7 +253,7 @@ fn gravity<'t>(
         seconds,
         rows: count,
         sensor: imu.stream.subject.clone(),
-        sensor_is_right: imu_gravity_sign::look(imu, sign).ok().map(|up| up.class == Base::Up),
+        sensor_is_right,
     })
 }
 

@@ -178,7 +178,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
     }
     let by_ratio = Some(&fast).filter(|ways| turns_enough(ways)).and_then(|ways| {
         let class = ways.by_ratio(limits)?;
-        let axis = fast.axis(class, limits)?;
+        let axis = fast.axis(class, limits).ok()?;
         Some(Turned {
             // What a simpler fault explains is no matter of order.
             ordered: order.filter(|_| matches!(class, Turn::Agree | Turn::Tilting)),
@@ -189,7 +189,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         let ways = slow.as_ref().filter(|ways| turns_enough(ways))?;
         let class = ways.by_gap(limits)?;
         // What noise hides in short windows is no proof against an axis.
-        let axis = fast.axis(class, limits)?;
+        let axis = fast.axis(class, limits).ok()?;
         axis.is_none().then(|| ways.found(class, None, limits))
     };
     if let Some(turned) = by_ratio.or_else(by_gap) {

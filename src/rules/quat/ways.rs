@@ -11,6 +11,9 @@ use crate::rules::axes::causes::Turn;
 
 use super::quaternion_convention::{Limits, Turned};
 
+/// An axis of which it cannot be told whether the orientation follows its gyro about it.
+pub(super) struct Unclear;
+
 /// The windows with the scores of the readings.
 pub(super) struct Ways<'a> {
     pub(super) turns: &'a Turns,
@@ -166,7 +169,7 @@ impl<'a> Ways<'a> {
         match alike.as_slice() {
             [only] if is_map(*only) && is_alike(self.unnamed) => None,
             [only] => Some(*only),
-            several if opposes && !several.iter().any(is_reordered) => Some(Turn::Reversed),
+            several if opposes && !several.iter().any(|turn| is_reordered(*turn)) => Some(Turn::Reversed),
             _ => None,
         }
     }
@@ -184,18 +187,18 @@ impl<'a> Ways<'a> {
             && turns
     }
 
-    /// For an orientation that follows its gyro on the whole, the axis about which it does not; `None` where that cannot be
-    /// told of an axis that turns.
-    pub(super) fn axis(&self, class: Turn, limits: &Limits) -> Option<Option<usize>> {
+    /// For an orientation that follows its gyro on the whole, the axis about which it does not, if there is one; an error where
+    /// that cannot be told of an axis that turns.
+    pub(super) fn axis(&self, class: Turn, limits: &Limits) -> Result<Option<usize>, Unclear> {
         if !matches!(class, Turn::Agree | Turn::Tilting) || self.turns.step_s > limits.axis_step_s {
-            return Some(None);
+            return Ok(None);
         }
         let score = &self.as_published;
         let axes = score.axis_correlation.iter().zip(score.axis_residual_rad);
         let right = axes.filter(|(correlation, _)| correlation.is_some_and(|value| value > limits.axis_right));
         // The noise of the orientation shows about the axis that fits best.
         let Some(noise_rad) = right.map(|(_, residual)| residual).reduce(f64::min) else {
-            return Some(None);
+            return Ok(None);
         };
         let window_s = self.turns.covered_s / self.turns.windows.max(1) as f64;
         let axes = score.axis_correlation.iter().zip(self.turns.axis_rms_rad_s).enumerate();
@@ -205,12 +208,12 @@ impl<'a> Ways<'a> {
         let mut unclear = false;
         for (axis, (correlation, _)) in turning {
             match correlation {
-                Some(value) if *value < limits.axis_wrong => return Some(Some(axis)),
+                Some(value) if *value < limits.axis_wrong => return Ok(Some(axis)),
                 Some(value) if *value < limits.axis_agrees => unclear = true,
                 _ => {}
             }
         }
-        (!unclear).then_some(None)
+        if unclear { Err(Unclear) } else { Ok(None) }
     }
 }
 
@@ -218,7 +221,7 @@ fn is_map(turn: Turn) -> bool {
     matches!(turn, Turn::Frd | Turn::Negated | Turn::Yaw)
 }
 
-fn is_reordered(turn: &Turn) -> bool {
+fn is_reordered(turn: Turn) -> bool {
     matches!(turn, Turn::Reordered | Turn::ReorderedInverse)
 }
 
