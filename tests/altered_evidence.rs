@@ -147,58 +147,60 @@ fn drive() -> Value {
     serde_json::from_str(&evidence::write(&run).unwrap()).unwrap()
 }
 
-#[test]
-fn no_number_makes_a_rule_crash_or_run_on() {
-    let good = drive();
-    let mut found: [BTreeSet<Kind>; 3] = Default::default();
-    kinds(&good["worlds"], &mut vec![Step::Key("worlds".to_owned())], &mut found);
-    type Make = fn(&Value) -> Value;
-    // Stamps, which may be negative, and counts.
-    let whole: [Make; 5] = [
-        |_| json!(0),
-        |_| json!(i64::MAX),
-        |value| {
-            if is_stamp(value) {
-                json!(i64::MIN)
-            } else {
-                json!(u64::MAX)
-            }
-        },
-        |value| if is_stamp(value) { json!(-1) } else { json!(1) },
-        |value| {
-            if is_stamp(value) {
-                json!(i64::MIN + 1)
-            } else {
-                json!(u64::MAX / 2)
-            }
-        },
-    ];
-    let real: [Make; 7] = [
-        |_| json!("nan"),
-        |_| json!("inf"),
-        |_| json!("-inf"),
-        |_| json!(1e300),
-        |_| json!(-1e300),
-        |_| json!(0.0),
-        |_| json!(1e-310),
-    ];
-    let list: [Make; 4] = [
-        |value| relisted(value, |_| Vec::new()),
-        |value| relisted(value, |all| all.iter().take(1).cloned().collect()),
-        |value| relisted(value, |all| all.iter().rev().cloned().collect()),
-        |value| {
-            relisted(value, |all| {
-                all.iter().flat_map(|one| [one.clone(), one.clone()]).collect()
-            })
-        },
-    ];
-    let makes: [&[Make]; 3] = [&whole, &real, &list];
-    let all = std::env::var("FRAMES_LINT_ALTERATIONS").is_ok_and(|word| word == "all");
-    let rules = Rules::select(&[]).unwrap();
-    let (mut judged, mut refused) = (0, 0_usize);
-    let mut slowest = (Duration::ZERO, String::new());
-    let mut crashes = BTreeSet::new();
-    let mut jobs: Vec<(&Kind, usize, Make, Which)> = Vec::new();
+/// A way to alter a value.
+type Make = fn(&Value) -> Value;
+
+/// Stamps, which may be negative, and counts.
+const WHOLE: [Make; 5] = [
+    |_| json!(0),
+    |_| json!(i64::MAX),
+    |value| {
+        if is_stamp(value) {
+            json!(i64::MIN)
+        } else {
+            json!(u64::MAX)
+        }
+    },
+    |value| if is_stamp(value) { json!(-1) } else { json!(1) },
+    |value| {
+        if is_stamp(value) {
+            json!(i64::MIN + 1)
+        } else {
+            json!(u64::MAX / 2)
+        }
+    },
+];
+
+/// Numbers with a point.
+const REAL: [Make; 7] = [
+    |_| json!("nan"),
+    |_| json!("inf"),
+    |_| json!("-inf"),
+    |_| json!(1e300),
+    |_| json!(-1e300),
+    |_| json!(0.0),
+    |_| json!(1e-310),
+];
+
+/// Lists.
+const LIST: [Make; 4] = [
+    |value| relisted(value, |_| Vec::new()),
+    |value| relisted(value, |all| all.iter().take(1).cloned().collect()),
+    |value| relisted(value, |all| all.iter().rev().cloned().collect()),
+    |value| {
+        relisted(value, |all| {
+            all.iter().flat_map(|one| [one.clone(), one.clone()]).collect()
+        })
+    },
+];
+
+/// What is altered: where, in which way, and how much of it.
+type Job<'k> = (&'k Kind, usize, Make, Which);
+
+/// Every alteration of every kind, or a part of them.
+fn jobs(found: &[BTreeSet<Kind>; 3], all: bool) -> Vec<Job<'_>> {
+    let makes: [&[Make]; 3] = [&WHOLE, &REAL, &LIST];
+    let mut jobs: Vec<Job<'_>> = Vec::new();
     for (kinds, makes) in found.iter().zip(makes) {
         let ways: Vec<(usize, Make, Which)> = makes
             .iter()
@@ -219,10 +221,24 @@ fn no_number_makes_a_rule_crash_or_run_on() {
             );
         }
     }
+    jobs
+}
+
+#[test]
+fn no_number_makes_a_rule_crash_or_run_on() {
+    let good = drive();
+    let mut found: [BTreeSet<Kind>; 3] = Default::default();
+    kinds(&good["worlds"], &mut vec![Step::Key("worlds".to_owned())], &mut found);
+    let all = std::env::var("FRAMES_LINT_ALTERATIONS").is_ok_and(|word| word == "all");
+    let rules = Rules::select(&[]).unwrap();
+    let (mut judged, mut refused) = (0, 0_usize);
+    let mut slowest = (Duration::ZERO, String::new());
+    let mut crashes = BTreeSet::new();
+    let jobs = jobs(&found, all);
     // Those far apart in the document go together: of one stream only one is altered at a time.
     let rounds = if all { jobs.len() } else { jobs.len().div_ceil(12) };
     let round = |round: usize| jobs.iter().skip(round).step_by(rounds).collect::<Vec<_>>();
-    let mut batches: Vec<Vec<&(&Kind, usize, Make, Which)>> = (0..rounds).map(round).collect();
+    let mut batches: Vec<Vec<&Job<'_>>> = (0..rounds).map(round).collect();
     while let Some(mut batch) = batches.pop() {
         let mut altered = good.clone();
         let mut what = String::new();
