@@ -42,7 +42,7 @@ pub struct Messages {
 
 impl Kind {
     /// The messages of a seed.
-    pub fn messages(&self, seed: u64) -> Messages {
+    pub fn messages(self, seed: u64) -> Messages {
         let drive = Drive::new(Description {
             vehicle: self.vehicle,
             motion: self.motion,

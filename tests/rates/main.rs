@@ -30,6 +30,7 @@ mod table;
 use drives::{Kind, base_from_imu};
 use faults::Fault;
 use frames_lint::world::motion::MotionEvidence;
+use frames_lint::world::motion::Series;
 use support::drive::description::{Gnss, Grade, Motion, Vehicle};
 
 fn rated(seeds: u64, only: &[String]) {
@@ -112,7 +113,7 @@ fn worlds_made_in_memory_are_those_of_recordings() {
 
 /// All numbers of the rows of a stream, times among them.
 fn numbers(motion: &MotionEvidence) -> Vec<f64> {
-    let inertial = motion.inertial.iter().flat_map(|series| series.rows());
+    let inertial = motion.inertial.iter().flat_map(Series::rows);
     let inertial = inertial.flat_map(|row| {
         let [a, b] = [row.stamp_ns, row.log_ns].map(|ns| (ns - support::driven_world::START_NS) as f64);
         [
@@ -123,7 +124,7 @@ fn numbers(motion: &MotionEvidence) -> Vec<f64> {
         ]
         .concat()
     });
-    let poses = motion.poses.iter().flat_map(|series| series.rows());
+    let poses = motion.poses.iter().flat_map(Series::rows);
     let poses = poses.flat_map(|row| {
         let [a, b] = [row.stamp_ns, row.log_ns].map(|ns| (ns - support::driven_world::START_NS) as f64);
         let twist = row.twist.unwrap();
