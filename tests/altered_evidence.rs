@@ -26,13 +26,13 @@ topics:
       - {parent: base_link, child: imu, xyz: [0.3, 0, 0.4]}
       - {parent: base_link, child: gps, xyz: [0, 0, 1.5]}
       - {parent: earth, child: map, from_drive: earth}
-  - {topic: /imu, from_drive: imu, rate_hz: 10, frame_id: imu, xyz: [0.3, 0, 0.4], errors: [ned_frd]}
-  - {topic: /ins, from_drive: ins, rate_hz: 10, frame_id: imu, late_s: 0.3}
-  - {topic: /odom, from_drive: odometry, rate_hz: 10, frame_id: odom, child_frame_id: base_link, errors: [twist_in_world]}
-  - {topic: /pose, from_drive: pose, type: geometry_msgs/msg/PoseWithCovarianceStamped, rate_hz: 10, frame_id: map}
+  - {topic: /imu, from_drive: imu, rate_hz: 5, frame_id: imu, xyz: [0.3, 0, 0.4], errors: [ned_frd]}
+  - {topic: /ins, from_drive: ins, rate_hz: 5, frame_id: imu, late_s: 0.3}
+  - {topic: /odom, from_drive: odometry, rate_hz: 5, frame_id: odom, child_frame_id: base_link, errors: [twist_in_world]}
+  - {topic: /pose, from_drive: pose, type: geometry_msgs/msg/PoseWithCovarianceStamped, rate_hz: 5, frame_id: map}
   - {topic: /utm, from_drive: pose, rate_hz: 5, frame_id: utm, errors: [utm]}
   - topic: /tf
-    rate_hz: 10
+    rate_hz: 5
     transforms:
       - {parent: odom, child: base_link, from_drive: odometry}
       - {parent: map, child: odom, from_drive: map_odom}
@@ -76,6 +76,20 @@ fn kinds(value: &Value, at: &mut Kind, found: &mut [BTreeSet<Kind>; 3]) {
         }
         _ => {}
     }
+}
+
+/// Without those that another topic has had before, motion left aside.
+fn of_one_topic(kinds: &BTreeSet<Kind>) -> Vec<&Kind> {
+    let is_key = |step: &Step, name: &str| matches!(step, Step::Key(key) if key == name);
+    let mut seen = BTreeSet::new();
+    let is_new = |at: &&Kind| {
+        let topic = at
+            .iter()
+            .position(|step| is_key(step, "topics"))
+            .map_or(0, |topics| topics + 2);
+        at.iter().any(|step| is_key(step, "motion")) || seen.insert(at[topic..].to_vec())
+    };
+    kinds.iter().filter(is_new).collect()
 }
 
 /// Which values of a kind are altered.
@@ -207,7 +221,12 @@ fn jobs(found: &[BTreeSet<Kind>; 3], all: bool) -> Vec<Job<'_>> {
             .enumerate()
             .flat_map(|(number, make)| [Which::First, Which::Within, Which::All].map(|which| (number, *make, which)))
             .collect();
-        for (turn, at) in kinds.iter().enumerate() {
+        let kinds: Vec<&Kind> = if all {
+            kinds.iter().collect()
+        } else {
+            of_one_topic(kinds)
+        };
+        for (turn, at) in kinds.into_iter().enumerate() {
             // One of them for each kind, the next for the next.
             let chosen = if all {
                 0..ways.len()

@@ -1,10 +1,15 @@
 //! Small robust statistics on slices.
 //!
-//! Owns median, median absolute deviation and quantiles. Must not know units, time or weights: a caller that needs
+//! Owns totals, median, median absolute deviation and quantiles. Must not know units, time or weights: a caller that needs
 //! circular or weighted statistics does not find them here. Values that are not finite are left out of every result.
 
 /// 1 / (quantile of the standard normal at 3/4): makes the MAD of normal data estimate its standard deviation.
 pub const MAD_TO_SIGMA: f64 = 1.482_602_218_505_602;
+
+/// Counts together; as many as there can be where they are more, which only altered evidence says.
+pub fn total(counts: impl IntoIterator<Item = u64>) -> u64 {
+    counts.into_iter().fold(0, u64::saturating_add)
+}
 
 /// The finite values, in ascending order.
 fn sorted_finite(values: &[f64]) -> Vec<f64> {

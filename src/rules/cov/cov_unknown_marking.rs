@@ -53,9 +53,9 @@ fn marking(content: &ContentEvidence) -> Marking {
     let Some(covariance) = content.covariances.get("orientation_covariance") else {
         return Marking::Zeros;
     };
-    if covariance.minus_one * 2 > covariance.count {
+    if covariance.minus_one.saturating_mul(2) > covariance.count {
         Marking::Nothing
-    } else if covariance.all_zero * 2 > covariance.count {
+    } else if covariance.all_zero.saturating_mul(2) > covariance.count {
         Marking::Zeros
     } else {
         Marking::Numbers

@@ -75,7 +75,7 @@ pub(super) fn cameras(bag: &BagEvidence) -> BTreeMap<FrameId, Camera<'_>> {
                 count: 0,
                 is_calibrated: false,
             });
-            camera.count += used.count;
+            camera.count = camera.count.saturating_add(used.count);
             camera.is_calibrated |= is_calibration;
         }
     }

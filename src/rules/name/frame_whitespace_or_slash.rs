@@ -30,7 +30,7 @@ impl Rule for FrameWhitespaceOrSlash {
                     (std::cmp::Reverse((*severity, *confidence)), used.role, &used.place)
                 });
             if let Some((grade, used)) = worst {
-                let count = uses.iter().map(|used| used.count.max(1)).sum();
+                let count = crate::math::stats::total(uses.iter().map(|used| used.count.max(1)));
                 let wrong = Wrong { frame, used, count };
                 groups.entry((used.place.source, grade)).or_default().push(wrong);
             }
@@ -113,7 +113,7 @@ fn report(world: &World, (severity, confidence, fault): Grade, names: &[Wrong]) 
         Some(name) if can_clean(name) => format!("write `{name}`{}", if names.len() > 1 { ", and so on" } else { "" }),
         _ => "write it with letters, digits and `_`".to_owned(),
     };
-    let count: u64 = names.iter().map(|wrong| wrong.count).sum();
+    let count = crate::math::stats::total(names.iter().map(|wrong| wrong.count));
     let finding = Finding::new(severity, subject, message, place)
         .confidence(confidence)
         .label(fault.words())

@@ -227,7 +227,7 @@ fn failures(answers: &[(i64, Option<(Culprit, bool)>)]) -> Failures {
     let seconds = logs()
         .max()
         .zip(logs().min())
-        .map_or(0.0, |(last, first)| (last - first) as f64 / 1e9);
+        .map_or(0.0, |(last, first)| last.saturating_sub(first) as f64 / 1e9);
     Failures {
         count: of.values().sum(),
         seconds,

@@ -185,7 +185,7 @@ fn without_map(bag: &BagEvidence, odom: &FrameId, subject: String, out: &mut Jud
         out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
         return;
     };
-    let count: u64 = used.iter().map(|used: &Used| used.count).sum();
+    let count = crate::math::stats::total(used.iter().map(|used: &Used| used.count));
     let message = format!(
         "{count} messages ({}{}) are told in `{map}`, and no transform ties it to `{odom}`",
         main.topic.topic,

@@ -67,7 +67,7 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
     let Some(main) = used.iter().rev().max_by_key(|used| used.kind) else {
         return;
     };
-    let count: u64 = used.iter().map(|used| used.count).sum();
+    let count = crate::math::stats::total(used.iter().map(|used| used.count));
     let subject = format!("frame `{frame}`");
     let place = Place::message(bag.source, main.first.clone());
     let messages = Measured::new("messages", count as f64, "count").samples(count);

@@ -46,7 +46,7 @@ impl Rule for OdomDiscontinuity {
 }
 
 fn judge_streams(bag: &BagEvidence, subject: String, streams: &[Stream], limits: &Limits, out: &mut Judge) {
-    let steps: u64 = streams.iter().map(|stream| stream.steps.count).sum();
+    let steps = crate::math::stats::total(streams.iter().map(|stream| stream.steps.count));
     if streams.iter().any(|stream| takes_turns(stream.steps)) {
         let reason = "two writers take turns with different values; see AUTH01";
         out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);

@@ -93,7 +93,7 @@ fn within(
         difference.words
     );
     let subject = format!("latched `{parent}` -> `{child}` on {topic}");
-    let count = edges.iter().map(|edge| edge.count).sum();
+    let count = crate::math::stats::total(edges.iter().map(|edge| edge.count));
     let mut finding = Finding::new(severity, subject, message, Place::message(bag.source, other.at.clone()))
         .label("another value")
         .help(
