@@ -188,7 +188,7 @@ pub const ODOMETRY: &[Known] = &[
 pub const FIX: &[Known] = &[(
     "lat/lon swapped",
     &[Error::Swapped],
-    (&["mirrored"], &[MIRRORED, POSITION]),
+    (&["swapped", "mirrored"], &[MIRRORED, POSITION]),
 )];
 
 impl Fault {

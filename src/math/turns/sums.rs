@@ -35,6 +35,11 @@ impl Best {
         }
     }
 
+    /// The largest R2.
+    pub(super) fn r2(&self) -> f64 {
+        self.r2.map_or(f64::NEG_INFINITY, |(_, r2)| r2)
+    }
+
     /// The lag of the largest R2; 0 without one.
     pub(super) fn lag(&self) -> i32 {
         self.r2.map_or(0, |(lag, _)| lag)
@@ -131,11 +136,17 @@ pub(super) struct AtLags<'a> {
     pub(super) matched: (f64, &'a [Turned]),
 }
 
+/// The part of the turning that a reading must explain.
+const MIN_R2: f64 = 0.9;
+
 /// The bias of the gyro, rad/s: how far on the whole the gyro turns beyond the orientation, by the reading that makes it the
 /// smallest: a steady turn under a wrong reading looks like a larger one. Zero where it is larger than a bias may be about an
-/// axis.
-pub(super) fn bias(windows: &[Window], by_reading: &[&[Turned]; 4], limit_rad_s: f64) -> Vector3<f64> {
-    let biases = by_reading.iter().enumerate().map(|(index, turned)| {
+/// axis, and where no reading explains most of the turning: what is left then is no bias, but a gyro with other axes.
+pub(super) fn bias(windows: &[Window], by_reading: &[(f64, &[Turned]); 4], limit_rad_s: f64) -> Vector3<f64> {
+    if by_reading.iter().all(|(r2, _)| *r2 < MIN_R2) {
+        return Vector3::zeros();
+    }
+    let biases = by_reading.iter().enumerate().map(|(index, (_, turned))| {
         let (mut drift, mut time_s) = (Vector3::zeros(), 0.0);
         for (window, gyro) in windows.iter().zip(*turned) {
             drift += gyro.turn - window.turns.get(index).copied().unwrap_or_default();
