@@ -189,6 +189,11 @@ impl Place {
         }
     }
 
+    /// A message of a recording, or the whole of it where none is known.
+    pub fn of(source: SourceId, message: Option<&MessageRef>) -> Self {
+        message.map_or_else(|| Self::whole(source), |message| Self::message(source, message.clone()))
+    }
+
     /// The byte span, where the place has one.
     pub fn span(&self) -> Option<Span> {
         match self.at {

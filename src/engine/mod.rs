@@ -93,7 +93,7 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
     } in saved
     {
         if let Some(config) = &config {
-            read = add_config(&mut known, &read, config);
+            read = add_config(&mut known, read, config);
         }
         let mut part = merged(judge_all(&known, &rules, several));
         drop(known);
@@ -228,8 +228,12 @@ fn configuration(options: &Options) -> Result<Option<Config>, UsageError> {
 
 /// Tells the worlds what the configuration declares, and adds it to their sources: behind all others, so that their
 /// numbers do not depend on it.
-fn add_config(worlds: &mut [World], sources: &[Source], config: &Config) -> Arc<Vec<Source>> {
-    let mut sources = sources.to_vec();
+fn add_config(worlds: &mut [World], sources: Arc<Vec<Source>>, config: &Config) -> Arc<Vec<Source>> {
+    // Let go by the worlds, the list can be added to where it is.
+    for world in worlds.iter_mut() {
+        world.sources = Arc::default();
+    }
+    let mut sources = Arc::unwrap_or_clone(sources);
     let id = u32::try_from(sources.len()).ok().map(SourceId);
     sources.extend(id.map(|id| config.source(id)));
     let (sources, conventions) = (Arc::new(sources), Arc::new(config.conventions(id)));
@@ -257,7 +261,7 @@ fn worlds(
     let mut worlds = platform::platforms(readings, inputs);
     if let (Some(config), Some(first)) = (config, worlds.first()) {
         let sources = Arc::clone(&first.sources);
-        add_config(&mut worlds, &sources, config);
+        add_config(&mut worlds, sources, config);
     }
     worlds
 }

@@ -66,6 +66,32 @@ pub fn wrapped(angle_rad: f64) -> f64 {
     (angle_rad - TAU * (angle_rad / TAU).round()).clamp(-PI, PI)
 }
 
+/// How far angles turn that come one by one, from the rightmost to the leftmost, whole turns counted.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Span {
+    last: Option<f64>,
+    turned: f64,
+    least: f64,
+    most: f64,
+}
+
+impl Span {
+    /// Takes in the next angle, radians; gives the span of all so far.
+    pub fn add(&mut self, angle_rad: f64) -> f64 {
+        if let Some(last) = self.last.replace(angle_rad) {
+            self.turned += wrapped(angle_rad - last);
+            self.least = self.least.min(self.turned);
+            self.most = self.most.max(self.turned);
+        }
+        self.rad()
+    }
+
+    /// The span of all so far, radians.
+    pub fn rad(&self) -> f64 {
+        self.most - self.least
+    }
+}
+
 /// The shortest way from `from_rad` to `to_rad`: `to - from` but for whole turns, in -pi..=pi.
 pub fn difference(to_rad: f64, from_rad: f64) -> f64 {
     wrapped(to_rad - from_rad)

@@ -7,6 +7,7 @@ pub mod auth;
 pub mod axes;
 pub mod cov;
 pub mod cross;
+mod declared;
 pub mod geo;
 mod judge;
 mod literal;

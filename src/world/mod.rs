@@ -32,7 +32,7 @@ use derived::Derived;
 pub use bag::BagEvidence;
 pub use chain::DeclaredChain;
 pub use claim::{Claim, ClaimKind, Literal, Pose, Spelling};
-pub use conventions::Conventions;
+pub use conventions::{Conventions, Declared};
 pub use frame::{FrameId, FrameRole, FrameUse};
 pub use graph::FrameGraph;
 pub use origin::EarthOrigin;
@@ -111,13 +111,18 @@ impl World {
         let bag = self.bags.iter().find(|bag| bag.source == place.source)?;
         let member = bag.topics.get(&message.topic)?.members.get(fields)?;
         let frames: Vec<&FrameId> = member.header_frames.keys().collect();
-        let declared = self.conventions.of(&conventions::Subject {
-            file: self.path(place.source),
-            topic: Some(&message.topic),
-            frames: &frames,
-        });
+        let declared = self.declared(place.source, &message.topic, &frames);
         let is_confirmed = declared.is_some_and(|declared| declared.convention.fields.is_some());
         (member.guessed && !is_confirmed).then_some((message.topic.as_str(), fields))
+    }
+
+    /// What the user declares of a topic of a recording, and of the frames that it names.
+    pub fn declared(&self, source: SourceId, topic: &str, frames: &[&FrameId]) -> Option<Declared> {
+        self.conventions.of(&conventions::Subject {
+            file: self.path(source),
+            topic: Some(topic),
+            frames,
+        })
     }
 
     /// Adds what a reader found.

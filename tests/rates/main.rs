@@ -4,10 +4,11 @@
 //! cargo test --profile rates --test rates -- --ignored --nocapture
 //! ```
 //!
-//! prints the table. `RATES_SEEDS` is how many seeds there are of each line (200), `RATES_ONLY` words of the groups, rules,
-//! drives and faults that are tried, with commas between them (all); with `RATES_WHY` some reasons of what was not evaluated follow. A finding is right when it names the fault, alone or among those
-//! that it says fit as well; another rule may have it, where the rule says so. The table's references are simulations that
-//! others made of such rules, with vehicles and sensors like these.
+//! prints the table. `RATES_SEEDS` is how many seeds there are of each line (200), `RATES_FROM` the first of them (1001: limits
+//! were looked for on lower ones), `RATES_ONLY` words of the groups, rules, drives and faults that are tried, with commas
+//! between them (all); with `RATES_WHY` some reasons of what was not evaluated follow. A finding is right when it names the
+//! fault, alone or among those that it says fit as well; another rule may have it, where the rule says so. The table's
+//! references are simulations that others made of such rules, with vehicles and sensors like these.
 
 #![allow(
     clippy::unwrap_used,
@@ -27,13 +28,15 @@ mod faults;
 mod lines;
 mod table;
 
+use std::ops::Range;
+
 use drives::{Kind, base_from_imu};
 use faults::Fault;
 use frames_lint::world::motion::MotionEvidence;
 use frames_lint::world::motion::Series;
 use support::drive::description::{Gnss, Grade, Motion, Vehicle};
 
-fn rated(seeds: u64, only: &[String]) {
+fn rated(seeds: Range<u64>, only: &[String]) {
     let mut table = lines::table();
     table.only(only);
     table.fill(seeds);
@@ -48,19 +51,20 @@ fn rated(seeds: u64, only: &[String]) {
 #[test]
 #[ignore = "some minutes, in a release build"]
 fn the_rules_reach_their_rates() {
-    let seeds = std::env::var("RATES_SEEDS").map_or(200, |seeds| seeds.parse().unwrap());
+    let number = |name: &str, default: u64| std::env::var(name).map_or(default, |seeds| seeds.parse().unwrap());
+    let (from, seeds) = (number("RATES_FROM", 1001), number("RATES_SEEDS", 200));
     let only = std::env::var("RATES_ONLY").unwrap_or_default();
     let only: Vec<String> = only
         .split(',')
         .filter(|word| !word.is_empty())
         .map(str::to_owned)
         .collect();
-    rated(seeds, &only);
+    rated(from..from + seeds, &only);
 }
 
 #[test]
 fn a_small_part_of_the_table_is_right() {
-    rated(1, &["Short".to_owned()]);
+    rated(1..2, &["Short".to_owned()]);
 }
 
 /// What is judged here is what a recording of the same messages gives.

@@ -10,7 +10,8 @@ use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
-use super::causes::{Diagnosis, Push};
+use super::causes::Push;
+use super::diagnosis::Diagnosis;
 use super::rates::{Integrals, Rates, Slope};
 use super::sensors::{Look, Sensors, TRACK, needed};
 

@@ -7,8 +7,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use crate::math::readings::Reading;
-use crate::page::Front;
-use crate::rules::Rule;
+use crate::rules::limits_of;
 use crate::rules::motion::{BagMotion, Imu, Motion, Stream, Turned};
 use crate::rules::names;
 use crate::source::Place;
@@ -126,8 +125,7 @@ impl Bases {
 
 /// The bases of a recording; `None` where a page's limits do not load, which the engine reports.
 fn bases(bag: &BagMotion) -> Option<Vec<Base>> {
-    let limits: Limits = Front::parse(BaseFrameFlu::PAGE).ok()?.limits().ok()?;
-    let gravity: imu_gravity_sign::Limits = Front::parse(ImuGravitySign::PAGE).ok()?.limits().ok()?;
+    let (limits, gravity) = (limits_of::<BaseFrameFlu>()?, limits_of::<ImuGravitySign>()?);
     let mut found: Vec<Base> = Vec::new();
     // Odometry with a velocity says most.
     let has_twist = |stream: &&Stream<PoseRow>| stream.rows().any(|timed| timed.row.twist.is_some());
@@ -147,7 +145,7 @@ fn bases(bag: &BagMotion) -> Option<Vec<Base>> {
         }
         found.retain(|base| base.frame != frame);
         let by_gravity = bag.imus.iter().find_map(|imu| up_by(imu, &frame, &gravity, &limits));
-        let turned = Turned::of(stream, |row| row.orientation);
+        let turned = Turned::of(stream);
         let is_on_it = |imu: &&Imu| imu.mount.as_ref().is_some_and(|mount| mount.base == frame);
         let mut on_it = bag.imus.iter().filter(is_on_it);
         let against = on_it.find(|imu| turns_against(&turned, imu, &imu.base_from_imu(), limits.max_step_s));

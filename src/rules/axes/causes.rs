@@ -1,11 +1,8 @@
 //! What may be wrong with an inertial sensor, and what each fault makes the measurements say.
 //!
-//! One wrong setting shows in several of them. Where they fit a fault that is known, one rule reports it, and the others
-//! point there. Owns the table; must not measure.
+//! Owns the words for what is measured, and the table. Must not measure, nor decide who reports.
 
 use crate::rules::motion::ToldIn;
-use crate::tables::{InsDriver, Known};
-use crate::verdict::Finding;
 
 /// Where the acceleration at rest points in the base.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -108,27 +105,30 @@ pub(crate) struct Cause {
     /// What to do.
     pub(crate) help: &'static str,
     /// The rule that reports it, where it shows there.
-    owner: &'static str,
+    pub(super) owner: &'static str,
+    /// Whether a setting of the driver may give it.
+    pub(super) is_of_driver: bool,
+    /// Whether a base that is turned itself makes its sensors look like that.
+    pub(super) is_of_mounting: bool,
     base: &'static [Base],
     world: &'static [World],
-    turn: &'static [Turn],
+    pub(super) turn: &'static [Turn],
     heading: &'static [Heading],
     sense: &'static [Sense],
     push: &'static [Push],
 }
 
-/// The rules that see a sensor, in the order in which one of them reports what fits several faults.
-const ORDER: [&str; 6] = ["AXES03", "AXES01", "QUAT01", "AXES04", "AXES05", "AXES06"];
-
 /// Of a sensor that is mounted with a yaw, an axis with the other sign may be any of the base's.
 const ANY_PUSH: &[Push] = &[Push::Forward, Push::Backward, Push::Sideways];
 
 /// A healthy sensor's measurements.
-const HEALTHY: Cause = Cause {
+pub(super) const HEALTHY: Cause = Cause {
     word: "healthy",
     text: "",
     help: "",
     owner: "",
+    is_of_driver: false,
+    is_of_mounting: false,
     base: &[Base::Up],
     world: &[World::Up],
     turn: &[Turn::Agree, Turn::Tilting],
@@ -143,6 +143,8 @@ const NED: Cause = Cause {
     text: "all of it is told in NED/FRD axes (x forward, y right, z down, in a world of north, east, down)",
     help: "switch the driver to ENU, or convert: `R_enu_flu = P * R_ned_frd * F`, and negate y and z of gyro and accelerometer",
     owner: "AXES03",
+    is_of_driver: true,
+    is_of_mounting: false,
     base: &[Base::Down],
     world: &[World::Down],
     turn: &[Turn::Agree, Turn::Tilting],
@@ -152,7 +154,7 @@ const NED: Cause = Cause {
 };
 
 /// The faults that are known, each alone.
-const CAUSES: &[Cause] = &[
+pub(super) const CAUSES: &[Cause] = &[
     NED,
     Cause {
         word: "ned-world",
@@ -179,6 +181,7 @@ const CAUSES: &[Cause] = &[
         text: "the orientation alone is told in NED/FRD axes",
         help: "convert the orientation: `R_enu_flu = P * R_ned_frd * F`",
         owner: "QUAT01",
+        is_of_driver: true,
         turn: &[Turn::Frd, Turn::Reversed],
         heading: &[Heading::Against],
         ..HEALTHY
@@ -188,6 +191,7 @@ const CAUSES: &[Cause] = &[
         text: "the yaw is a compass heading, clockwise from north",
         help: "publish `yaw_ros = pi/2 - heading`",
         owner: "AXES04",
+        is_of_driver: true,
         turn: &[Turn::Yaw, Turn::Reversed, Turn::Tilting],
         heading: &[Heading::Against],
         ..HEALTHY
@@ -228,6 +232,7 @@ const CAUSES: &[Cause] = &[
         text: "gyro and accelerometer are told in FRD axes (y right, z down), the orientation is not",
         help: "negate y and z of gyro and accelerometer, or give them a frame of their own that TF turns by 180 deg about x",
         owner: "QUAT01",
+        is_of_mounting: true,
         base: &[Base::Down],
         world: &[World::Down, World::Elsewhere],
         turn: &[Turn::Frd, Turn::Reversed],
@@ -267,6 +272,7 @@ const CAUSES: &[Cause] = &[
         text: "the accelerometer has the other sign: it gives gravity, not specific force",
         help: "negate the acceleration: at rest and level z reads +9.81 (REP-145)",
         owner: "AXES01",
+        is_of_mounting: true,
         base: &[Base::Down],
         world: &[World::Down],
         push: &[Push::Backward],
@@ -277,6 +283,7 @@ const CAUSES: &[Cause] = &[
         text: "the sensor is mounted upside down, and TF does not say so",
         help: "turn the sensor's frame by 180 deg about x in TF or URDF",
         owner: "AXES01",
+        is_of_mounting: true,
         base: &[Base::Down],
         sense: &[Sense::Against],
         push: ANY_PUSH,
@@ -287,6 +294,7 @@ const CAUSES: &[Cause] = &[
         text: "the sensor is mounted on its side, and TF does not say so",
         help: "give the sensor's frame its rotation in TF or URDF",
         owner: "AXES01",
+        is_of_mounting: true,
         base: &[Base::Side],
         sense: &[Sense::With, Sense::Against],
         push: ANY_PUSH,
@@ -297,6 +305,7 @@ const CAUSES: &[Cause] = &[
         text: "the sensor is mounted turned about z, or its y axis points forward, and TF does not say so",
         help: "give the sensor's frame its yaw in TF or URDF",
         owner: "AXES06",
+        is_of_mounting: true,
         push: &[Push::Backward, Push::Sideways],
         ..HEALTHY
     },
@@ -307,12 +316,13 @@ const NOT_NED: Cause = Cause {
     word: "enu-flu",
     text: "all of it is told in ENU and FLU axes (x forward, y left, z up, in a world of east, north, up)",
     help: "correct the declaration or the frame's name; or switch the driver to NED",
+    is_of_driver: false,
     ..NED
 };
 
 impl Cause {
     /// What the fault is of a sensor whose numbers were brought from what they are said to be told in.
-    fn seen_from(&'static self, told_in: &ToldIn) -> &'static Self {
+    pub(super) fn seen_from(&'static self, told_in: &ToldIn) -> &'static Self {
         if *self == NED && told_in.is_ned() {
             &NOT_NED
         } else {
@@ -320,7 +330,7 @@ impl Cause {
         }
     }
 
-    fn fits(&self, seen: Seen) -> bool {
+    pub(super) fn fits(&self, seen: Seen) -> bool {
         fn any<T: PartialEq>(seen: Option<T>, told: &[T]) -> bool {
             seen.is_none_or(|seen| told.contains(&seen))
         }
@@ -330,226 +340,5 @@ impl Cause {
             && any(seen.heading, self.heading)
             && any(seen.sense, self.sense)
             && any(seen.push, self.push)
-    }
-}
-
-/// What the faults make of one sensor.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Diagnosis {
-    /// The faults that fit everything that was measured; none where nothing is wrong, or no fault that is known fits.
-    pub(crate) causes: Vec<&'static Cause>,
-    /// The rule that reports them.
-    pub(crate) owner: Option<&'static str>,
-    /// What the sensor's numbers were told in.
-    told_in: ToldIn,
-    /// The driver, where names tell it.
-    driver: Option<Known<InsDriver>>,
-}
-
-impl Diagnosis {
-    /// Finds the faults that fit.
-    pub(crate) fn of(mut seen: Seen, told_in: &ToldIn, driver: Option<Known<InsDriver>>) -> Self {
-        if seen.turn == Some(Turn::Ordered) {
-            // QUAT03 reports the order by itself. Wrong roll and pitch tilt the world; whatever else is seen has a cause of
-            // its own.
-            let tilted = seen.world == Some(World::Elsewhere);
-            seen.turn = Some(Turn::Agree);
-            seen.world = seen.world.filter(|_| !tilted);
-            let rest = Self::of(seen, told_in, driver);
-            let owner = rest.owner.or(tilted.then_some("QUAT03"));
-            return Self { owner, ..rest };
-        }
-        let told_in = told_in.clone();
-        if HEALTHY.fits(seen) {
-            return Self {
-                told_in,
-                driver,
-                ..Self::default()
-            };
-        }
-        let fitting = CAUSES.iter().filter(|cause| cause.fits(seen));
-        let causes: Vec<&'static Cause> = fitting.map(|cause| cause.seen_from(&told_in)).collect();
-        let shows = |code: &&str| shows(seen, code);
-        let owners = causes.iter().map(|cause| cause.owner);
-        let one = owners
-            .clone()
-            .next()
-            .filter(|first| owners.clone().all(|owner| owner == *first));
-        let owner = one
-            .filter(shows)
-            .or_else(|| ORDER.into_iter().find(shows).filter(|_| !causes.is_empty()));
-        Self {
-            causes,
-            owner,
-            told_in,
-            driver,
-        }
-    }
-
-    /// Leaves to another rule what looks like a wrong mounting: where the base itself is turned, its sensors look so.
-    pub(crate) fn leave_mounting_to(&mut self, owner: &'static str) {
-        const MOUNTINGS: [&str; 5] = [
-            "upside-down",
-            "on-its-side",
-            "turned-mount",
-            "gravity-sign",
-            "sensor-frd",
-        ];
-        if self.causes.iter().any(|cause| MOUNTINGS.contains(&cause.word)) {
-            self.owner = Some(owner);
-        }
-    }
-
-    /// Why a rule does not report what it sees: another reports the fault that it is part of.
-    pub(crate) fn reported_elsewhere(&self, code: &str, seen: &str) -> Option<String> {
-        let owner = self.owner.filter(|owner| *owner != code)?;
-        Some(format!("{seen}: part of what {owner} reports of this sensor"))
-    }
-
-    /// A finding with the fault's name and help, and how the numbers were read; `otherwise` is the help where no fault that
-    /// is known fits.
-    pub(crate) fn explain(&self, finding: Finding, otherwise: &str) -> Finding {
-        let finding = self.told_in.tell(finding);
-        let finding = finding.help(self.help().unwrap_or_else(|| otherwise.to_owned()));
-        match self.word() {
-            Some(word) => finding.relation(word),
-            None => finding,
-        }
-    }
-
-    /// The faults in words, for the end of a message; empty where none is known.
-    pub(crate) fn words(&self) -> String {
-        match self.causes.as_slice() {
-            [] => String::new(),
-            [one] => format!(": {}", one.text),
-            several => {
-                let texts: Vec<&str> = several.iter().map(|cause| cause.text).collect();
-                format!(
-                    "; what fits all that was measured: {}. These data cannot tell which",
-                    texts.join("; or: ")
-                )
-            }
-        }
-    }
-
-    /// The word of the relation.
-    fn word(&self) -> Option<&'static str> {
-        match self.causes.as_slice() {
-            [one] => Some(one.word),
-            _ => None,
-        }
-    }
-
-    /// What to do.
-    fn help(&self) -> Option<String> {
-        let helps: Vec<&str> = self.causes.iter().map(|cause| cause.help).collect();
-        let help = (!helps.is_empty()).then(|| helps.join("; or: "))?;
-        let is_of_driver = |cause: &&Cause| ["ned-frd", "ned-orientation", "compass-yaw"].contains(&cause.word);
-        let driver = self.driver.filter(|_| self.causes.iter().any(is_of_driver));
-        Some(driver.map_or_else(
-            || help.clone(),
-            |driver| {
-                format!(
-                    "{help}. {} measures in {}: {}",
-                    driver.name, driver.facts.native, driver.facts.setting
-                )
-            },
-        ))
-    }
-}
-
-/// Whether a rule sees something wrong.
-fn shows(seen: Seen, code: &str) -> bool {
-    match code {
-        "AXES01" => seen.base.is_some_and(|base| base != Base::Up),
-        "AXES03" => seen.world.is_some_and(|world| world != World::Up),
-        "QUAT01" => seen
-            .turn
-            .is_some_and(|turn| turn != Turn::Ordered && !HEALTHY.turn.contains(&turn)),
-        "AXES04" => seen.heading == Some(Heading::Against),
-        "AXES05" => seen.sense == Some(Sense::Against),
-        "AXES06" => seen.push.is_some_and(|push| push != Push::Forward),
-        _ => false,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn words(seen: Seen) -> (Vec<&'static str>, Option<&'static str>) {
-        let diagnosis = Diagnosis::of(seen, &ToldIn::default(), None);
-        (
-            diagnosis.causes.iter().map(|cause| cause.word).collect(),
-            diagnosis.owner,
-        )
-    }
-
-    #[test]
-    fn a_healthy_sensor_has_no_fault_however_little_was_seen() {
-        assert_eq!(words(Seen::default()), (vec![], None));
-        let seen = Seen {
-            base: Some(Base::Up),
-            turn: Some(Turn::Agree),
-            ..Seen::default()
-        };
-        assert_eq!(words(seen), (vec![], None));
-    }
-
-    #[test]
-    fn a_track_tells_a_negated_accelerometer_from_a_sensor_in_ned() {
-        let still = Seen {
-            world: Some(World::Down),
-            base: Some(Base::Down),
-            turn: Some(Turn::Agree),
-            ..Seen::default()
-        };
-        assert_eq!(words(still), (vec!["ned-frd", "gravity-sign"], Some("AXES03")));
-        let driven = Seen {
-            heading: Some(Heading::Against),
-            ..still
-        };
-        assert_eq!(words(driven), (vec!["ned-frd"], Some("AXES03")));
-        let pushed = Seen {
-            heading: Some(Heading::With),
-            push: Some(Push::Backward),
-            ..still
-        };
-        assert_eq!(words(pushed), (vec!["gravity-sign"], Some("AXES01")));
-    }
-
-    #[test]
-    fn what_no_single_fault_explains_has_no_owner() {
-        let seen = Seen {
-            base: Some(Base::Side),
-            heading: Some(Heading::Against),
-            ..Seen::default()
-        };
-        assert_eq!(words(seen), (vec![], None));
-    }
-
-    #[test]
-    fn the_order_of_angles_is_a_fault_beside_the_others() {
-        let seen = Seen {
-            turn: Some(Turn::Ordered),
-            world: Some(World::Elsewhere),
-            ..Seen::default()
-        };
-        assert_eq!(words(seen), (vec![], Some("QUAT03")));
-        let in_ned = Seen {
-            world: Some(World::Down),
-            base: Some(Base::Down),
-            heading: Some(Heading::Against),
-            ..seen
-        };
-        assert_eq!(words(in_ned), (vec!["ned-frd"], Some("AXES03")));
-    }
-
-    #[test]
-    fn every_fault_shows_at_its_owner() {
-        for cause in CAUSES {
-            assert!(ORDER.contains(&cause.owner), "{}", cause.word);
-            assert!(!HEALTHY.eq(cause));
-        }
     }
 }

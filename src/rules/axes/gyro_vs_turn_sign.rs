@@ -7,11 +7,11 @@ use serde::Deserialize;
 use crate::rules::motion::{Imu, Motion, Track};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::source::Place;
-use crate::tables::{Known, Simulator};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
-use super::causes::{Base, Diagnosis, Sense};
+use super::causes::{Base, Sense};
+use super::diagnosis::Diagnosis;
 use super::rates::{Integrals, Rates, Slope};
 use super::sensors::{Look, Sensor, Sensors, TRACK, needed};
 
@@ -41,8 +41,11 @@ pub(super) struct Turned {
 
 impl Turned {
     /// Whether an upright gyro turns against poses that a simulator may have given the other hand.
-    fn is_by_a_simulator(&self, simulator: Option<Known<Simulator>>, sensor: &Sensor) -> bool {
-        simulator.is_some() && self.class == Sense::Against && !self.is_geodetic && sensor.stands() == Some(Base::Up)
+    fn is_by_a_simulator(&self, sensor: &Sensor) -> bool {
+        sensor.simulator.is_some()
+            && self.class == Sense::Against
+            && !self.is_geodetic
+            && sensor.stands() == Some(Base::Up)
     }
 }
 
@@ -73,7 +76,7 @@ impl Rule for GyroVsTurnSign {
         for (imu, sensor) in sensors.each(&motion) {
             let subject = format!("yaw rate of {}", imu.stream.subject);
             match &sensor.sense {
-                Ok(turned) if turned.is_by_a_simulator(motion.simulator_of(imu), sensor) => {
+                Ok(turned) if turned.is_by_a_simulator(sensor) => {
                     let why = "it turns against the poses of a simulator, which SENSOR09 judges";
                     out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
                 }

@@ -2,8 +2,8 @@
 //!
 //! Must not judge.
 
-use crate::math::circular::{circular_mean, wrapped};
-use crate::rules::motion::{Course, Span, Yaws, span_rad};
+use crate::math::circular::{Span, circular_mean, wrapped};
+use crate::rules::motion::{Course, Yaws};
 
 use super::heading_convention::Limits;
 
@@ -61,27 +61,29 @@ impl Heading {
                     course: *course,
                     yaw_rad,
                 });
-                let turned = span.add(course);
+                let turned = span.add(course.angle_rad);
                 heading.widest_rad = heading.widest_rad.max(turned);
                 let lasts = course.t_s - window.first().map_or(course.t_s, |first| first.course.t_s);
                 if turned >= limits.window_turn_deg.to_radians() || lasts >= limits.window_s {
                     let window = std::mem::take(&mut window);
                     span = Span::default();
-                    let only: Vec<Course> = window.iter().map(|pair| pair.course).collect();
-                    if turned >= limits.min_turn_deg.to_radians() && way_m(&only) >= limits.min_way_m {
-                        heading.windows += 1;
-                        voted.extend(vote(&window, limits).map(|sense| (sense, window)));
-                    }
+                    voted.extend(heading.ask(window, turned, limits));
                 }
             }
-            let only: Vec<Course> = window.iter().map(|pair| pair.course).collect();
-            if span_rad(&only) >= limits.min_turn_deg.to_radians() && way_m(&only) >= limits.min_way_m {
-                heading.windows += 1;
-                voted.extend(vote(&window, limits).map(|sense| (sense, window)));
-            }
+            voted.extend(heading.ask(window, span.rad(), limits));
         }
         heading.count(&voted);
         heading
+    }
+
+    /// What a window that turned so far votes for; `None` where it turned or went too little, or does not tell.
+    fn ask(&mut self, window: Vec<Pair>, turned_rad: f64, limits: &Limits) -> Option<(Sense, Vec<Pair>)> {
+        let way: Vec<Course> = window.iter().map(|pair| pair.course).collect();
+        if turned_rad < limits.min_turn_deg.to_radians() || way_m(&way) < limits.min_way_m {
+            return None;
+        }
+        self.windows += 1;
+        Some((vote(&window, limits)?, window))
     }
 
     fn count(&mut self, voted: &[(Sense, Vec<Pair>)]) {

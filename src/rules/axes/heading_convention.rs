@@ -11,7 +11,8 @@ use crate::tables::Offset;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
-use super::causes::{self, Diagnosis};
+use super::causes;
+use super::diagnosis::Diagnosis;
 use super::heading::{Heading, Sense};
 use super::sensors::{Look, Sensors, TRACK, needed};
 

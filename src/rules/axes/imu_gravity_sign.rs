@@ -8,7 +8,8 @@ use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
 
-use super::causes::{Base, Diagnosis};
+use super::causes::Base;
+use super::diagnosis::Diagnosis;
 use super::sensors::{Look, Sensors};
 
 /// AXES01.

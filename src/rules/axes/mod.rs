@@ -4,6 +4,7 @@ pub mod accel_vs_speed;
 pub mod base_frame_flu;
 mod bases;
 pub(crate) mod causes;
+pub(crate) mod diagnosis;
 pub mod gnss_vs_odom_handedness;
 pub mod gyro_vs_turn_sign;
 mod handedness;

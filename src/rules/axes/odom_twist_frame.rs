@@ -2,10 +2,9 @@
 
 use serde::Deserialize;
 
-use crate::page::Front;
 use crate::rules::motion::{Motion, Stream};
 use crate::rules::quat::level_order::is_reordered;
-use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::rules::{Evidence, Judge, Need, Rule, limits_of};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 use crate::world::motion::PoseRow;
@@ -67,10 +66,7 @@ impl Rule for OdomTwistFrame {
 
 /// Whether the velocity is told in the header's frame, by the limits of this rule's page.
 pub(crate) fn is_in_world(stream: &Stream<PoseRow>) -> bool {
-    let limits = Front::parse(OdomTwistFrame::PAGE)
-        .ok()
-        .and_then(|page| page.limits().ok());
-    limits.is_some_and(|limits: Limits| {
+    limits_of::<OdomTwistFrame>().is_some_and(|limits| {
         let twists = Twists::of(stream, &limits);
         let told = twists.told(limits.least_aside);
         let best = told.first();

@@ -8,7 +8,8 @@ use crate::rules::motion::{Imu, Motion};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 
-use super::causes::{Diagnosis, World};
+use super::causes::World;
+use super::diagnosis::Diagnosis;
 use super::sensors::{Look, Sensors};
 
 /// AXES03.

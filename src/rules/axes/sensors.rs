@@ -8,13 +8,14 @@ use std::sync::Arc;
 use crate::rules::limits_of;
 use crate::rules::motion::{BagMotion, Imu, Motion, Track};
 use crate::rules::quat::quaternion_convention::{self, QuaternionConvention};
-use crate::tables::Offset;
+use crate::tables::{Known, Offset, Simulator};
 use crate::verdict::NotEvaluated;
 use crate::world::{FrameId, World};
 
 use super::accel_vs_speed::{self, AccelVsSpeed, Pushed};
 use super::bases::{self, Base, Bases};
-use super::causes::{self, Diagnosis, Seen};
+use super::causes::{self, Seen};
+use super::diagnosis::Diagnosis;
 use super::gyro_vs_turn_sign::{self, GyroVsTurnSign};
 use super::heading_convention::{self, Decided, HeadingConvention};
 use super::imu_gravity_sign::{self, ImuGravitySign, Up};
@@ -40,6 +41,8 @@ pub(crate) struct Sensor {
     pub(crate) diagnosis: Diagnosis,
     /// What the driver's profile says of the yaw's offset from the course, where that is large.
     pub(crate) offset: Option<&'static Offset>,
+    /// The simulator that names in its recording tell.
+    pub(super) simulator: Option<Known<Simulator>>,
 }
 
 /// Every inertial sensor, recording by recording, in the order of [`Motion`].
@@ -106,6 +109,7 @@ fn sensors(bag: &BagMotion, bases: &[Base], is_down: impl Fn(Option<&FrameId>) -
             push: accel_vs_speed::look(imu, &integrals, &tracks, &push),
             diagnosis: Diagnosis::default(),
             offset: None,
+            simulator: bag.simulator,
         };
         let decided = sensor.heading.as_ref().ok();
         sensor.offset = decided.and_then(|decided| decided.known_offset(imu, &heading));

@@ -8,8 +8,7 @@ use std::sync::Arc;
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::math::stats::median;
-use crate::page::Front;
-use crate::rules::Rule;
+use crate::rules::limits_of;
 use crate::rules::motion::{BagMotion, Imu, Motion, Stream, Turned};
 use crate::rules::names;
 use crate::source::Place;
@@ -112,8 +111,7 @@ impl Worlds {
 
 /// The frames of a recording; `None` where a page's limits do not load, which the engine reports.
 fn frames(world: &World, bag: &BagMotion) -> Option<Vec<(Frame, bool)>> {
-    let limits: Limits = Front::parse(MapZUp::PAGE).ok()?.limits().ok()?;
-    let sign: imu_gravity_sign::Limits = Front::parse(ImuGravitySign::PAGE).ok()?.limits().ok()?;
+    let (limits, sign) = (limits_of::<MapZUp>()?, limits_of::<ImuGravitySign>()?);
     let mut found: Vec<Frame> = Vec::new();
     for stream in &bag.poses {
         let Some(frame) = stream.frame.clone().filter(is_level) else {
@@ -128,7 +126,7 @@ fn frames(world: &World, bag: &BagMotion) -> Option<Vec<(Frame, bool)>> {
             continue;
         }
         let turned = OnceCell::new();
-        let turned = || turned.get_or_init(|| Turned::of(stream, |row| row.orientation));
+        let turned = || turned.get_or_init(|| Turned::of(stream));
         let gravity = first(
             bag.imus
                 .iter()
@@ -151,13 +149,11 @@ fn frames(world: &World, bag: &BagMotion) -> Option<Vec<(Frame, bool)>> {
             Some(_) => {}
         }
     }
-    Some(
-        found
-            .into_iter()
-            .map(|frame| (frame.is_down(&limits), frame))
-            .map(|(is_down, frame)| (frame, is_down))
-            .collect(),
-    )
+    let with_sense = |frame: Frame| {
+        let is_down = frame.is_down(&limits);
+        (frame, is_down)
+    };
+    Some(found.into_iter().map(with_sense).collect())
 }
 
 /// Whether z of a frame ought to be up: not of those that are tied to the Earth's axis.

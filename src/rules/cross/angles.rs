@@ -8,9 +8,6 @@ use serde::Deserialize;
 use crate::math::euler::Order;
 use crate::math::relation::{Relation, Tolerance};
 use crate::math::rotation::rotation_angle_between;
-use crate::page::Front;
-use crate::rules::Rule;
-use crate::rules::quat::euler_sequence::EulerSequence;
 
 use super::blame::either_way;
 use super::statements::{Direction, Pair, Statement};
@@ -27,13 +24,6 @@ pub struct Limits {
     pub(crate) left_share: f64,
     /// How far off the quarter turns an angle counts, degrees.
     pub(crate) off_axis_deg: f64,
-}
-
-impl Limits {
-    /// Those of the page; `None` where it does not load, which the engine reports.
-    pub(super) fn of_page() -> Option<Self> {
-        Front::parse(EulerSequence::PAGE).ok()?.limits().ok()
-    }
 }
 
 /// What the numbers stand for.

@@ -2,7 +2,8 @@
 
 use serde::Deserialize;
 
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::quat::euler_sequence::EulerSequence;
+use crate::rules::{Judge, Need, Rule, limits_of};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
 
@@ -29,7 +30,7 @@ impl Rule for ExtrinsicConsistency {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        let angles = angles::Limits::of_page();
+        let angles = limits_of::<EulerSequence>();
         for pair in pairs(world) {
             judge_pair(world, &pair, limits, angles, out);
         }

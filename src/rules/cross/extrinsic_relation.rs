@@ -3,7 +3,8 @@
 use serde::Deserialize;
 
 use crate::math::relation::{Classification, Relation, Tolerance};
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::quat::euler_sequence::EulerSequence;
+use crate::rules::{Judge, Need, Rule, limits_of};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
@@ -30,7 +31,7 @@ impl Rule for ExtrinsicRelation {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        let angles = angles::Limits::of_page();
+        let angles = limits_of::<EulerSequence>();
         for pair in pairs(world) {
             if let Some(limits) = angles
                 && pair.repeats.is_none()

@@ -20,15 +20,20 @@ fn confirmed(column: &Column) -> &'static str {
     }
 }
 
-/// Degrees where metres belong.
-pub(super) fn angle(frame: &FrameId, column: &Column) -> Finding {
-    let message = format!(
-        "positions in `{frame}` on {}, {} in the middle, are {}{}: a position is in metres",
+/// What the positions of a column are.
+fn positions(frame: &FrameId, column: &Column) -> String {
+    format!(
+        "positions in `{frame}` on {}, {} in the middle, are {}{}",
         column.subject,
         told(column),
         column.kind.words(),
         confirmed(column)
-    );
+    )
+}
+
+/// Degrees where metres belong.
+pub(super) fn angle(frame: &FrameId, column: &Column) -> Finding {
+    let message = format!("{}: a position is in metres", positions(frame, column));
     Finding::error("", message, column.place.clone()).likely().relation("degrees").help(
         "make metres of them, in a tangent plane or on a grid, before they become a pose; degrees belong into a NavSatFix or a GeoPoint",
     )
@@ -59,13 +64,7 @@ pub(super) fn mixed(frame: &FrameId, column: &Column, local: &Column) -> Finding
 
 /// Earth-centred positions in a local frame.
 pub(super) fn earth_centred(frame: &FrameId, column: &Column) -> Finding {
-    let message = format!(
-        "positions in `{frame}` on {}, {} in the middle, are {}{}",
-        column.subject,
-        told(column),
-        column.kind.words(),
-        confirmed(column)
-    );
+    let message = positions(frame, column);
     Finding::error("", message, column.place.clone()).likely().relation("ecef").help(format!(
         "z does not point up there, and plans in x and y are of no use: name the frame `earth`, and publish `earth` -> `{frame}` with a \
          local `{frame}`"
@@ -76,11 +75,8 @@ pub(super) fn earth_centred(frame: &FrameId, column: &Column) -> Finding {
 pub(super) fn grid(frame: &FrameId, column: &Column) -> Finding {
     let step_m = single_precision_step_m(column.middle.amax());
     let message = format!(
-        "positions in `{frame}` on {}, {} in the middle, are {}{}: numbers in single precision step by {step_m} m there",
-        column.subject,
-        told(column),
-        column.kind.words(),
-        confirmed(column)
+        "{}: numbers in single precision step by {step_m} m there",
+        positions(frame, column)
     );
     let finding = Finding::note("", message, column.place.clone()).relation("utm").help(format!(
         "it is allowed; clouds, meshes and viewers hold single precision, though: take an origin nearby off in `{frame}`, or call the \

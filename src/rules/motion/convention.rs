@@ -9,12 +9,10 @@
 use nalgebra::{Matrix6, Quaternion, UnitQuaternion, Vector3};
 
 use crate::math::constants::AxisTurn;
-use crate::rules::names;
+use crate::rules::{declared, names};
 use crate::source::{Place, SourceId};
 use crate::verdict::Finding;
-use crate::world::conventions::{
-    BodyAxes, Convention, Declared, QuaternionAlgebra, QuaternionOrder, Subject, WorldAxes,
-};
+use crate::world::conventions::{BodyAxes, Convention, Declared, QuaternionAlgebra, QuaternionOrder, WorldAxes};
 use crate::world::motion::{InertialRow, OrientationRow, PoseRow, Twist, TwistRow};
 use crate::world::{FrameId, World};
 
@@ -54,12 +52,7 @@ impl ToldIn {
             Moving::Child(child) => child,
         };
         let frames: Vec<&FrameId> = frame.into_iter().chain(child).collect();
-        let subject = Subject {
-            file: world.path(source),
-            topic: Some(topic),
-            frames: &frames,
-        };
-        match world.conventions.of(&subject) {
+        match world.declared(source, topic, &frames) {
             Some(Declared {
                 convention,
                 origin,
@@ -138,20 +131,12 @@ impl ToldIn {
     }
 
     /// A finding that says how the numbers were read, where not as ROS has it.
-    pub(crate) fn tell(&self, mut finding: Finding) -> Finding {
+    pub(crate) fn tell(&self, finding: Finding) -> Finding {
         if !self.converts() {
             return finding;
         }
-        finding.message = format!(
-            "{}. The numbers were read as {}, as {}",
-            finding.message.trim_end_matches('.'),
-            self.convention.words(),
-            self.says
-        );
-        match &self.place {
-            Some(place) => finding.related(place.clone(), "declared here"),
-            None => finding,
-        }
+        let sentence = format!("The numbers were read as {}, as {}", self.convention.words(), self.says);
+        declared::tell(finding, &sentence, self.place.as_ref())
     }
 
     /// A covariance of position and orientation, of a pose or of a twist, in the axes of ROS: row-major 6x6, `M C Mᵀ` block by

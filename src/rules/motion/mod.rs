@@ -18,7 +18,6 @@ mod yaw;
 
 use std::sync::Arc;
 
-use crate::rules::names;
 use crate::tables::{self, Known, Simulator};
 use crate::world::bag::TopicEvidence;
 use crate::world::motion::{FixRow, NmeaRow, OrientationRow, PoseRow, TwistRow};
@@ -30,7 +29,7 @@ pub(crate) use convention::ToldIn;
 pub(crate) use imu::Imu;
 pub(crate) use mount::mount;
 pub(crate) use stream::{Stream, Timed, edge_subject};
-pub(crate) use track::{Course, Span, Track, span_rad};
+pub(crate) use track::{Course, Track};
 pub(crate) use turned::Turned;
 pub(crate) use yaw::Yaws;
 
@@ -69,15 +68,6 @@ impl Motion {
         world.derived(|world| Self {
             bags: world.bags.iter().map(|bag| BagMotion::of(world, bag)).collect(),
         })
-    }
-
-    /// The simulator of the recording that a sensor is in.
-    pub(crate) fn simulator_of(&self, imu: &Imu) -> Option<Known<Simulator>> {
-        let bag = self
-            .bags
-            .iter()
-            .find(|bag| bag.imus.iter().any(|one| std::ptr::eq(one, imu)))?;
-        bag.simulator
     }
 }
 
@@ -126,9 +116,7 @@ impl BagMotion {
         fixes.sort_by_key(|fixes| fixes.guessed);
         let fixes = fixes.into_iter().map(Stream::<FixRow>::track);
         // Joints move, too, and say nothing of the platform's way.
-        let is_way = |poses: &&Stream<PoseRow>| {
-            poses.frame.as_ref().is_none_or(names::is_world) && !is_left_out(poses.frame.as_ref())
-        };
+        let is_way = |poses: &&Stream<PoseRow>| poses.is_of_world() && !is_left_out(poses.frame.as_ref());
         fixes
             .take(MAX_TRACKS)
             .chain(

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
+use crate::rules::names;
 use crate::source::{MessageRef, Place, SourceId};
 use crate::world::bag::{HeaderFrame, Said, TfEdge};
 use crate::world::motion::{FixRow, PoseRow, Row, Series};
@@ -113,12 +114,15 @@ impl<R: Row> Stream<R> {
         windows
     }
 
+    /// Whether it is told in a frame of the world, or in none that is named: joints move, too, and say nothing of the
+    /// platform's way.
+    pub(crate) fn is_of_world(&self) -> bool {
+        self.frame.as_ref().is_none_or(names::is_world)
+    }
+
     /// Where the stream begins.
     pub(crate) fn place(&self) -> Place {
-        match &self.first {
-            Some(message) => Place::message(self.source, message.clone()),
-            None => Place::whole(self.source),
-        }
+        Place::of(self.source, self.first.as_ref())
     }
 }
 
@@ -160,6 +164,11 @@ impl Stream<FixRow> {
 }
 
 impl Stream<PoseRow> {
+    /// Whether it tells the way of the platform: not where one frame of the world lies in another, nor where it should go.
+    pub(crate) fn is_way(&self) -> bool {
+        self.is_of_world() && !self.child.as_ref().is_some_and(names::is_world) && !names::is_wish(&self.topic)
+    }
+
     /// Where the poses went.
     pub(crate) fn track(&self) -> Arc<Track> {
         Arc::clone(self.track.0.get_or_init(|| Arc::new(Track::of_poses(self))))

@@ -130,33 +130,6 @@ fn courses(run: &[(f64, Vector3<f64>)]) -> Vec<Course> {
     all
 }
 
-/// How far courses turn, from the rightmost to the leftmost, radians.
-pub(crate) fn span_rad(courses: &[Course]) -> f64 {
-    let mut span = Span::default();
-    courses.iter().map(|course| span.add(course)).last().unwrap_or(0.0)
-}
-
-/// The span of courses that come one by one, radians.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Span {
-    last: Option<f64>,
-    turned: f64,
-    least: f64,
-    most: f64,
-}
-
-impl Span {
-    /// Takes in a course; gives the span of all so far, radians.
-    pub(crate) fn add(&mut self, course: &Course) -> f64 {
-        if let Some(last) = self.last.replace(course.angle_rad) {
-            self.turned += wrapped(course.angle_rad - last);
-            self.least = self.least.min(self.turned);
-            self.most = self.most.max(self.turned);
-        }
-        self.most - self.least
-    }
-}
-
 /// East and north of a fix about another, along the ellipsoid, and its altitude over the other's, metres.
 ///
 /// The radius of the parallel is that of the origin: at latitude φ a place d east and d north stands d² tan φ / R aside,

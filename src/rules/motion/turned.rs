@@ -6,6 +6,7 @@ use crate::math::readings::Reading;
 
 use super::along::near;
 use super::stream::Stream;
+use super::yaw::Oriented;
 
 /// `world_from_body` over time, as published.
 pub(crate) struct Turned {
@@ -14,11 +15,11 @@ pub(crate) struct Turned {
 }
 
 impl Turned {
-    /// Of the four slots of each row; rows without an orientation are left out.
-    pub(crate) fn of<R>(stream: &Stream<R>, slots: impl Fn(&R) -> [f64; 4]) -> Self {
+    /// Of each row; rows without an orientation are left out.
+    pub(crate) fn of<R: Oriented>(stream: &Stream<R>) -> Self {
         let runs = stream.stretches.iter().map(|rows| {
             let of = |slots| Reading::Xyzw.world_from_body(slots);
-            let pairs = rows.iter().map(|timed| (timed.t_s, of(slots(&timed.row))));
+            let pairs = rows.iter().map(|timed| (timed.t_s, of(timed.row.slots())));
             pairs.filter_map(|(t_s, turned)| Some((t_s, turned?))).collect()
         });
         Self { runs: runs.collect() }

@@ -8,10 +8,9 @@ use nalgebra::UnitQuaternion;
 
 use crate::math::level::{Level, level};
 use crate::math::readings::Reading;
-use crate::page::Front;
 use crate::rules::axes::sensors::{Sensor, Sensors};
 use crate::rules::motion::{Imu, Motion, Stream};
-use crate::rules::{Judge, Rule, names};
+use crate::rules::{Judge, limits_of, names};
 use crate::source::{Place, SourceId};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::motion::PoseRow;
@@ -88,10 +87,7 @@ impl Tilts {
 
 /// Whether the orientations of a stream stand in the order w x y z, by the limits of QUAT02's page.
 pub(crate) fn is_reordered(stream: &Stream<PoseRow>) -> bool {
-    let limits = Front::parse(QuaternionOrderStatic::PAGE)
-        .ok()
-        .and_then(|page| page.limits().ok());
-    limits.is_some_and(|limits: Limits| {
+    limits_of::<QuaternionOrderStatic>().is_some_and(|limits| {
         is_platform(stream) && Tilts::of_poses(stream).is_some_and(|tilts| matches!(tilts.order(&limits), Order::Wrong))
     })
 }
@@ -99,7 +95,7 @@ pub(crate) fn is_reordered(stream: &Stream<PoseRow>) -> bool {
 /// A pose of the platform, or of another frame of the world, in the world.
 fn is_platform(stream: &Stream<PoseRow>) -> bool {
     let is_level = |child: &FrameId| (names::is_base(child) || names::is_world(child)) && !names::is_sensor(child);
-    stream.frame.as_ref().is_none_or(names::is_world) && stream.child.as_ref().is_none_or(is_level)
+    stream.is_of_world() && stream.child.as_ref().is_none_or(is_level)
 }
 
 /// Judges inertial sensors and poses.

@@ -6,7 +6,6 @@ use nalgebra::UnitQuaternion;
 
 use crate::rules::axes::sensors::Sensors;
 use crate::rules::motion::{BagMotion, Motion, Turned};
-use crate::rules::names;
 use crate::source::Place;
 use crate::world::{FrameId, World};
 
@@ -26,19 +25,14 @@ pub(super) struct Oriented {
 /// The streams of a recording: poses first.
 pub(super) fn oriented(world: &World, motion: &Motion, bag: &BagMotion) -> Vec<Oriented> {
     let sensors = Sensors::of(world);
-    let is_way = |frame: Option<&FrameId>| frame.is_none_or(names::is_world);
-    let poses = bag.poses.iter().filter(|stream| {
-        is_way(stream.frame.as_ref())
-            && !stream.child.as_ref().is_some_and(names::is_world)
-            && !names::is_wish(&stream.topic)
-    });
+    let poses = bag.poses.iter().filter(|stream| stream.is_way());
     let poses = poses.map(|stream| Oriented {
         subject: stream.subject.clone(),
         place: stream.place(),
         world: stream.frame.clone(),
         body: stream.child.clone(),
         reported_by: None,
-        turned: Turned::of(stream, |row| row.orientation),
+        turned: Turned::of(stream),
     });
     let imus = bag.imus.iter().filter(|imu| imu.no_orientation.is_none());
     let imus = imus.map(|imu| Oriented {
@@ -50,7 +44,7 @@ pub(super) fn oriented(world: &World, motion: &Motion, bag: &BagMotion) -> Vec<O
             .each(motion)
             .find(|(known, _)| std::ptr::eq(*known, imu))
             .and_then(|(_, sensor)| sensor.diagnosis.owner),
-        turned: Turned::of(&imu.stream, |row| row.orientation),
+        turned: Turned::of(&imu.stream),
     });
     poses.chain(imus).collect()
 }

@@ -3,7 +3,8 @@
 use serde::Deserialize;
 
 use crate::math::turns::Score;
-use crate::rules::axes::causes::{Diagnosis, Turn};
+use crate::rules::axes::causes::Turn;
+use crate::rules::axes::diagnosis::Diagnosis;
 use crate::rules::axes::sensors::{Look, Sensors};
 use crate::rules::motion::{Imu, Motion};
 use crate::rules::{Evidence, Judge, Need, Rule};

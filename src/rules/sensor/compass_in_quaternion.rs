@@ -8,7 +8,7 @@ use crate::rules::axes::heading_convention::{self, HeadingConvention};
 use crate::rules::axes::sensors::{Sensor, Sensors};
 use crate::rules::axes::worlds::Worlds;
 use crate::rules::motion::{Compass, Imu, Motion, Stream, Track, Yaws, mount};
-use crate::rules::{Evidence, Judge, Need, Rule, names};
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::NotEvaluated;
 use crate::world::World;
 use crate::world::motion::{OrientationRow, PoseRow};
@@ -72,7 +72,7 @@ impl Rule for CompassInQuaternion {
 /// Whether a stream is of poses on a topic that tell a way; of odometry AXES08 judges the turning.
 fn is_way(stream: &Stream<PoseRow>) -> bool {
     let has_twist = stream.rows().any(|timed| timed.row.twist.is_some());
-    stream.child.is_none() && !has_twist && stream.frame.as_ref().is_none_or(names::is_world)
+    stream.child.is_none() && !has_twist && stream.is_of_world()
 }
 
 impl Against<'_> {

@@ -71,10 +71,7 @@ fn judge_imu(bag: &BagEvidence, imu: &TopicEvidence, clouds: &[&TopicEvidence], 
 
 fn finding(bag: &BagEvidence, subject: String, imu: &TopicEvidence, cloud: &TopicEvidence, frame: &FrameId) -> Finding {
     let words = [imu.words(), cloud.words()].concat();
-    let place = |topic: &TopicEvidence| match &topic.stamps.first {
-        Some(message) => Place::message(bag.source, message.clone()),
-        None => Place::whole(bag.source),
-    };
+    let place = |topic: &TopicEvidence| Place::of(bag.source, topic.stamps.first.as_ref());
     let known = tables::lidar_imu(&words);
     let lever = known.and_then(|known| known.facts.lever_mm);
     let (what, help) = match (known, lever) {

@@ -8,7 +8,7 @@ use crate::rules::axes::gyro_vs_turn_sign::{self, GyroVsTurnSign};
 use crate::rules::axes::sensors::Sensors;
 use crate::rules::limits_of;
 use crate::rules::motion::{BagMotion, Imu, Motion, Stream, Track};
-use crate::rules::{Evidence, Judge, Need, Rule, names};
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::tables::{Known, Simulator};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
@@ -49,8 +49,7 @@ impl Rule for LeftHandedSimulator {
                 .zip(sensors.of_bag(index))
                 .filter(|(_, sensor)| sensor.stands() == Some(Base::Up));
             let imus: Vec<&Imu> = upright.map(|(imu, _)| imu).collect();
-            let is_way = |poses: &&Stream<PoseRow>| poses.frame.as_ref().is_none_or(names::is_world);
-            for poses in bag.poses.iter().filter(is_way) {
+            for poses in bag.poses.iter().filter(|poses| poses.is_of_world()) {
                 let track = poses.track();
                 let told = by_satellites(bag, &track, &tracks)
                     .into_iter()

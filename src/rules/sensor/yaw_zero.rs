@@ -4,7 +4,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::math::circular::{CircularMean, circular_mean, wrapped};
+use crate::math::circular::{CircularMean, Span, circular_mean, wrapped};
 use crate::rules::axes::heading::{Heading, Sense};
 use crate::rules::axes::heading_convention;
 use crate::rules::motion::{Compass, Track, Yaws};
@@ -59,7 +59,11 @@ pub(super) fn by_compass(
         other: compass.subject.clone(),
         other_at: compass.place.clone(),
     };
-    let has_turned = span_rad(&pairs) >= turns.min_turn_deg.to_radians();
+    let mut span = Span::default();
+    for (_, heading) in &pairs {
+        span.add(*heading);
+    }
+    let has_turned = span.rad() >= turns.min_turn_deg.to_radians();
     let is = |[best, other]: [&CircularMean; 2]| {
         let is_clear = if has_turned {
             1.0 - other.resultant >= turns.variance_ratio * (1.0 - best.resultant)
@@ -76,18 +80,6 @@ pub(super) fn by_compass(
         (false, true) => Some(found(false, rep)),
         _ => None,
     }
-}
-
-/// How far the headings turn, from the rightmost to the leftmost, radians.
-fn span_rad(pairs: &[(f64, f64)]) -> f64 {
-    let (mut turned, mut least, mut most) = (0.0_f64, 0.0_f64, 0.0_f64);
-    for pair in pairs.windows(2) {
-        if let [(_, before), (_, after)] = pair {
-            turned += wrapped(after - before);
-            (least, most) = (least.min(turned), most.max(turned));
-        }
-    }
-    most - least
 }
 
 /// Holds a yaw against the courses of a track, as AXES04 does. `knows_north` says whether a course of zero is east.

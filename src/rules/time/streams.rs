@@ -3,12 +3,13 @@
 //! Latched topics and static TF are left out: their stamps are older than their log time by right.
 
 use crate::math::stats::{mad, median};
+use crate::rules::declared;
 use crate::rules::tf::{HeaderUse, header_use};
 use crate::source::{Place, SourceId};
 use crate::tables::leap_seconds;
 use crate::verdict::Finding;
 use crate::world::bag::{StampEvidence, TfEdge, TopicEvidence};
-use crate::world::conventions::{Subject, TimeScale};
+use crate::world::conventions::TimeScale;
 use crate::world::{BagEvidence, FrameId, World};
 
 use super::tf_vs_sensor_time;
@@ -72,10 +73,7 @@ impl Clock {
 impl Stream<'_> {
     /// Where the stream begins.
     pub(super) fn place(&self) -> Place {
-        match &self.stamps.first {
-            Some(message) => Place::message(self.source, message.clone()),
-            None => Place::whole(self.source),
-        }
+        Place::of(self.source, self.stamps.first.as_ref())
     }
 
     /// `stamp - log`, seconds, of every sampled stamp that is not zero; of stamps in a declared scale as they would be in UTC.
@@ -90,17 +88,10 @@ impl Stream<'_> {
     }
 
     /// A finding that says in which scale the stamps were read, where the user declares one.
-    pub(super) fn tell(&self, mut finding: Finding) -> Finding {
+    pub(super) fn tell(&self, finding: Finding) -> Finding {
         let Some(scale) = &self.declared else { return finding };
-        finding.message = format!(
-            "{}. The stamps were read as {}",
-            finding.message.trim_end_matches('.'),
-            scale.words
-        );
-        match &scale.place {
-            Some(place) => finding.related(place.clone(), "declared here"),
-            None => finding,
-        }
+        let sentence = format!("The stamps were read as {}", scale.words);
+        declared::tell(finding, &sentence, scale.place.as_ref())
     }
 
     /// The clock that its stamps show; `None` without stamps.
@@ -264,21 +255,18 @@ pub(super) fn streams(bag: &BagEvidence) -> Vec<Stream<'_>> {
 pub(super) fn declared_streams<'w>(world: &World, bag: &'w BagEvidence) -> Vec<Stream<'w>> {
     let mut streams = streams(bag);
     for stream in &mut streams {
-        stream.declared = declared(world, bag, stream);
+        stream.declared = scale(world, bag, stream);
     }
     streams
 }
 
-fn declared(world: &World, bag: &BagEvidence, stream: &Stream<'_>) -> Option<Scale> {
+/// The scale that the user declares a stream's stamps in.
+fn scale(world: &World, bag: &BagEvidence, stream: &Stream<'_>) -> Option<Scale> {
     let frames: Vec<&FrameId> = match stream.of {
         Of::Topic(topic) => topic.header_frames.keys().collect(),
         Of::Edge(edge) => vec![&edge.parent, &edge.child],
     };
-    let declared = world.conventions.of(&Subject {
-        file: world.path(bag.source),
-        topic: Some(stream.topic()),
-        frames: &frames,
-    })?;
+    let declared = world.declared(bag.source, stream.topic(), &frames)?;
     let (at_s, table) = (log_start_s(bag), leap_seconds());
     let scale = declared.convention.time?;
     let ahead_s = match scale {

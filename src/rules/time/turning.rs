@@ -11,7 +11,7 @@ use crate::rules::motion::{BagMotion, Course, Imu, Stream, Timed, Track};
 use crate::rules::names;
 use crate::source::Place;
 use crate::world::FrameId;
-use crate::world::motion::{PoseRow, Row};
+use crate::world::motion::Row;
 
 /// Runs of `(seconds after the recording's start, value)` without a hole.
 pub(super) type Runs = Vec<Vec<(f64, f64)>>;
@@ -66,7 +66,7 @@ pub(super) fn signals(bag: &BagMotion) -> Vec<Signal> {
         .imus
         .iter()
         .map(|imu| made(Kind::Gyro, &imu.stream, gyro(imu), None));
-    let poses = bag.poses.iter().filter(|stream| is_way(stream)).map(|stream| {
+    let poses = bag.poses.iter().filter(|stream| stream.is_way()).map(|stream| {
         let turns = orientations(stream, |row| row.orientation);
         Signal {
             body: stream.child.clone(),
@@ -117,13 +117,6 @@ fn made<R: Row>(kind: Kind, stream: &Stream<R>, yaw_rate: Runs, track: Option<&T
         period_s: median(&steps).unwrap_or(f64::NAN),
         place: stream.place(),
     }
-}
-
-/// Whether poses tell the way of the platform: joints move, too, and corrections jump.
-fn is_way(stream: &Stream<PoseRow>) -> bool {
-    stream.frame.as_ref().is_none_or(names::is_world)
-        && !stream.child.as_ref().is_some_and(names::is_world)
-        && !names::is_wish(&stream.topic)
 }
 
 fn runs<R>(stream: &Stream<R>, value: impl Fn(&Timed<R>) -> f64) -> Runs {

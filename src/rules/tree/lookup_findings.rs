@@ -224,17 +224,9 @@ impl Case<'_> {
     }
 
     fn place(&self, edge: Option<&TfEdge>, at_end: bool) -> Place {
-        let of_edge = edge.map(|edge| {
-            if at_end {
-                edge.last_at.clone()
-            } else {
-                edge.first_at.clone()
-            }
-        });
-        match of_edge.or_else(|| self.topic.stamps.first.clone()) {
-            Some(message) => Place::message(self.bag.source, message),
-            None => Place::whole(self.bag.source),
-        }
+        let of_edge = edge.map(|edge| if at_end { &edge.last_at } else { &edge.first_at });
+        let message = of_edge.or(self.topic.stamps.first.as_ref());
+        Place::of(self.bag.source, message)
     }
 }
 
