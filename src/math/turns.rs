@@ -183,7 +183,7 @@ pub fn turns<S: AsRef<[Row]>>(stretches: &[S], options: &Options) -> Option<Turn
         .map(|lag| (lag, turned(&runs, &windows, 1, seconds(lag))))
         .collect();
     let bias_rad_s = {
-        let at = |best: &Best| (best.r2(), by_lag.get(&best.lag()).map_or(&[][..], Vec::as_slice));
+        let at = |best: &Best| (*best, by_lag.get(&best.lag()).map_or(&[][..], Vec::as_slice));
         sums::bias(&windows, &best.each_ref().map(at), options.max_bias_rad_s)
     };
     for (window, gyro) in by_lag.values_mut().flat_map(|turned| windows.iter().zip(turned)) {

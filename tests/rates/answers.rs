@@ -50,7 +50,7 @@ pub fn of_rule(verdict: &Verdict, rule: &str, subject: &str, fault: Fault) -> An
     let passes = rows.iter().any(|row| row.outcome == Outcome::Pass);
     match (fault, findings.is_empty(), passes) {
         (Fault::Healthy, true, true) | (_, false, false) => Answer::Right,
-        (_, _, true) => Answer::Wrong(format!("{rule} passes")),
+        (_, _, true) => Answer::Wrong(format!("{rule} passes: {}", measured(&rows))),
         _ if points_elsewhere => Answer::Wrong(format!("{rule} points to a rule that says nothing")),
         _ => {
             let reasons: Vec<&str> = rows.iter().filter_map(|row| row.reason.as_deref()).collect();
@@ -76,6 +76,15 @@ pub fn of_all(verdict: &Verdict, fault: Fault) -> Answer {
     } else {
         Answer::NotEvaluated(String::new())
     }
+}
+
+/// What was measured of these subjects.
+fn measured(rows: &[&Row]) -> String {
+    let all = rows.iter().flat_map(|row| &row.measured);
+    let all: Vec<String> = all
+        .map(|one| format!("{} {:.4} {}", one.what, one.value, one.unit))
+        .collect();
+    all.join(", ")
 }
 
 fn said(finding: &Finding) -> String {

@@ -74,8 +74,8 @@ fn quaternions(table: &mut Table) {
     let tactical = [
         (Turning, 5, 1.0, "1.00"),
         (Turning, 20, 1.0, "1.00"),
-        // Of a drive to the west pitch and roll are the same by the inverse: that leaves a quarter of all drives.
-        (Straight, 20, 0.65, ".90-.975 to the east"),
+        // Within 45 degrees of west pitch and roll are nearly the same by the inverse: that leaves three quarters of all drives.
+        (Straight, 20, 0.75 * 0.90, ".90-.975 to the east"),
         (Straight, 60, 0.75, "1.00 to the east"),
         (Still, 60, 0.0, "0 (not evaluated)"),
     ];
@@ -138,7 +138,8 @@ fn mirrors(table: &mut Table) {
         (Turning, 40, 0.995, ".995"),
         (Turning, 120, 1.0, "1.00"),
         (Turning, 300, 1.0, "1.00"),
-        (Straight, 40, 0.70, ".70"),
+        // At a mean of 4 m/s instead of 5.5 fewer straight roads spread by the 0.9 m that are asked for.
+        (Straight, 40, 0.44, ".70; .44 at this speed"),
         (Straight, 120, 0.96, ".96"),
         (Straight, 300, 1.0, "1.00"),
     ];
@@ -223,6 +224,13 @@ const SHOWS: &[Shows] = &[
             Fault::Imu("compass yaw"),
             Fault::Imu("conjugate"),
             Fault::Imu("left-handed"),
+        ],
+    ),
+    (
+        "AXES04",
+        "zero of the yaw of",
+        "healthy, zero",
+        &[
             Fault::Imu("zero north"),
             Fault::Imu("y forward"),
             Fault::Imu("mounted backward"),
@@ -394,15 +402,9 @@ fn shows(kind: Kind, fault: Fault) -> bool {
     }
 }
 
-/// Whether a fault shows to a rule on such a drive: an axis that does not turn tells nothing to QUAT01, and where odometry
-/// alone tells how the yaw turns AXES04 knows no zero.
+/// Whether a fault shows to a rule on such a drive: an axis that does not turn tells nothing to QUAT01.
 fn shows_to(rule: &str, kind: Kind, fault: Fault) -> bool {
-    let is_seen = match (rule, fault) {
-        ("QUAT01", Fault::Imu("compass yaw"))
-        | ("AXES04", Fault::Imu("zero north" | "y forward" | "mounted backward")) => {
-            kind.motion == Motion::Turning && kind.seconds >= 60
-        }
-        _ => true,
-    };
+    let is_seen = (rule, fault) != ("QUAT01", Fault::Imu("compass yaw"))
+        || (kind.motion == Motion::Turning && kind.seconds >= 60);
     is_seen && shows(kind, fault)
 }

@@ -45,6 +45,11 @@ impl Best {
         self.r2.map_or(0, |(lag, _)| lag)
     }
 
+    /// The largest share explained.
+    pub(super) fn explained(&self) -> f64 {
+        self.explained.map_or(0.0, |(_, explained)| explained)
+    }
+
     /// The lag of the largest share explained; 0 without one.
     pub(super) fn match_lag(&self) -> i32 {
         self.explained.map_or(0, |(lag, _)| lag)
@@ -136,14 +141,19 @@ pub(super) struct AtLags<'a> {
     pub(super) matched: (f64, &'a [Turned]),
 }
 
-/// The part of the turning that a reading must explain.
+/// The part of the turning that a reading explains whose axes are the gyro's.
 const MIN_R2: f64 = 0.9;
+/// The share that is explained under the best axes, from which on a gyro that no reading explains has other axes.
+const OTHER_AXES: f64 = 0.8;
 
 /// The bias of the gyro, rad/s: how far on the whole the gyro turns beyond the orientation, by the reading that makes it the
 /// smallest: a steady turn under a wrong reading looks like a larger one. Zero where it is larger than a bias may be about an
-/// axis, and where no reading explains most of the turning: what is left then is no bias, but a gyro with other axes.
-pub(super) fn bias(windows: &[Window], by_reading: &[(f64, &[Turned]); 4], limit_rad_s: f64) -> Vector3<f64> {
-    if by_reading.iter().all(|(r2, _)| *r2 < MIN_R2) {
+/// axis, and where the gyro is explained only under other axes: what is left then is no bias.
+pub(super) fn bias(windows: &[Window], by_reading: &[(Best, &[Turned]); 4], limit_rad_s: f64) -> Vector3<f64> {
+    let (r2, explained) = by_reading.iter().fold((0.0, 0.0), |(r2, explained), (best, _)| {
+        (f64::max(r2, best.r2()), f64::max(explained, best.explained()))
+    });
+    if r2 < MIN_R2 && explained >= OTHER_AXES {
         return Vector3::zeros();
     }
     let biases = by_reading.iter().enumerate().map(|(index, (_, turned))| {

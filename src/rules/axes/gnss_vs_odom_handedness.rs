@@ -92,15 +92,7 @@ fn swapped(
     limits: &Limits,
 ) -> Option<Finding> {
     // As told the tracks must not fit turned, and mirrored clearly worse than the exchanged ones do.
-    if votes.majority(limits) == Some(false) {
-        return None;
-    }
-    let [_, mirrored_m] = votes.rms_m;
-    let as_told_m = if votes.says == [0, 0] {
-        f64::INFINITY
-    } else {
-        mirrored_m
-    };
+    let as_told_m = votes.better_m.filter(|_| votes.majority(limits) != Some(false))?;
     let mut exchanged = fixes.clone();
     for fix in exchanged.stretches.iter_mut().flatten() {
         std::mem::swap(&mut fix.row.latitude_deg, &mut fix.row.longitude_deg);

@@ -5,6 +5,7 @@
 use nalgebra::{Vector2, Vector3};
 
 use crate::math::similarity2::{fit_similarities, path_length, spread};
+use crate::math::stats::median;
 use crate::rules::motion::Track;
 
 use super::gnss_vs_odom_handedness::Limits;
@@ -21,12 +22,23 @@ pub(super) struct Votes {
     pub(super) says: [usize; 2],
     /// Root mean squares of the fit turned and of the fit mirrored over the windows that voted: the medians, metres.
     pub(super) rms_m: [f64; 2],
+    /// Root mean square of the better fit over all windows that turned enough: the median, metres.
+    pub(super) better_m: Option<f64>,
     /// Longest way along a window, metres.
     pub(super) longest_m: f64,
     /// Largest standard deviation of the odometry across its main direction in any window, metres.
     pub(super) widest_m: f64,
     /// First and last time that voted, seconds after the recording's start.
     pub(super) span_s: Option<(f64, f64)>,
+}
+
+/// Root mean squares of fits, window by window, metres.
+#[derive(Default)]
+struct Fits {
+    /// Turned and mirrored, of the windows that voted.
+    voted: [Vec<f64>; 2],
+    /// The better one, of all that turned enough.
+    better: Vec<f64>,
 }
 
 /// One place by both tracks.
@@ -40,7 +52,7 @@ impl Votes {
     /// Lays the odometry over the satellites' track; `min_minor_m` is how far it must spread across its main direction.
     pub(super) fn of(satellites: &Track, odometry: &Track, min_minor_m: f64, limits: &Limits) -> Self {
         let mut found = Self::default();
-        let mut rms: [Vec<f64>; 2] = [Vec::new(), Vec::new()];
+        let mut rms = Fits::default();
         let mut at = odometry.follow();
         for stretch in &satellites.stretches {
             let mut window: Vec<Both> = Vec::new();
@@ -70,7 +82,8 @@ impl Votes {
             }
             found.look(&window, min_minor_m, &mut rms, limits);
         }
-        found.rms_m = rms.map(|values| crate::math::stats::median(&values).unwrap_or(f64::NAN));
+        found.rms_m = rms.voted.map(|values| median(&values).unwrap_or(f64::NAN));
+        found.better_m = median(&rms.better);
         found
     }
 
@@ -87,7 +100,7 @@ impl Votes {
     }
 
     /// Whether the window spreads enough to tell; counts its vote.
-    fn look(&mut self, window: &[Both], min_minor_m: f64, rms: &mut [Vec<f64>; 2], limits: &Limits) -> bool {
+    fn look(&mut self, window: &[Both], min_minor_m: f64, rms: &mut Fits, limits: &Limits) -> bool {
         let odometry: Vec<_> = window.iter().map(|both| both.odometry).collect();
         let satellites: Vec<_> = window.iter().map(|both| both.satellites).collect();
         let way_m = path_length(&odometry);
@@ -107,10 +120,11 @@ impl Votes {
         self.windows += 1;
         let (turned, mirrored) = (fits.proper.rms_m, fits.improper.rms_m);
         let (best, other) = (turned.min(mirrored), turned.max(mirrored));
+        rms.better.push(best);
         if best <= limits.max_residual * way_m && other >= limits.min_ratio * best {
             let [for_turned, for_mirrored] = &mut self.says;
             *(if turned < mirrored { for_turned } else { for_mirrored }) += 1;
-            let [of_turned, of_mirrored] = rms;
+            let [of_turned, of_mirrored] = &mut rms.voted;
             of_turned.push(turned);
             of_mirrored.push(mirrored);
             if let (Some(first), Some(last)) = (window.first(), window.last()) {

@@ -14,7 +14,7 @@ use crate::world::World;
 use super::causes;
 use super::diagnosis::Diagnosis;
 use super::heading::{Heading, Sense};
-use super::sensors::{Look, Sensors, TRACK, needed};
+use super::sensors::{Look, Sensor, Sensors, TRACK, needed};
 
 /// AXES04.
 pub struct HeadingConvention;
@@ -46,53 +46,63 @@ impl Rule for HeadingConvention {
         let (motion, sensors) = (Motion::of(world), Sensors::of(world));
         for (imu, sensor) in sensors.each(&motion) {
             let subject = format!("yaw of {}", imu.stream.subject);
-            match &sensor.heading {
-                Ok(_) if sensor.offset.is_some() => {
-                    let why = "its offset from the course is what SENSOR06 reports of its driver";
-                    out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            let decided = match &sensor.heading {
+                Ok(decided) => decided,
+                Err((why, reason)) => {
+                    out.not_evaluated(subject, *why, reason);
+                    continue;
                 }
-                Ok(decided) => judge_decided(imu, &subject, decided, &sensor.diagnosis, limits, out),
-                Err((why, reason)) => out.not_evaluated(subject, *why, reason),
+            };
+            match decided.class() {
+                causes::Heading::Against => judge_against(imu, subject, decided, &sensor.diagnosis, limits, out),
+                causes::Heading::With => {
+                    out.pass(&subject, decided.measured(limits));
+                    judge_zero(imu, format!("zero of the {subject}"), decided, sensor, limits, out);
+                }
             }
         }
     }
 }
 
-fn judge_decided(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagnosis, limits: &Limits, out: &mut Judge) {
-    let heading = &decided.heading;
-    let [left, right] = heading.resultants;
-    let (best, other) = match heading.winner() {
-        Sense::Left => (left, right),
-        Sense::Right => (right, left),
+/// A yaw that turns against the course.
+fn judge_against(
+    imu: &Imu,
+    subject: String,
+    decided: &Decided,
+    diagnosis: &Diagnosis,
+    limits: &Limits,
+    out: &mut Judge,
+) {
+    let seen = "the yaw turns against the course";
+    match diagnosis.reported_elsewhere("AXES04", seen) {
+        Some(why) => out.not_evaluated(subject, NotEvaluated::NotApplicable, why),
+        None => out.fail(clockwise(imu, &subject, decided, diagnosis, decided.measured(limits))),
+    }
+}
+
+/// Where the zero of a yaw is that turns with the course.
+fn judge_zero(imu: &Imu, subject: String, decided: &Decided, sensor: &Sensor, limits: &Limits, out: &mut Judge) {
+    if sensor.offset.is_some() {
+        let why = "it is what SENSOR06 reports of its driver";
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    let offset = match decided.offset_rad() {
+        Ok(offset_rad) => format!("{:.0} deg", offset_rad.to_degrees()),
+        Err((why, reason)) => return out.not_evaluated(subject, why, reason),
     };
-    let samples = heading.samples as u64;
-    let measured = [
-        Measured::new("resultant of the better sense", best, "1")
-            .limit(limits.min_resultant)
-            .samples(samples),
-        Measured::new("resultant of the other sense", other, "1").samples(samples),
-        Measured::new("offset", heading.offset_rad.to_degrees(), "deg").samples(samples),
-        Measured::count("windows with a turn", heading.votes.iter().sum()),
-    ];
-    if heading.winner() == Sense::Right {
-        let seen = "the yaw turns against the course";
-        if let Some(why) = diagnosis.reported_elsewhere("AXES04", seen) {
-            return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-        }
-        return out.fail(clockwise(imu, subject, decided, diagnosis, measured));
+    if decided.heading.offset_resultant < limits.min_resultant {
+        let why = format!("{offset} from the course on the whole, and not steadily so");
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
     }
-    match offset_finding(imu, subject, decided, limits) {
-        Some(_) if diagnosis.owner.is_some_and(|owner| owner != "AXES04") => {
-            let seen = format!("the yaw is {:.0} deg from the course", heading.offset_rad.to_degrees());
-            let why = diagnosis.reported_elsewhere("AXES04", &seen).unwrap_or_default();
-            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-        }
-        Some(finding) => {
-            let finding = finding.related(decided.track_at.clone(), TRACK);
-            out.fail(measured.into_iter().fold(finding, Finding::measured));
-        }
-        None => out.pass(subject, measured),
+    let Some(finding) = offset_finding(imu, &subject, decided, limits) else {
+        return out.pass(subject, [decided.offset()]);
+    };
+    let seen = format!("the yaw is {offset} from the course");
+    if let Some(why) = sensor.diagnosis.reported_elsewhere("AXES04", &seen) {
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
+    let finding = finding.related(decided.track_at.clone(), TRACK);
+    out.fail(decided.measured(limits).into_iter().fold(finding, Finding::measured));
 }
 
 /// What was seen.
@@ -111,6 +121,28 @@ impl Decided {
             Sense::Left => causes::Heading::With,
             Sense::Right => causes::Heading::Against,
         }
+    }
+
+    fn measured(&self, limits: &Limits) -> [Measured; 4] {
+        let heading = &self.heading;
+        let samples = heading.samples as u64;
+        let [left, right] = heading.resultants;
+        let (best, other) = match heading.winner() {
+            Sense::Left => (left, right),
+            Sense::Right => (right, left),
+        };
+        [
+            Measured::new("resultant of the better sense", best, "1")
+                .limit(limits.min_resultant)
+                .samples(samples),
+            Measured::new("resultant of the other sense", other, "1").samples(samples),
+            self.offset(),
+            Measured::count("windows with a turn", heading.votes.iter().sum()),
+        ]
+    }
+
+    fn offset(&self) -> Measured {
+        Measured::new("offset", self.heading.offset_rad.to_degrees(), "deg").samples(self.heading.samples as u64)
     }
 
     /// Yaw minus course, radians; or why it says nothing of east.
