@@ -4,8 +4,12 @@
 
 mod support;
 
+use std::fmt::Write;
+
 use frames_lint::collect::Collected;
+use frames_lint::engine::Rules;
 use frames_lint::source::{ReadStatus, Source};
+use frames_lint::world::World;
 use support::bag;
 use support::encode::{Body, Endian, Header, Transform};
 use support::raw::{Layout, RawChannel, in_memory};
@@ -242,4 +246,31 @@ fn a_topic_of_two_types_is_said() {
         "`/topic` is recorded as two types: `acme/msg/A` and `acme/msg/C`",
     ];
     assert_eq!((source.status, problems), (ReadStatus::Partial, expected.to_vec()));
+}
+
+#[test]
+fn streams_that_were_not_asked_where_the_platform_went_are_counted() {
+    let mut recipe = [
+        "duration_s: 5",
+        "drive: {vehicle: car, motion: still, seed: 3}",
+        "topics:",
+        "  - {topic: /imu, from_drive: imu, rate_hz: 50, frame_id: base_link}\n",
+    ]
+    .join("\n");
+    let why = |recipe: &str| {
+        let mut world = World::default();
+        world.bags = vec![support::evidence(recipe)];
+        let verdict = Rules::select(&["AXES05"]).unwrap().judge(&world);
+        verdict.rows[0].reason.clone().unwrap()
+    };
+    for stream in 0..18 {
+        let odometry = "from_drive: odometry, rate_hz: 5, child_frame_id: base_link";
+        writeln!(
+            recipe,
+            "  - {{topic: /odom{stream}, {odometry}, frame_id: odom{stream}}}"
+        )
+        .unwrap();
+        let is_said = why(&recipe).contains("streams that show where it went, 16 were asked");
+        assert_eq!(is_said, stream >= 16, "{stream}: {}", why(&recipe));
+    }
 }

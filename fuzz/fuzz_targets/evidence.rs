@@ -1,13 +1,21 @@
-//! Any bytes as saved evidence: no panic, and what was read is written and read again the same.
+//! Any bytes as saved evidence: no panic, what was read is written and read again the same, and every rule can judge it.
 #![no_main]
 
-use frames_lint::engine::evidence;
+use std::sync::LazyLock;
+
+use frames_lint::engine::{Rules, evidence};
 use frames_lint::run::Run;
 use libfuzzer_sys::fuzz_target;
+
+static RULES: LazyLock<Rules> = LazyLock::new(|| Rules::select(&[]).expect("all rules can be selected"));
 
 /// What a document says, as a document of ours.
 fn rewritten(bytes: &[u8]) -> Result<String, String> {
     let saved = evidence::parse(bytes)?;
+    for world in &saved.worlds {
+        // A panic ends the run, that of a rule too, which a user would see as an outcome.
+        RULES.judge(world);
+    }
     let run = Run {
         worlds: saved.worlds,
         sources: saved.sources.to_vec(),

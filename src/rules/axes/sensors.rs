@@ -98,15 +98,19 @@ fn sensors(bag: &BagMotion, bases: &[Base], is_down: impl Fn(Option<&FrameId>) -
     let (sense, push) = (limits_of::<GyroVsTurnSign>()?, limits_of::<AccelVsSpeed>()?);
     // In a frame whose z points down, tracks turn the other way.
     let tracks = bag.tracks(is_down);
+    let asked = |(why, reason): (NotEvaluated, String)| match why {
+        NotEvaluated::TooLittleEvidence => (why, tracks.why(reason)),
+        _ => (why, reason),
+    };
     let look = |imu: &Imu| {
         let integrals = Integrals::of(imu);
         let mut sensor = Sensor {
             base: imu_gravity_sign::look(imu, &base),
             world: orientation_vs_gravity::look(imu, &world),
             turn: quaternion_convention::look(imu, &turn),
-            heading: heading_convention::look(imu, &tracks, &heading),
-            sense: gyro_vs_turn_sign::look(&integrals, &tracks, &sense),
-            push: accel_vs_speed::look(imu, &integrals, &tracks, &push),
+            heading: heading_convention::look(imu, &tracks.asked, &heading).map_err(asked),
+            sense: gyro_vs_turn_sign::look(&integrals, &tracks.asked, &sense).map_err(asked),
+            push: accel_vs_speed::look(imu, &integrals, &tracks.asked, &push).map_err(asked),
             diagnosis: Diagnosis::default(),
             offset: None,
             simulator: bag.simulator,

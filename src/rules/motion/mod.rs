@@ -13,6 +13,7 @@ mod mount;
 mod nmea;
 mod stream;
 mod track;
+mod tracks;
 mod turned;
 mod yaw;
 
@@ -30,11 +31,9 @@ pub(crate) use imu::Imu;
 pub(crate) use mount::mount;
 pub(crate) use stream::{Stream, Timed, edge_subject};
 pub(crate) use track::{Course, Track};
+pub(crate) use tracks::Tracks;
 pub(crate) use turned::Turned;
 pub(crate) use yaw::Yaws;
-
-/// So many receivers, and so many streams of poses, say where a platform went; a recording of more is of a fleet.
-const MAX_TRACKS: usize = 16;
 
 /// The streams of motion of each recording of a world, in its order.
 pub(crate) struct Motion {
@@ -111,22 +110,13 @@ impl BagMotion {
 
     /// Where the platform went: by satellite receivers first, those last that are guessed, then by odometry and poses, in
     /// frames that are not left out.
-    pub(crate) fn tracks(&self, is_left_out: impl Fn(Option<&FrameId>) -> bool) -> Vec<Arc<Track>> {
+    pub(crate) fn tracks(&self, is_left_out: impl Fn(Option<&FrameId>) -> bool) -> Tracks {
         let mut fixes: Vec<&Stream<FixRow>> = self.fixes.iter().collect();
         fixes.sort_by_key(|fixes| fixes.guessed);
-        let fixes = fixes.into_iter().map(Stream::<FixRow>::track);
         // Joints move, too, and say nothing of the platform's way.
         let is_way = |poses: &&Stream<PoseRow>| poses.is_of_world() && !is_left_out(poses.frame.as_ref());
-        fixes
-            .take(MAX_TRACKS)
-            .chain(
-                self.poses
-                    .iter()
-                    .filter(is_way)
-                    .map(Stream::<PoseRow>::track)
-                    .take(MAX_TRACKS),
-            )
-            .collect()
+        let poses: Vec<&Stream<PoseRow>> = self.poses.iter().filter(is_way).collect();
+        Tracks::of(&fixes, &poses)
     }
 
     /// Angles clockwise from north that the recording states: headings first, then courses over ground.

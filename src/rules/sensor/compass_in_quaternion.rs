@@ -1,13 +1,11 @@
 //! SENSOR08: a compass heading in the yaw of a quaternion.
 
-use std::sync::Arc;
-
 use serde::Deserialize;
 
 use crate::rules::axes::heading_convention::{self, HeadingConvention};
 use crate::rules::axes::sensors::{Sensor, Sensors};
 use crate::rules::axes::worlds::Worlds;
-use crate::rules::motion::{Compass, Imu, Motion, Stream, Track, Yaws, mount};
+use crate::rules::motion::{Compass, Imu, Motion, Stream, Tracks, Yaws, mount};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::NotEvaluated;
 use crate::world::World;
@@ -31,7 +29,7 @@ pub struct Limits {
 /// What a yaw can be held against, and the limits.
 struct Against<'a> {
     compasses: &'a [Compass],
-    tracks: &'a [Arc<Track>],
+    tracks: &'a Tracks,
     turns: &'a heading_convention::Limits,
     limits: &'a Limits,
 }
@@ -87,13 +85,17 @@ impl Against<'_> {
         let base_from_sensor = mounted.map(|mount| mount.base_from_sensor.rotation);
         let yaws = Yaws::of(stream, &base_from_sensor.unwrap_or_default());
         let by_tracks = || {
-            let mut tracks = self.tracks.iter();
+            let mut tracks = self.tracks.asked.iter();
             tracks.find_map(|track| by_track(&yaws, track, track.is_geodetic, self.turns))
         };
         match self.by_compasses(&yaws, false).or_else(by_tracks) {
             Some(found) if found.is_clockwise => out.fail(found.finding(stream, &subject, self.turns, self.limits)),
             Some(found) => out.pass(subject, found.measured(self.turns)),
-            None => self.undecided(subject, out),
+            None => out.not_evaluated(
+                subject,
+                NotEvaluated::TooLittleEvidence,
+                self.tracks.why(self.undecided()),
+            ),
         }
     }
 
@@ -110,7 +112,7 @@ impl Against<'_> {
         // Where the zero of a gyro's yaw lies is chance.
         let yaws = Yaws::of(&imu.stream, &imu.base_from_imu());
         let Some(found) = self.by_compasses(&yaws, true) else {
-            return self.undecided(subject, out);
+            return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, self.undecided());
         };
         if !found.is_clockwise {
             return out.pass(subject, found.measured(self.turns));
@@ -129,15 +131,14 @@ impl Against<'_> {
         match by_track(&yaws, &stream.track(), true, self.turns) {
             Some(found) if found.is_clockwise => out.fail(found.finding(stream, &subject, self.turns, self.limits)),
             Some(found) => out.pass(subject, found.measured(self.turns)),
-            None => self.undecided(subject, out),
+            None => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, self.undecided()),
         }
     }
 
-    fn undecided(&self, subject: String, out: &mut Judge) {
-        let why = format!(
+    fn undecided(&self) -> String {
+        format!(
             "no heading from north and no course goes with it long enough, turns by {} deg, and follows it clearly one way",
             self.turns.min_turn_deg
-        );
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        )
     }
 }
