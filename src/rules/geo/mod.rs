@@ -18,5 +18,6 @@ pub mod navsatfix_sanity;
 pub mod origin_consistency;
 mod origins;
 mod overlay;
+mod own_origin;
 mod plane;
 pub mod tangent_plane_range;

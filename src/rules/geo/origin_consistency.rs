@@ -11,6 +11,7 @@ use crate::world::World;
 
 use super::apart::{between, direction, told};
 use super::origins::{By, Origin, origins};
+use super::own_origin;
 
 /// GEO07.
 pub struct OriginConsistency;
@@ -19,8 +20,8 @@ pub struct OriginConsistency;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
-    warning_m: f64,
-    error_m: f64,
+    pub(super) warning_m: f64,
+    pub(super) error_m: f64,
     pub(super) track_m: f64,
     site_m: f64,
     geoid_m: f64,
@@ -32,6 +33,8 @@ pub struct Limits {
     pub(super) blocks: usize,
     pub(super) max_scale: f64,
     pub(super) sigmas: f64,
+    pub(super) copied_m: f64,
+    pub(super) aligned_deg: f64,
 }
 
 impl Rule for OriginConsistency {
@@ -45,10 +48,14 @@ impl Rule for OriginConsistency {
         for why in left_out {
             out.not_evaluated("origin", NotEvaluated::TooLittleEvidence, why);
         }
+        own_origin::judge(world, &all, limits, out);
         let Some((reference, others)) = all.split_first() else {
             return;
         };
         if others.is_empty() {
+            if let Some(finding) = own_origin::missing(reference, limits) {
+                return out.fail(finding);
+            }
             let why = format!(
                 "only {} says where the origin lies: two are needed to compare",
                 reference.who

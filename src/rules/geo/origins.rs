@@ -8,10 +8,11 @@ use nalgebra::Vector2;
 
 use crate::math::geodesy::Geodetic;
 use crate::math::similarity2::deviations;
-use crate::rules::motion::{BagMotion, Motion, Stream};
+use crate::rules::motion::{BagMotion, Motion, Stream, Timed};
 use crate::rules::names::{self, Standard};
 use crate::source::{Confidence, Place};
 use crate::world::bag::TopicEvidence;
+use crate::world::content::FixAt;
 use crate::world::motion::PoseRow;
 use crate::world::{BagEvidence, EarthOrigin, FrameId, World};
 
@@ -53,6 +54,10 @@ pub(super) struct Origin {
     pub(super) has_height: bool,
     /// How far off it may be: its digits, or the fit's deviation, metres.
     pub(super) within_m: f64,
+    /// Where the same source puts it later on, farthest off.
+    pub(super) later: Option<Geodetic>,
+    /// By how much a track's axes are turned from east and north, radians.
+    pub(super) turned_rad: Option<f64>,
     /// Where it is said.
     pub(super) place: Place,
     /// How sure the reading is.
@@ -95,7 +100,11 @@ fn of_transforms(world: &World, limits: &Limits, left_out: &mut Vec<String>) -> 
     let made = |stated: &OnEarth| {
         let (place, pose) = stated.poses.first()?;
         let at = Geodetic::from_ecef(&pose.translation.vector)?;
+        let later = stated.poses.iter().skip(1);
+        let later = later.filter_map(|(_, pose)| Geodetic::from_ecef(&pose.translation.vector));
         (at.height_m.abs() <= limits.max_height_m).then(|| Origin {
+            later: farthest(&at, later),
+            turned_rad: None,
             who: stated.subject.clone(),
             by: By::Transform,
             bag: world.bags.iter().position(|bag| bag.source == place.source),
@@ -125,13 +134,21 @@ fn of_file(stated: &EarthOrigin) -> Option<Origin> {
         at: Geodetic::from_degrees(latitude, longitude, altitude_m.unwrap_or(0.0))?,
         has_height: altitude_m.is_some(),
         within_m: rounding,
+        later: None,
+        turned_rad: None,
         place: stated.place.clone(),
         reading: Confidence::Certain,
     })
 }
 
+/// Of places the one that is farthest from another.
+fn farthest(from: &Geodetic, places: impl Iterator<Item = Geodetic>) -> Option<Geodetic> {
+    let distance = |place: &Geodetic| from.enu_of(place).norm();
+    places.max_by(|a, b| distance(a).total_cmp(&distance(b)))
+}
+
 /// Whether a topic tells an origin, by the last part of its name.
-fn tells_origin(topic: &str) -> bool {
+pub(super) fn tells_origin(topic: &str) -> bool {
     let last = FrameId::new(topic.rsplit('/').next().unwrap_or(topic));
     last.has_token("origin") || last.has_token("datum")
 }
@@ -139,16 +156,21 @@ fn tells_origin(topic: &str) -> bool {
 /// A point or a fix on a topic of an origin.
 fn of_topic(bag: &BagEvidence, index: usize, topic: &TopicEvidence) -> Option<Origin> {
     let fixes = topic.content.fixes.as_ref().filter(|_| tells_origin(&topic.topic))?;
-    let first = fixes.samples.iter().find(|fix| fix.status >= 0)?;
+    let mut valid = fixes.samples.iter().filter(|fix| fix.status >= 0);
+    let first = valid.next()?;
     let has_height = first.altitude_m.is_finite() && first.altitude_m != 0.0;
-    let height_m = if has_height { first.altitude_m } else { 0.0 };
+    let height_m = |fix: &FixAt| if has_height { fix.altitude_m } else { 0.0 };
+    let of = |fix: &FixAt| Geodetic::from_degrees(fix.latitude_deg, fix.longitude_deg, height_m(fix));
+    let at = of(first)?;
     Some(Origin {
         who: format!("topic `{}`", topic.topic),
         by: By::Topic,
         bag: Some(index),
-        at: Geodetic::from_degrees(first.latitude_deg, first.longitude_deg, height_m)?,
+        at,
         has_height,
         within_m: 0.0,
+        later: farthest(&at, valid.filter_map(of)),
+        turned_rad: None,
         place: Place::message(bag.source, first.at.clone()),
         reading: Confidence::Certain,
     })
@@ -157,15 +179,20 @@ fn of_topic(bag: &BagEvidence, index: usize, topic: &TopicEvidence) -> Option<Or
 /// A pose on `local_xy_origin`: x is the longitude, y the latitude (swri_transform_util).
 fn of_local_xy(index: usize, poses: &Stream<PoseRow>) -> Option<Origin> {
     let is_one = poses.topic.rsplit('/').next() == Some("local_xy_origin");
-    let row = poses.rows().next().filter(|_| is_one)?.row;
-    let [longitude, latitude, altitude] = row.position;
+    let of = |timed: &Timed<PoseRow>| {
+        let [longitude, latitude, altitude] = timed.row.position;
+        Geodetic::from_degrees(latitude, longitude, altitude)
+    };
+    let at = of(poses.rows().next().filter(|_| is_one)?)?;
     Some(Origin {
         who: poses.subject.clone(),
         by: By::Topic,
         bag: Some(index),
-        at: Geodetic::from_degrees(latitude, longitude, altitude)?,
-        has_height: altitude != 0.0,
+        at,
+        has_height: at.height_m != 0.0,
         within_m: 0.0,
+        later: farthest(&at, poses.rows().skip(1).filter_map(of)),
+        turned_rad: None,
         place: poses.place(),
         reading: Confidence::Certain,
     })
@@ -188,7 +215,7 @@ fn of_tracks<'m>(
         .flat_map(move |poses| receivers().map(move |fixes| (poses, fixes)))
         .filter_map(move |(poses, fixes)| {
             let overlay = Overlay::of(world, poses, fixes)?;
-            let (at, within_m) = origin_of_track(&overlay, limits)?;
+            let (at, within_m, turned_rad) = origin_of_track(&overlay, limits)?;
             Some(Origin {
                 who: format!("{} laid over {}", poses.subject, fixes.subject),
                 by: By::Track,
@@ -196,14 +223,17 @@ fn of_tracks<'m>(
                 at,
                 has_height: false,
                 within_m,
+                later: None,
+                turned_rad: Some(turned_rad),
                 place: poses.place(),
                 reading: Confidence::Likely,
             })
         })
 }
 
-/// The origin with what it is uncertain by; `None` for a track that does not fit or is not local.
-fn origin_of_track(overlay: &Overlay, limits: &Limits) -> Option<(Geodetic, f64)> {
+/// The origin, what it is uncertain by in metres, and by how much the axes are turned in radians; `None` for a track that does
+/// not fit or is not local.
+fn origin_of_track(overlay: &Overlay, limits: &Limits) -> Option<(Geodetic, f64, f64)> {
     let (enu, xy) = overlay.planes();
     let fit = overlay.fit(limits.max_scale, 1.0)?;
     let (angle_sd, scale_sd) = deviations(&xy, &enu, limits.blocks)?;
@@ -213,5 +243,5 @@ fn origin_of_track(overlay: &Overlay, limits: &Limits) -> Option<(Geodetic, f64)
         && far_m <= limits.local_m
         && fit.rms_m <= limits.track_m;
     let within_m = limits.sigmas * (fit.rms_m + far_m * angle_sd.hypot(scale_sd));
-    (is_sound && within_m <= limits.track_m).then_some((overlay.origin(&fit)?, within_m))
+    (is_sound && within_m <= limits.track_m).then_some((overlay.origin(&fit)?, within_m, fit.angle_rad))
 }
