@@ -5,6 +5,7 @@
 
 pub mod auth;
 pub mod axes;
+pub mod camera;
 pub mod cov;
 pub mod cross;
 mod declared;
@@ -204,6 +205,10 @@ pub static RULES: &[Entry] = &[
     entry::<sensor::mavros_frames::MavrosFrames>(),
     entry::<sensor::compass_in_quaternion::CompassInQuaternion>(),
     entry::<sensor::left_handed_simulator::LeftHandedSimulator>(),
+    entry::<camera::camera_info_k_size::CameraInfoKSize>(),
+    entry::<camera::camera_info_distortion::CameraInfoDistortion>(),
+    entry::<camera::camera_info_r_p::CameraInfoRP>(),
+    entry::<camera::stereo_baseline::StereoBaseline>(),
     entry::<cov::cov_psd::CovPsd>(),
     entry::<cov::cov_order::CovOrder>(),
     entry::<cov::cov_unknown_marking::CovUnknownMarking>(),

@@ -6,6 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::source::MessageRef;
 
+use super::camera::{CalibrationEvidence, ImageEvidence};
 use super::claim::Pose;
 use super::motion::MotionEvidence;
 
@@ -186,6 +187,12 @@ pub struct ContentEvidence {
     pub imu: Option<ImuEvidence>,
     /// Odometry.
     pub odometry: Option<OdometryEvidence>,
+    /// Calibrations of a camera.
+    #[serde(default)]
+    pub calibrations: Option<CalibrationEvidence>,
+    /// Images.
+    #[serde(default)]
+    pub images: Option<ImageEvidence>,
     /// What it says of motion, row by row.
     #[serde(default)]
     pub motion: MotionEvidence,

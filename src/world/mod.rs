@@ -4,6 +4,7 @@
 //! saved, altered and judged again. Must not know how files are read, nor any rule.
 
 pub mod bag;
+pub mod camera;
 pub mod chain;
 pub mod claim;
 pub mod content;

@@ -58,6 +58,10 @@ pub enum Body<'a> {
 pub enum Field<'a> {
     /// Numbers in double precision.
     F64s(Vec<f64>),
+    /// As many numbers in double precision as there are, behind their count.
+    Numbers(Vec<f64>),
+    /// A number of four bytes.
+    U32(u32),
     /// A small number.
     I8(i8),
     /// A small number.
@@ -129,6 +133,13 @@ impl Body<'_> {
                 for field in fields {
                     match field {
                         Field::F64s(values) => values.iter().for_each(|value| out.write_f64(*value)),
+                        Field::Numbers(values) => {
+                            out.write_sequence_length(values.len());
+                            for value in values {
+                                out.write_f64(*value);
+                            }
+                        }
+                        Field::U32(value) => out.write_u32(*value),
                         Field::I8(value) => out.write_i8(*value),
                         Field::U8(value) => out.write_u8(*value),
                         Field::U16(value) => out.write_u16(*value),

@@ -15,6 +15,7 @@
     clippy::missing_panics_doc
 )]
 
+pub mod camera;
 pub mod contents;
 pub mod damage;
 pub mod drive;

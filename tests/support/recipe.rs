@@ -36,6 +36,9 @@
 //!   `angular_velocity_covariance: [9]`, `linear_acceleration: [3]` (gravity +9.81 along z), `acceleration_covariance: [9]`
 //! - sensor_msgs/msg/NavSatFix: `latitude`, `longitude` (48, 11), `altitude` (500), `status` (0), `covariance: [9]`,
 //!   `east_velocity`, `north_velocity` (m/s), `nan_from_s` (from then on the position is NaN)
+//! - sensor_msgs/msg/CameraInfo and Image: `camera: {size: [w, h], k: [fx, fy, cx, cy] or all nine, d: [..], model: plumb_bob,
+//!   r: [9], p: [fx, fy, cx, cy, Tx] or all twelve (that of K), binning: [x, y], roi: [left, top, w, h], encoding: rgb8}`; without
+//!   it zeros
 //!
 //! **A drive** with exact truth, realistic noise and, where wanted, convention errors (`drive/`): topics and transforms
 //! with `from_drive` are its sensors, and all of them fit together.

@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use super::camera::Camera;
 use super::drive::nmea::Kind;
 use super::drive::rows::PoseRow;
 use super::drive::{Error, Place};
@@ -122,6 +123,7 @@ pub struct Topic {
     #[serde(default)]
     pub(super) north_velocity: f64,
     pub(super) nan_from_s: Option<f64>,
+    pub(super) camera: Option<Camera>,
 }
 
 /// `offered_qos_profiles`.

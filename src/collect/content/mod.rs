@@ -1,5 +1,6 @@
 //! What the messages of one topic say beyond their header, while it is being collected.
 
+mod camera;
 mod covariance;
 mod fixes;
 mod imu;
@@ -16,6 +17,7 @@ use crate::world::content::{ContentEvidence, CovarianceEvidence};
 use super::point::{On, Point};
 use super::series::Room;
 use super::thin::Share;
+use camera::{Calibrations, Images};
 use covariance::Covariances;
 use fixes::Fixes;
 use imu::Inertial;
@@ -34,6 +36,8 @@ pub(super) struct Contents {
     odometry: Option<Box<Odometries>>,
     six: BTreeMap<&'static str, Box<Six>>,
     three: BTreeMap<&'static str, Box<Three>>,
+    calibrations: Option<Box<Calibrations>>,
+    images: Option<Box<Images>>,
     motion: Motion,
 }
 
@@ -46,6 +50,8 @@ impl Contents {
             odometry: None,
             six: BTreeMap::new(),
             three: BTreeMap::new(),
+            calibrations: None,
+            images: None,
             motion: Motion::new(room),
         }
     }
@@ -73,6 +79,14 @@ impl Contents {
             Body::Orientation(orientation) => self.motion.orientation(point, *orientation),
             Body::Vector(vector) => self.motion.vector(point, *vector),
             Body::Twist(twist) => self.twist(point, twist),
+            Body::CameraInfo(info) => self
+                .calibrations
+                .get_or_insert_with(|| Box::new(Calibrations::new()))
+                .push(point, info),
+            Body::Image(image) => self
+                .images
+                .get_or_insert_with(|| Box::new(Images::new()))
+                .push(point, image),
             Body::Nothing
             | Body::ChildFrame(_)
             | Body::Transforms(_)
@@ -161,6 +175,8 @@ impl Contents {
             covariances,
             imu: self.imu.map(|imu| imu.finish(on)),
             odometry: self.odometry.map(|odometry| odometry.finish(on)),
+            calibrations: self.calibrations.map(|calibrations| calibrations.finish(on)),
+            images: self.images.map(|images| images.finish(on)),
             motion: self.motion.finish(),
         }
     }

@@ -6,6 +6,9 @@ use std::sync::Arc;
 use super::header::Header;
 use super::tf::Transform;
 
+/// Most coefficients of a distortion that are read; OpenCV's largest model has 14.
+pub const MAX_DISTORTION: u32 = 64;
+
 /// Bound on the poses that are kept of a path: of a longer one every second, third, ... one, the first always.
 pub const MAX_PATH: u32 = 10_000;
 
@@ -71,6 +74,10 @@ pub enum Body<'m> {
     Vector([f64; 3]),
     /// A velocity with its covariance.
     Twist(Box<Twist>),
+    /// The calibration of a camera.
+    CameraInfo(Box<CameraInfo<'m>>),
+    /// An image, its bytes aside.
+    Image(Image<'m>),
     /// The text of a robot description.
     Description(Cow<'m, str>),
     /// Frames that it names beyond its header's (`foxglove.SceneUpdate`).
@@ -201,4 +208,53 @@ pub struct Twist {
     pub angular: [f64; 3],
     /// Row-major 6x6, where the type has one.
     pub covariance: Option<[f64; 36]>,
+}
+
+/// `sensor_msgs/msg/CameraInfo`, numbers as published.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraInfo<'m> {
+    /// Pixels, of the calibrated image.
+    pub height: u32,
+    /// Pixels, of the calibrated image.
+    pub width: u32,
+    /// `distortion_model`.
+    pub model: Cow<'m, str>,
+    /// Coefficients of the distortion.
+    pub d: Vec<f64>,
+    /// Intrinsics of the raw image, row-major 3x3, pixels.
+    pub k: [f64; 9],
+    /// Rectification, row-major 3x3.
+    pub r: [f64; 9],
+    /// Projection of the rectified image, row-major 3x4, pixels; its fourth column pixels times metres.
+    pub p: [f64; 12],
+    /// Pixels that are taken together, across and down; 0 is 1.
+    pub binning: [u32; 2],
+    /// The part that the images show.
+    pub roi: Roi,
+}
+
+/// `sensor_msgs/msg/RegionOfInterest`: pixels of the full image without binning; all zeros is the whole image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Roi {
+    /// Left edge.
+    pub x: u32,
+    /// Upper edge.
+    pub y: u32,
+    /// Height.
+    pub height: u32,
+    /// Width.
+    pub width: u32,
+    /// Whether the image is to be rectified.
+    pub do_rectify: bool,
+}
+
+/// `sensor_msgs/msg/Image`, its bytes aside.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Image<'m> {
+    /// Pixels.
+    pub height: u32,
+    /// Pixels.
+    pub width: u32,
+    /// `encoding`.
+    pub encoding: Cow<'m, str>,
 }

@@ -13,6 +13,7 @@ mod guess;
 pub mod header;
 mod nmea;
 mod route;
+mod sensing;
 mod standard;
 #[cfg(test)]
 mod tests;

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 
 use super::content::{Body, Content, Member};
 use super::header::Header;
-use super::{Cursor, DecodeError, bodies, nmea, tf};
+use super::{Cursor, DecodeError, bodies, nmea, sensing, tf};
 
 /// A standard type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,6 +24,8 @@ pub(super) enum Standard {
     Twist { covariance: bool },
     Orientation,
     Vector,
+    CameraInfo,
+    Image,
     Nmea,
     NmeaText,
     Description,
@@ -87,6 +89,8 @@ impl Standard {
             "geometry_msgs/TwistStamped" => Self::Twist { covariance: false },
             "geometry_msgs/TwistWithCovarianceStamped" => Self::Twist { covariance: true },
             "geometry_msgs/QuaternionStamped" => Self::Orientation,
+            "sensor_msgs/CameraInfo" => Self::CameraInfo,
+            "sensor_msgs/Image" => Self::Image,
             _ => return None,
         })
     }
@@ -138,6 +142,8 @@ impl Standard {
             Self::Orientation => Ok(Body::Orientation(cursor.f64s()?)),
             Self::Vector => Ok(Body::Vector(cursor.f64s()?)),
             Self::Nmea => nmea::body(cursor),
+            Self::CameraInfo => sensing::camera_info(cursor),
+            Self::Image => sensing::image(cursor),
             Self::Tf | Self::Transform | Self::NmeaText | Self::Description | Self::Clock => Ok(Body::Nothing),
         }
     }

@@ -1,0 +1,51 @@
+//! The standard types of cameras: calibrations and images.
+//!
+//! Owns the order of their fields. Sources: sensor_msgs (common_interfaces, common_msgs); the order is the same in ROS 1 and
+//! ROS 2. The bytes of an image are never touched.
+
+use super::content::{Body, CameraInfo, Image, MAX_DISTORTION, Roi};
+use super::{Cursor, DecodeError};
+
+/// Reads the rest of a `sensor_msgs/CameraInfo` behind its header.
+pub(super) fn camera_info<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
+    let [height, width] = [cursor.u32()?, cursor.u32()?];
+    let model = cursor.name()?;
+    Ok(Body::CameraInfo(Box::new(CameraInfo {
+        height,
+        width,
+        model: model.into(),
+        d: coefficients(cursor)?,
+        k: cursor.f64s()?,
+        r: cursor.f64s()?,
+        p: cursor.f64s()?,
+        binning: [cursor.u32()?, cursor.u32()?],
+        roi: Roi {
+            x: cursor.u32()?,
+            y: cursor.u32()?,
+            height: cursor.u32()?,
+            width: cursor.u32()?,
+            do_rectify: cursor.i8()? != 0,
+        },
+    })))
+}
+
+/// Coefficients of a distortion.
+fn coefficients(cursor: &mut Cursor<'_>) -> Result<Vec<f64>, DecodeError> {
+    let (start, count) = (cursor.position(), cursor.u32()?);
+    if count > MAX_DISTORTION {
+        return Err(DecodeError(format!(
+            "{count} coefficients of a distortion at byte {start}; models have {MAX_DISTORTION} at most"
+        )));
+    }
+    (0..count).map(|_| cursor.f64()).collect()
+}
+
+/// Reads a `sensor_msgs/Image` behind its header, as far as its bytes.
+pub(super) fn image<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
+    let [height, width] = [cursor.u32()?, cursor.u32()?];
+    Ok(Body::Image(Image {
+        height,
+        width,
+        encoding: cursor.name()?.into(),
+    }))
+}

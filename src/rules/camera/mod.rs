@@ -1,0 +1,89 @@
+//! Rules of cameras.
+
+use crate::source::Place;
+use crate::verdict::NotEvaluated;
+use crate::world::camera::Calibration;
+use crate::world::{BagEvidence, World};
+
+use super::Judge;
+
+pub mod camera_info_distortion;
+pub mod camera_info_k_size;
+pub mod camera_info_r_p;
+pub mod stereo_baseline;
+
+/// A calibration of a recording's camera.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Published<'w> {
+    pub(crate) bag: &'w BagEvidence,
+    pub(crate) topic: &'w str,
+    pub(crate) calibration: &'w Calibration,
+    /// Its number on the topic, from 1, where there are several.
+    number: Option<usize>,
+}
+
+impl<'w> Published<'w> {
+    /// All of them, by topic.
+    pub(crate) fn all(world: &'w World) -> impl Iterator<Item = Self> {
+        world.bags.iter().flat_map(|bag| {
+            bag.topics.values().flat_map(move |topic| {
+                let calibrations = topic.content.calibrations.iter().flat_map(|all| &all.calibrations);
+                let several = topic
+                    .content
+                    .calibrations
+                    .as_ref()
+                    .is_some_and(|all| all.calibrations.len() > 1);
+                calibrations.enumerate().map(move |(index, calibration)| Self {
+                    bag,
+                    topic: &topic.topic,
+                    calibration,
+                    number: several.then_some(index + 1),
+                })
+            })
+        })
+    }
+
+    /// What reports call it.
+    pub(crate) fn subject(&self) -> String {
+        match self.number {
+            Some(number) => format!("calibration {number} on topic `{}`", self.topic),
+            None => format!("calibration on topic `{}`", self.topic),
+        }
+    }
+
+    pub(crate) fn place(&self) -> Place {
+        Place::message(self.bag.source, self.calibration.at.clone())
+    }
+
+    /// Focal lengths and principal point, pixels: fx, fy, cx, cy.
+    pub(crate) fn intrinsics(&self) -> [f64; 4] {
+        let [fx, _, cx, _, fy, cy, ..] = self.calibration.k;
+        [fx, fy, cx, cy]
+    }
+
+    /// Whether it says that the camera is not calibrated: K is all zeros.
+    pub(crate) fn is_uncalibrated(&self) -> bool {
+        self.calibration.k.iter().all(|value| *value == 0.0)
+    }
+
+    /// Whether K can be used: finite, with positive focal lengths. Else the outcome is written, with what was not looked at.
+    pub(crate) fn is_usable(&self, subject: &str, out: &mut Judge) -> bool {
+        let [fx, fy, cx, cy] = self.intrinsics();
+        if self.is_uncalibrated() {
+            let why = "K is all zeros: the camera is not calibrated";
+            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            return false;
+        }
+        if ![fx, fy, cx, cy].iter().all(|value| value.is_finite()) || fx <= 0.0 || fy <= 0.0 {
+            let why = "K has no positive focal lengths: CAMERA02 reports it";
+            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            return false;
+        }
+        true
+    }
+
+    /// The namespace that the camera's topics share: `/front` of `/front/camera_info`.
+    pub(crate) fn namespace(&self) -> &'w str {
+        self.topic.rsplit_once('/').map_or("", |(namespace, _)| namespace)
+    }
+}
