@@ -17,6 +17,7 @@ pub struct CameraInfoDistortion;
 #[serde(deny_unknown_fields)]
 pub struct Limits {
     tangential: f64,
+    least_reach: f64,
     wide_deg: f64,
 }
 
@@ -80,33 +81,38 @@ fn judge_model(published: &Published, subject: String, limits: &Limits, out: &mu
     let Some(radial) = radial(model, d) else {
         return;
     };
-    let (Some(corner), true) = (
-        corner(published),
+    let (Some((border, what)), true) = (
+        border(published),
         published.calibration.size.iter().all(|pixels| *pixels > 0),
     ) else {
         let why = "width and height are zero: where the corners are is not known";
         return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
     };
-    let Some(reach) = radial.reach(corner) else {
-        let why = "the distortion has no finite value on the way to the corner";
+    let Some(reach) = radial.reach(border) else {
+        let why = "the distortion has no finite value within the image";
         return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
     };
     let tangential = match d {
-        [_, _, p1, p2, ..] if model != "equidistant" && model != "fisheye" => p1.abs().max(p2.abs()),
+        [_, _, p1, p2, ..] if !is_fisheye(model) => p1.abs().max(p2.abs()),
         _ => 0.0,
     };
     let measured = |reach: Reach| match reach {
-        Reach::Whole { angle_rad } => Measured::new("angle seen at the corner", angle_rad.to_degrees(), "deg"),
-        Reach::Folds { radius, .. } => {
-            Measured::new("radius that is reached, over the corner's", radius / corner, "1").limit(1.0)
-        }
+        Reach::Whole { angle_rad } => Measured::new(format!("angle seen at the {what}"), angle_rad.to_degrees(), "deg"),
+        Reach::Folds { radius, .. } => Measured::new(
+            format!("radius that is reached, over that of the {what}"),
+            radius / border,
+            "1",
+        )
+        .limit(1.0),
     };
-    if let Reach::Folds { radius, angle_rad } = reach {
+    if let Reach::Folds { radius, angle_rad } = reach
+        && radius < limits.least_reach * border
+    {
         let message = format!(
-            "the distortion on `{topic}` folds at {:.1} deg from the axis: that is {:.0} % of the way to the corner, and what lies further \
+            "the distortion on `{topic}` folds at {:.1} deg from the axis: that is {:.0} % of the way to the {what}, and what lies further \
              out is projected back into the image",
             angle_rad.to_degrees(),
-            100.0 * radius / corner
+            100.0 * radius / border
         );
         let finding = Finding::warning(subject, message, published.place())
             .likely()
@@ -153,12 +159,23 @@ fn judge_model(published: &Published, subject: String, limits: &Limits, out: &mu
     );
 }
 
-/// The radius of the corner that is farthest from the principal point, normalised.
-fn corner(published: &Published) -> Option<f64> {
+/// How far a model must reach, normalised, and what lies there: the corner that is farthest from the principal point. The image
+/// of a fisheye is round, and its corners are often dark: it must reach the nearest edge.
+fn border(published: &Published) -> Option<(f64, &'static str)> {
     let [fx, fy, cx, cy] = published.intrinsics();
     let [width, height] = published.calibration.size.map(f64::from);
-    let (x, y) = (cx.max(width - cx) / fx, cy.max(height - cy) / fy);
-    Some(x.hypot(y)).filter(|radius| radius.is_finite())
+    let border = if is_fisheye(&published.calibration.model) {
+        let nearest = [cx / fx, (width - cx) / fx, cy / fy, (height - cy) / fy];
+        (nearest.into_iter().fold(f64::INFINITY, f64::min), "nearest edge")
+    } else {
+        let (x, y) = (cx.max(width - cx) / fx, cy.max(height - cy) / fy);
+        (x.hypot(y), "corner")
+    };
+    Some(border).filter(|(radius, _)| radius.is_finite())
+}
+
+fn is_fisheye(model: &str) -> bool {
+    matches!(model, "equidistant" | "fisheye")
 }
 
 fn miscounted(published: &Published, subject: String, counts: &[usize]) -> Finding {
