@@ -103,7 +103,7 @@ fn judge_model(published: &Published, subject: String, limits: &Limits, out: &mu
             radius / border,
             "1",
         )
-        .limit(1.0),
+        .limit(limits.least_reach),
     };
     if let Reach::Folds { radius, angle_rad } = reach
         && radius < limits.least_reach * border
