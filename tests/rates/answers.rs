@@ -37,13 +37,14 @@ pub fn of_rule(verdict: &Verdict, rule: &str, subject: &str, fault: Fault) -> An
             return Answer::Wrong(reason.to_owned());
         }
         // One cause, one finding: another rule has it.
-        let owner = match reason.split_once("part of what ") {
-            Some((_, owner)) => owner,
-            None if reason.contains(" reports what is wrong with this sensor") => reason,
-            None => continue,
+        let part = reason
+            .split_once("part of what ")
+            .map(|(_, rest)| rest.split(' ').next());
+        let whole = reason.split_once(" reports what is wrong with this sensor");
+        let Some(Some(owner)) = part.or(whole.map(|(start, _)| start.split(' ').next_back())) else {
+            continue;
         };
         points_elsewhere = true;
-        let owner = owner.split(' ').next().unwrap_or_default();
         findings.extend(verdict.findings.iter().filter(|finding| finding.rule == owner));
     }
     if let Some(wrong) = findings.iter().find(|finding| !fault.is_named_by(finding)) {

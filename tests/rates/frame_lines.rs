@@ -51,7 +51,11 @@ const SHOWS: &[Shows] = &[
         "order of the orientation of topic `/odom`",
         &[Fault::Healthy, Fault::Made("odom wxyz")],
     ),
-    ("QUAT02", "order of the orientation of topic `/imu`", &[Fault::Imu("wxyz")]),
+    (
+        "QUAT02",
+        "order of the orientation of topic `/imu`",
+        &[Fault::Imu("wxyz")],
+    ),
     (
         "QUAT02",
         "order of the orientation of TF",
@@ -65,7 +69,11 @@ const SHOWS: &[Shows] = &[
     (
         "QUAT04",
         "orientation of topic `/imu`",
-        &[Fault::Healthy, Fault::Made("pose of base FRD"), Fault::Imu("upside down")],
+        &[
+            Fault::Healthy,
+            Fault::Made("pose of base FRD"),
+            Fault::Imu("upside down"),
+        ],
     ),
     (
         "QUAT04",

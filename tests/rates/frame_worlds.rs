@@ -66,6 +66,18 @@ impl Made {
 /// What QUAT04 says of two orientations told in a frame of one name.
 const WORLDS: &str = "differ by a constant of the world";
 
+/// What AXES14 says of poses that may not be of the body that TF knows, or in another order.
+const OTHER_AXES: &str = "or the orientation is told in other axes of the body, or with w first";
+
+/// What AXES13 says of poses that may stand in another order.
+const W_FIRST: &str = "or the four numbers of the orientation stand as w, x, y, z";
+
+/// A world whose z points down: the track in it is a mirror image, and its base may be what is upside down.
+const DOWN: Names = (
+    &["z-down", "mirrored"],
+    &[MIRRORED, "or the frame that the pose is told in has z down"],
+);
+
 /// Every world.
 pub const MADE: &[Made] = &[
     // Bases.
@@ -75,20 +87,24 @@ pub const MADE: &[Made] = &[
     Made::wrong("TF alone, base FRD", (&["frd"], &[]), |drive| {
         Recording::default().moving("odom", "base_link", &drive.edge(&[Error::Inverted]))
     }),
-    Made::wrong("pose of base FRD", (&["frd", "flu-frd"], &[CONSTANT]), |drive| {
-        drive.with(Isometry3::identity(), &drive.odom(&[Error::Inverted]))
-    }),
+    Made::wrong(
+        "pose of base FRD",
+        (&["frd", "flu-frd"], &[CONSTANT, OTHER_AXES]),
+        |drive| drive.with(Isometry3::identity(), &drive.odom(&[Error::Inverted])),
+    ),
     Made::wrong("pose of base RFU", (&["rfu", "z-90"], &[CONSTANT]), |drive| {
         drive.with(Isometry3::identity(), &drive.odom(&[Error::YForward]))
     }),
-    Made::wrong("base FRD", (&["frd"], &[]), |drive| drive.on(Error::Inverted)),
+    Made::wrong("base FRD", (&["frd"], &["-z points up"]), |drive| {
+        drive.on(Error::Inverted)
+    }),
     Made::wrong("base RFU", (&["rfu"], &[]), |drive| drive.on(Error::YForward)),
     Made::wrong("base LBU", (&["lbu"], &[]), |drive| drive.on(Error::Yaw90)),
     Made::wrong("base backward", (&[], &["goes backwards all the way"]), |drive| {
         drive.on(Error::Backward)
     }),
     // Frames of the world.
-    Made::wrong("odom NED", (&["z-down", "mirrored"], &[MIRRORED]), |drive| {
+    Made::wrong("odom NED", DOWN, |drive| {
         drive.with(Isometry3::identity(), &drive.odom(&[Error::NedWorld]))
     }),
     Made::wrong("odom z negated", (&["z-down"], &[]), |drive| {
@@ -99,9 +115,7 @@ pub const MADE: &[Made] = &[
         drive.in_map(&flu_from_rdf().inverse())
     }),
     Made::wrong("map y up", (&["y-up"], &[]), |drive| drive.in_map(&about_x(-90.0))),
-    Made::wrong("map z down", (&["z-down", "mirrored"], &[MIRRORED]), |drive| {
-        drive.in_map(&about_x(180.0))
-    }),
+    Made::wrong("map z down", DOWN, |drive| drive.in_map(&about_x(180.0))),
     Made::wrong("map tilted 20 deg", (&["tilted"], &[]), |drive| {
         drive.in_map(&about_x(20.0))
     }),
@@ -109,10 +123,10 @@ pub const MADE: &[Made] = &[
         drive.in_map(&about_x(50.0))
     }),
     // Orders of four numbers.
-    Made::wrong("odom wxyz", (&["wxyz"], &[]), |drive| {
+    Made::wrong("odom wxyz", (&["wxyz"], &[OTHER_AXES, W_FIRST]), |drive| {
         drive.with(Isometry3::identity(), &drive.odom(&[Error::Wxyz]))
     }),
-    Made::wrong("TF wxyz", (&["wxyz"], &[]), |drive| {
+    Made::wrong("TF wxyz", (&["wxyz"], &[W_FIRST]), |drive| {
         Recording::default().moving("odom", "base_link", &drive.edge(&[Error::Wxyz]))
     }),
     Made::healthy("poses", |drive| {
@@ -198,7 +212,9 @@ pub const MADE: &[Made] = &[
     }),
     Made::healthy("MAVROS", |drive| drive.of_driver("/mavros/imu/data", None)),
     // Simulators.
-    Made::healthy("CARLA", |drive| drive.simulated("/carla/ego_vehicle/odometry", &[], true)),
+    Made::healthy("CARLA", |drive| {
+        drive.simulated("/carla/ego_vehicle/odometry", &[], true)
+    }),
     Made::wrong("CARLA left-handed", LEFT, |drive| {
         drive.simulated("/carla/ego_vehicle/odometry", &[Error::LeftHanded], true)
     }),
@@ -230,7 +246,7 @@ const NED: Names = (
 );
 
 /// What left-handed poses are called.
-const LEFT: Names = (&["left-handed"], &[]);
+const LEFT: Names = (&["left-handed"], &[MIRRORED]);
 
 /// A body forward, left, up from one right, down, forward (a camera's optical frame).
 fn flu_from_rdf() -> Rotation3<f64> {
@@ -319,9 +335,11 @@ impl Messages {
             row
         };
         let rows: Vec<OdometryRow> = self.localised("/vio").into_iter().map(row).collect();
-        Recording::default()
-            .odometry("/odom", &self.odometry)
-            .odometry_of("/vio/odom", ["vio_odom", "base_link"], &rows)
+        Recording::default().odometry("/odom", &self.odometry).odometry_of(
+            "/vio/odom",
+            ["vio_odom", "base_link"],
+            &rows,
+        )
     }
 
     /// Two localizers in frames of one name.
@@ -375,9 +393,9 @@ impl Messages {
         });
         let points: Vec<(Vector2<f64>, Vector2<f64>)> = points.collect();
         let middle = |part: &[(Vector2<f64>, Vector2<f64>)]| {
-            let sum = part
-                .iter()
-                .fold((Vector2::zeros(), Vector2::zeros()), |sum, one| (sum.0 + one.0, sum.1 + one.1));
+            let sum = part.iter().fold((Vector2::zeros(), Vector2::zeros()), |sum, one| {
+                (sum.0 + one.0, sum.1 + one.1)
+            });
             (sum.0 / part.len() as f64, sum.1 / part.len() as f64)
         };
         let (first, last) = (&points[..points.len() / 3], &points[points.len() - points.len() / 3..]);

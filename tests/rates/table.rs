@@ -149,9 +149,7 @@ impl Table {
 
     /// Answers every question for these seeds.
     pub fn fill(&mut self, seeds: Range<u64>) {
-        let rules = Rules::select(&[
-            "AXES", "QUAT", "TIME09", "TREE16", "SENSOR05", "SENSOR06", "SENSOR09",
-        ]).unwrap();
+        let rules = Rules::select(&["AXES", "QUAT", "TIME09", "TREE16", "SENSOR05", "SENSOR06", "SENSOR09"]).unwrap();
         // Whoever is through early takes the next of the long drives first.
         let mut tasks: Vec<(usize, u64)> = Vec::new();
         for drives in 0..self.drives.len() {
@@ -205,7 +203,7 @@ impl Table {
                 group = line.group;
                 let _ = writeln!(
                     text,
-                    "\n{group}\n{:<7}{:<21}{:<39}{:>7}{:>7}{:>8}{:>7}  reference",
+                    "\n{group}\n{:<9}{:<21}{:<39}{:>7}{:>7}{:>8}{:>7}  reference",
                     "rule", "fault", "drive", "right", "wrong", "not ev.", "n"
                 );
             }
@@ -213,7 +211,7 @@ impl Table {
             let reference = line.reference.map_or("", |(_, words)| words);
             let _ = writeln!(
                 text,
-                "{:<7}{:<21}{:<39}{:>7.1}{:>7.2}{:>8.1}{:>7}  {reference}{}",
+                "{:<9}{:<21}{:<39}{:>7.1}{:>7.2}{:>8.1}{:>7}  {reference}{}",
                 line.rule,
                 line.what,
                 line.drive,

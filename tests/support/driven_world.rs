@@ -100,13 +100,7 @@ impl Recording {
             poses: Some(poses(rows)),
             ..MotionEvidence::default()
         });
-        self.add(
-            topic,
-            "geometry_msgs/msg/PoseStamped",
-            [frame, ""],
-            rows.len(),
-            content,
-        );
+        self.add(topic, "geometry_msgs/msg/PoseStamped", [frame, ""], rows.len(), content);
         self
     }
 
@@ -199,7 +193,14 @@ impl Recording {
         world
     }
 
-    fn add(&mut self, topic: &str, message_type: &str, [frame, child]: [&str; 2], count: usize, content: ContentEvidence) {
+    fn add(
+        &mut self,
+        topic: &str,
+        message_type: &str,
+        [frame, child]: [&str; 2],
+        count: usize,
+        content: ContentEvidence,
+    ) {
         let at = message(topic, START_NS);
         let header = || HeaderFrame {
             count: count as u64,
@@ -230,6 +231,7 @@ fn of_motion(motion: MotionEvidence) -> ContentEvidence {
 
 /// What is counted of inertial messages.
 fn inertial(topic: &str, rows: &[ImuRow]) -> ImuEvidence {
+    #[allow(clippy::float_cmp)] // exactly is what is asked
     let is = |xyzw: [f64; 4]| rows.iter().filter(|row| row.orientation == xyzw).count() as u64;
     let speed = |row: &ImuRow| row.gyro.iter().map(|rate| rate * rate).sum::<f64>().sqrt();
     let squares: f64 = rows.iter().map(|row| speed(row).powi(2)).sum();
