@@ -39,8 +39,12 @@ pub fn level(
     for world_from_sensor in slots.into_iter().filter_map(|slots| reading.world_from_body(slots)) {
         let q = world_from_sensor * body_from_sensor.inverse();
         tilts.push(tilt(&q));
-        // The twist about z alone: defined up to where x and y hold all.
-        let yaw = 2.0 * q.k.atan2(q.w);
+        // The twist about z alone, of what hangs upside down after half a turn about x: there z and w hold noise.
+        let yaw = if q.i.hypot(q.j) > q.k.hypot(q.w) {
+            2.0 * q.j.atan2(q.i)
+        } else {
+            2.0 * q.k.atan2(q.w)
+        };
         let turned = difference(yaw, *first.get_or_insert(yaw));
         (least, most) = (least.min(turned), most.max(turned));
     }

@@ -15,6 +15,7 @@ pub fn table() -> Table {
     mirrors(&mut table);
     times(&mut table);
     rules(&mut table);
+    crate::frame_lines::lines(&mut table);
     table
 }
 
@@ -317,7 +318,7 @@ const SHOWS: &[Shows] = &[
 ];
 
 /// The kinds of drives of each group of lines, whether vehicles are pooled in them, and what is not pooled.
-fn groups() -> [(&'static str, Vec<Kind>, bool); 4] {
+pub fn groups() -> [(&'static str, Vec<Kind>, bool); 4] {
     // Good sensors and bad ones: what a vehicle usually carries.
     let turning = [
         (Grade::Tactical, Gnss::Rtk),

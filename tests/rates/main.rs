@@ -25,6 +25,8 @@ mod support;
 mod answers;
 mod drives;
 mod faults;
+mod frame_lines;
+mod frame_worlds;
 mod lines;
 mod table;
 

@@ -149,7 +149,7 @@ impl Table {
 
     /// Answers every question for these seeds.
     pub fn fill(&mut self, seeds: Range<u64>) {
-        let rules = Rules::select(&["AXES", "QUAT", "TIME09"]).unwrap();
+        let rules = Rules::select(&["AXES", "QUAT", "TIME09", "TREE16", "SENSOR05", "SENSOR06", "SENSOR09"]).unwrap();
         // Whoever is through early takes the next of the long drives first.
         let mut tasks: Vec<(usize, u64)> = Vec::new();
         for drives in 0..self.drives.len() {
@@ -162,11 +162,12 @@ impl Table {
             let mut answers = Vec::new();
             for cell in cells {
                 let verdict = rules.judge(&messages.world(cell.fault));
+                let truth = crate::frame_worlds::truth(&messages, cell.fault);
                 for question in &cell.questions {
                     let answer = if question.rule == ALL {
-                        answers::of_all(&verdict, cell.fault)
+                        answers::of_all(&verdict, truth)
                     } else {
-                        answers::of_rule(&verdict, question.rule, question.subject, cell.fault)
+                        answers::of_rule(&verdict, question.rule, question.subject, truth)
                     };
                     let of = |said: String| {
                         let drive: Vec<String> = words(*kind).split_whitespace().map(str::to_owned).collect();
@@ -202,7 +203,7 @@ impl Table {
                 group = line.group;
                 let _ = writeln!(
                     text,
-                    "\n{group}\n{:<7}{:<21}{:<39}{:>7}{:>7}{:>8}{:>7}  reference",
+                    "\n{group}\n{:<9}{:<21}{:<39}{:>7}{:>7}{:>8}{:>7}  reference",
                     "rule", "fault", "drive", "right", "wrong", "not ev.", "n"
                 );
             }
@@ -210,7 +211,7 @@ impl Table {
             let reference = line.reference.map_or("", |(_, words)| words);
             let _ = writeln!(
                 text,
-                "{:<7}{:<21}{:<39}{:>7.1}{:>7.2}{:>8.1}{:>7}  {reference}{}",
+                "{:<9}{:<21}{:<39}{:>7.1}{:>7.2}{:>8.1}{:>7}  {reference}{}",
                 line.rule,
                 line.what,
                 line.drive,

@@ -126,6 +126,12 @@ impl Diagnosis {
     }
 }
 
+/// A wrong setting of a driver that what was seen does not rule out. A heading in place of a yaw is judged by itself.
+pub(super) fn unseen(seen: Seen) -> Option<&'static Cause> {
+    let is_setting = |cause: &&Cause| cause.is_of_driver && cause.word != "compass-yaw";
+    CAUSES.iter().find(|cause| is_setting(cause) && cause.fits(seen))
+}
+
 /// Whether a rule sees something wrong.
 fn shows(seen: Seen, code: &str) -> bool {
     match code {

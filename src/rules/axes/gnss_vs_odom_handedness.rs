@@ -46,15 +46,18 @@ impl Rule for GnssVsOdomHandedness {
                     let minor_m = min_minor_m(fixes, limits);
                     let votes = Votes::of(&satellites, &poses.track(), minor_m, limits);
                     let is_mirrored = votes.majority(limits) == Some(true);
-                    if let Some(finding) = swapped(poses, fixes, &votes, minor_m, limits) {
+                    let swapped = swapped(poses, fixes, &votes, minor_m, limits);
+                    if (is_mirrored || swapped.is_some()) && worlds.is_off(index, poses.frame.as_ref()) {
+                        let why = "mirrored: part of what AXES14 reports of the frame, whose z does not point up";
+                        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                        continue;
+                    }
+                    if let Some(finding) = swapped {
                         out.fail(Finding { subject, ..finding });
                         continue;
                     }
                     if is_mirrored && bag.simulator.is_some() {
                         let why = "it is mirrored, and the poses are a simulator's: SENSOR09 reports it";
-                        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-                    } else if is_mirrored && worlds.is_down(index, poses.frame.as_ref()) {
-                        let why = "mirrored: part of what AXES14 reports of the frame, whose z points down";
                         out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
                     } else {
                         judge_votes(&subject, poses, fixes, &votes, minor_m, limits, out);

@@ -41,7 +41,7 @@ pub(super) struct Turned {
 
 impl Turned {
     /// Whether an upright gyro turns against poses that a simulator may have given the other hand.
-    fn is_by_a_simulator(&self, sensor: &Sensor) -> bool {
+    pub(super) fn is_by_a_simulator(&self, sensor: &Sensor) -> bool {
         sensor.simulator.is_some()
             && self.class == Sense::Against
             && !self.is_geodetic

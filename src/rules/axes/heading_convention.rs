@@ -54,6 +54,10 @@ impl Rule for HeadingConvention {
                 }
             };
             match decided.class() {
+                causes::Heading::Against if decided.is_by_a_simulator(sensor) => {
+                    let why = "it turns against the poses of a simulator, which SENSOR09 judges";
+                    out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                }
                 causes::Heading::Against => judge_against(imu, subject, decided, &sensor.diagnosis, limits, out),
                 causes::Heading::With => {
                     out.pass(&subject, decided.measured(limits));
@@ -101,6 +105,15 @@ fn judge_zero(imu: &Imu, subject: String, decided: &Decided, sensor: &Sensor, li
     if let Some(why) = sensor.diagnosis.reported_elsewhere("AXES04", &seen) {
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
+    // A base whose x does not point forward turns every sensor on it.
+    let by_base = |rad: f64| {
+        let offset_deg = decided.heading.offset_rad.to_degrees();
+        apart_deg(offset_deg, rad.to_degrees()) <= limits.max_spread_deg
+    };
+    if sensor.base_yaw_rad.is_some_and(by_base) {
+        let why = format!("{seen}: part of what AXES13 reports of the base");
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
     let finding = finding.related(decided.track_at.clone(), TRACK);
     out.fail(decided.measured(limits).into_iter().fold(finding, Finding::measured));
 }
@@ -116,6 +129,14 @@ pub(super) struct Decided {
 }
 
 impl Decided {
+    /// Whether the yaw of an upright sensor turns against poses that a simulator may have given the other hand.
+    pub(super) fn is_by_a_simulator(&self, sensor: &Sensor) -> bool {
+        sensor.simulator.is_some()
+            && self.class() == causes::Heading::Against
+            && !self.is_geodetic
+            && sensor.stands() == Some(causes::Base::Up)
+    }
+
     pub(super) fn class(&self) -> causes::Heading {
         match self.heading.winner() {
             Sense::Left => causes::Heading::With,

@@ -103,11 +103,15 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
     let is_sure = !is_small && gravity.sensor_is_right == Some(true);
     let severity = if is_sure { Severity::Error } else { Severity::Warning };
     let (relation, kind, help) = named(gravity, limits);
-    let doubt = if is_sure || is_small {
-        String::new()
-    } else {
-        format!("; or the accelerometer of {} has the other sign", gravity.sensor)
-    };
+    let mut doubt = String::new();
+    if !is_sure && !is_small {
+        doubt = format!("; or the accelerometer of {} has the other sign", gravity.sensor);
+    }
+    if !gravity.turns_with && !is_small {
+        doubt.push_str(
+            "; or the orientation is told in other axes of the body, or with w first: it does not turn enough with the gyro to tell",
+        );
+    }
     let message = format!(
         "up is {degrees:.0} deg from z of `{}`{kind}: gravity by {}, turned by {}, points along ({:+.2}, {:+.2}, {:+.2}) for {:.0} s{doubt}",
         frame.name, gravity.sensor, frame.stream, gravity.up.x, gravity.up.y, gravity.up.z, gravity.seconds

@@ -46,7 +46,7 @@ impl Rule for CompassInQuaternion {
         };
         let (motion, sensors, worlds) = (Motion::of(world), Sensors::of(world), Worlds::of(world));
         for (index, bag) in motion.bags.iter().enumerate() {
-            let tracks = bag.tracks(|frame| worlds.is_down(index, frame));
+            let tracks = bag.tracks(|frame| worlds.is_off(index, frame));
             let compasses = bag.compasses();
             let against = Against {
                 compasses: &compasses,
