@@ -48,8 +48,8 @@ pub fn of_rule(verdict: &Verdict, rule: &str, subject: &str, fault: Fault) -> An
         return Answer::Wrong(said(wrong));
     }
     let passes = rows.iter().any(|row| row.outcome == Outcome::Pass);
-    match (fault, findings.is_empty(), passes) {
-        (Fault::Healthy, true, true) | (_, false, false) => Answer::Right,
+    match (fault.is_healthy(), findings.is_empty(), passes) {
+        (true, true, true) | (_, false, false) => Answer::Right,
         (_, _, true) => Answer::Wrong(format!("{rule} passes: {}", measured(&rows))),
         _ if points_elsewhere => Answer::Wrong(format!("{rule} points to a rule that says nothing")),
         _ => {
@@ -67,9 +67,10 @@ pub fn of_all(verdict: &Verdict, fault: Fault) -> Answer {
     if let Some(wrong) = verdict.findings.iter().find(|finding| !fault.is_named_by(finding)) {
         return Answer::Wrong(said(wrong));
     }
-    let is_right = match fault {
-        Fault::Healthy => verdict.count(Outcome::Pass) > 0,
-        _ => !verdict.findings.is_empty(),
+    let is_right = if fault.is_healthy() {
+        verdict.count(Outcome::Pass) > 0
+    } else {
+        !verdict.findings.is_empty()
     };
     if is_right {
         Answer::Right

@@ -5,6 +5,7 @@ use std::f64::consts::FRAC_PI_2;
 use frames_lint::verdict::Finding;
 use nalgebra::{Rotation3, Vector3};
 
+use crate::place_lines;
 use crate::support::drive::errors::{Error, Oriented};
 use crate::support::drive::rows::{FixRow, ImuRow, OdometryRow};
 
@@ -19,6 +20,8 @@ pub enum Fault {
     Odometry(&'static str),
     /// The satellite receiver, by its name in [`FIX`].
     Fix(&'static str),
+    /// A scene of its own, by its name in [`place_lines::SCENES`]; some of them are healthy.
+    Place(&'static str),
 }
 
 /// What names a fault: words of relations, and texts of messages where several faults fit and are told.
@@ -196,13 +199,22 @@ impl Fault {
     pub fn words(self) -> &'static str {
         match self {
             Self::Healthy => "healthy",
-            Self::Imu(name) | Self::Odometry(name) | Self::Fix(name) => name,
+            Self::Imu(name) | Self::Odometry(name) | Self::Fix(name) | Self::Place(name) => name,
+        }
+    }
+
+    /// Whether nothing is wrong.
+    pub fn is_healthy(self) -> bool {
+        match self {
+            Self::Healthy => true,
+            Self::Place(name) => place_lines::scene(name).is_healthy,
+            _ => false,
         }
     }
 
     fn known(self) -> Option<&'static Known> {
         let (of, name) = match self {
-            Self::Healthy => return None,
+            Self::Healthy | Self::Place(_) => return None,
             Self::Imu(name) => (IMU, name),
             Self::Odometry(name) => (ODOMETRY, name),
             Self::Fix(name) => (FIX, name),
@@ -255,6 +267,9 @@ impl Fault {
 
     /// Whether a finding names it, alone or among those that it says fit as well.
     pub fn is_named_by(self, finding: &Finding) -> bool {
+        if let Self::Place(name) = self {
+            return place_lines::scene(name).is_named_by(finding.relation.as_deref(), &finding.message);
+        }
         self.known().is_some_and(|(_, _, (words, texts))| {
             let relation = finding.relation.as_deref();
             relation.is_some_and(|word| words.contains(&word))

@@ -2,6 +2,7 @@
 
 use crate::drives::Kind;
 use crate::faults::{Fault, IMU, ODOMETRY};
+use crate::place_lines;
 use crate::support::drive::description::{Gnss, Grade, Motion, Vehicle};
 use crate::table::{ALL, Asked, Table};
 
@@ -15,6 +16,7 @@ pub fn table() -> Table {
     mirrors(&mut table);
     times(&mut table);
     rules(&mut table);
+    place_lines::lines(&mut table);
     table
 }
 
@@ -317,7 +319,7 @@ const SHOWS: &[Shows] = &[
 ];
 
 /// The kinds of drives of each group of lines, whether vehicles are pooled in them, and what is not pooled.
-fn groups() -> [(&'static str, Vec<Kind>, bool); 4] {
+pub fn groups() -> [(&'static str, Vec<Kind>, bool); 4] {
     // Good sensors and bad ones: what a vehicle usually carries.
     let turning = [
         (Grade::Tactical, Gnss::Rtk),

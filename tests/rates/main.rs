@@ -26,6 +26,7 @@ mod answers;
 mod drives;
 mod faults;
 mod lines;
+mod place_lines;
 mod table;
 
 use std::ops::Range;

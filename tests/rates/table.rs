@@ -1,5 +1,6 @@
 //! The table: its lines, what is counted in each, and how it is printed.
 
+use std::cell::LazyCell;
 use std::fmt::Write;
 use std::ops::Range;
 
@@ -9,6 +10,7 @@ use rayon::prelude::*;
 use crate::answers::{self, Answer};
 use crate::drives::Kind;
 use crate::faults::Fault;
+use crate::place_lines;
 use crate::support::drive::description::{Gnss, Grade, Motion, Vehicle};
 
 /// Share of wrong answers that a rule may have in a group of lines.
@@ -149,7 +151,7 @@ impl Table {
 
     /// Answers every question for these seeds.
     pub fn fill(&mut self, seeds: Range<u64>) {
-        let rules = Rules::select(&["AXES", "QUAT", "TIME09"]).unwrap();
+        let rules = Rules::select(&["AXES", "QUAT", "TIME09", "GEO", "COV", "SENSOR08"]).unwrap();
         // Whoever is through early takes the next of the long drives first.
         let mut tasks: Vec<(usize, u64)> = Vec::new();
         for drives in 0..self.drives.len() {
@@ -158,10 +160,13 @@ impl Table {
         tasks.sort_by_key(|(drives, seed)| (std::cmp::Reverse(self.drives[*drives].kind.seconds), *drives, *seed));
         let answered = |(drives, seed): &(usize, u64)| -> Vec<(usize, Answer)> {
             let Drives { kind, cells } = &self.drives[*drives];
-            let messages = kind.messages(*seed);
+            let messages = LazyCell::new(|| kind.messages(*seed));
             let mut answers = Vec::new();
             for cell in cells {
-                let verdict = rules.judge(&messages.world(cell.fault));
+                let verdict = match cell.fault {
+                    Fault::Place(name) => rules.judge(&place_lines::scene(name).world(*kind, *seed)),
+                    fault => rules.judge(&messages.world(fault)),
+                };
                 for question in &cell.questions {
                     let answer = if question.rule == ALL {
                         answers::of_all(&verdict, cell.fault)
