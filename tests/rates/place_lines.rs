@@ -4,6 +4,7 @@
 //! fault. Owns the scenes, and what a finding must say to have named their faults.
 
 use frames_lint::world::World;
+use nalgebra::{Isometry3, Translation3};
 
 use crate::drives::Kind;
 use crate::faults::Fault;
@@ -11,6 +12,7 @@ use crate::lines;
 use crate::support;
 use crate::support::drive::Place;
 use crate::support::drive::description::{Gnss, Grade, Motion, Vehicle};
+use crate::support::drive::errors::slots;
 use crate::table::{ALL, Asked, Table};
 
 /// What is recorded of a drive, and what is wrong with it.
@@ -30,6 +32,9 @@ pub struct Scene {
 
 const EARTH: &str = "{topic: /tf_static, transforms: [{parent: earth, child: map, from_drive: earth$earth}]}";
 const EARTH_BELOW: &str = "{topic: /tf_static, transforms: [{parent: map, child: earth, from_drive: earth}]}";
+const EARTH_CENTRE: &str = "{topic: /tf_static, transforms: [{parent: map, child: earth, $below}]}";
+const ANTENNA: &str = "{topic: /tf_static, transforms: [{parent: base_link, child: gps, xyz: [-0.1, 0, 0.8]}]}";
+const MOVES: &str = "{topic: /tf, rate_hz: 10, transforms: [{parent: map, child: base_link, from_drive: pose$moves}]}";
 const FIX: &str = "{topic: /fix, from_drive: fix, rate_hz: 5, frame_id: gps, xyz: [-0.1, 0, 0.8], late_s: 0.1, \
                    stamp_offset_s: -0.1$fix}";
 const REAR: &str = "{topic: /rear, from_drive: fix, rate_hz: 5, frame_id: gps_2, xyz: [-1, 0, 1.5]$rear}";
@@ -49,6 +54,7 @@ const ORIGIN: &str = "{topic: /map/origin, type: sensor_msgs/msg/NavSatFix, fram
 const ON_EARTH: (&str, &str) = ("GEO02", "TF `earth`");
 const KIND: (&str, &str) = ("GEO03", "frame `map`");
 const GRID: (&str, &str) = ("GEO04", "topic `/pose`");
+const GRID_ON_TF: (&str, &str) = ("GEO04", "TF `map`");
 const PLANE: (&str, &str) = ("GEO05", "TF `earth`");
 const UNTOLD_PLANE: (&str, &str) = ("GEO05", "topic `/pose`");
 const ALTITUDE: (&str, &str) = ("GEO06", "altitude of topic `/fix`");
@@ -59,7 +65,6 @@ const AXES: (&str, &str) = ("COV04", "axes of `pose.covariance`");
 const TWIST_AXES: (&str, &str) = ("COV04", "axes of `twist.covariance`");
 const PAIR: (&str, &str) = ("COV04", "");
 const UNITS: (&str, &str) = ("COV05", "units of");
-const ANGLES: (&str, &str) = ("COV05", "size of");
 const HEADING_YAW: (&str, &str) = ("SENSOR08", "yaw of topic `/heading`");
 const IMU_YAW: (&str, &str) = ("SENSOR08", "yaw of topic `/imu`");
 const POSE_YAW: (&str, &str) = ("SENSOR08", "yaw of topic `/pose`");
@@ -122,7 +127,6 @@ pub const SCENES: &[Scene] = &[
             ORDER,
             AXES,
             UNITS,
-            ANGLES,
             HEADING_YAW,
             POSE_YAW,
         ],
@@ -178,6 +182,12 @@ pub const SCENES: &[Scene] = &[
         &["inverse"],
         &[("GEO02", "TF `map`")],
     ),
+    healthy(
+        "earth below the map",
+        &[EARTH_CENTRE, FIX, POSE],
+        &[],
+        &[("GEO02", "TF `map`"), KIND],
+    ),
     // Kinds of coordinates.
     healthy(
         "in a grid's square",
@@ -208,6 +218,14 @@ pub const SCENES: &[Scene] = &[
     ),
     faulty("two kinds", &[FIX, POSE, OTHER], &[], &["mixed-coordinates"], &[KIND]),
     // Grids and planes.
+    healthy("east, north on TF", &[ANTENNA, MOVES, FIX], &[], &[GRID_ON_TF]),
+    faulty(
+        "utm grid on TF",
+        &[ANTENNA, MOVES, FIX],
+        &[("$moves", ", errors: [utm_grid]")],
+        &["utm-grid"],
+        &[GRID_ON_TF],
+    ),
     faulty(
         "utm grid",
         &[FIX, POSE],
@@ -216,9 +234,9 @@ pub const SCENES: &[Scene] = &[
         &[GRID],
     ),
     healthy(
-        "origin 3.3 km off",
+        "origin 2 km off",
         &[EARTH, FIX, POSE],
-        &[("$earth", ", datum: $near"), ("$pose", ", datum: $near")],
+        &[("$earth", ", datum: $by2km"), ("$pose", ", datum: $by2km")],
         &[PLANE, ORIGINS],
     ),
     healthy(
@@ -227,15 +245,19 @@ pub const SCENES: &[Scene] = &[
         &[("$pose", ", datum: $mid, errors: [altitude_as_z]")],
         &[UNTOLD_PLANE],
     ),
-    faulty(
-        "altitude as z",
-        &[EARTH, FIX, POSE],
-        &[
-            ("$earth", ", datum: $near"),
-            ("$pose", ", datum: $near, errors: [altitude_as_z]"),
-        ],
-        &["altitude-as-z"],
-        &[PLANE],
+    told(
+        faulty(
+            "altitude as z",
+            &[EARTH, FIX, POSE],
+            &[
+                ("$earth", ", datum: $near"),
+                ("$pose", ", datum: $near, errors: [altitude_as_z]"),
+            ],
+            &["altitude-as-z"],
+            &[PLANE],
+        ),
+        // Where the heights do not tell, what the plane is there is told.
+        &["do not tell whether theirs is one"],
     ),
     faulty(
         "plane, 6 km",
@@ -309,12 +331,16 @@ pub const SCENES: &[Scene] = &[
         ),
         TWO_ORIGINS,
     ),
-    faulty(
-        "origin at msl",
-        &[EARTH, FIX, ORIGIN],
-        &[("$origin", "$sunk_origin")],
-        &["geoid"],
-        &[ORIGINS],
+    told(
+        faulty(
+            "origin at msl",
+            &[EARTH, FIX, ORIGIN],
+            &[("$origin", "$sunk_origin")],
+            &["geoid"],
+            &[ORIGINS],
+        ),
+        // The least of the undulations, which an error of height may be as well.
+        &["two origins 2.97 m apart"],
     ),
     told(
         faulty(
@@ -341,25 +367,25 @@ pub const SCENES: &[Scene] = &[
         "cov. cautious",
         &[FIX, POSE],
         &[("$pose", ", covariance_scale: 4")],
-        &[ORDER, AXES, UNITS, ANGLES],
+        &[ORDER, AXES, UNITS],
     ),
     healthy(
         "cov. very cautious",
         &[FIX, POSE],
         &[("$pose", ", covariance_scale: 100")],
-        &[ORDER, AXES, UNITS, ANGLES],
+        &[ORDER, AXES, UNITS],
     ),
     healthy(
         "cov. too sure",
         &[FIX, POSE],
         &[("$pose", ", covariance_scale: 0.02")],
-        &[ORDER, AXES, UNITS, ANGLES],
+        &[ORDER, AXES, UNITS],
     ),
     healthy(
         "cov. filtered",
         &[FIX, POSE],
         &[("$pose", ", noise: 0.02, covariance_scale: 2500")],
-        &[ORDER, AXES, UNITS, ANGLES],
+        &[ORDER, AXES, UNITS],
     ),
     healthy("cov. of velocity", &[FIX, ODOM], &[], &[TWIST_AXES]),
     faulty(
@@ -525,7 +551,12 @@ impl Scene {
                 at.latitude, at.longitude, at.altitude
             )
         };
+        let down = Isometry3::from_parts(Translation3::from(place.ecef()), place.earth_from_enu().into()).inverse();
+        let ([x, y, z], [i, j, k, w]): ([f64; 3], [f64; 4]) = (down.translation.vector.into(), slots(down.rotation));
+        let below = format!("xyz: [{x:.6}, {y:.6}, {z:.6}], quaternion: [{i:.15}, {j:.15}, {k:.15}, {w:.15}]");
         let words = [
+            ("$below", below),
+            ("$by2km", format!("{{{}}}", numbers(aside(2000.0)))),
             ("$near", format!("{{{}}}", numbers(aside(3300.0)))),
             ("$mid", format!("{{{}}}", numbers(aside(6000.0)))),
             ("$far", format!("{{{}}}", numbers(aside(15_000.0)))),
@@ -578,7 +609,9 @@ impl Scene {
             for (word, text) in &words {
                 topic = topic.replace(word, text);
             }
-            for word in ["$earth", "$fix", "$rear", "$pose", "$site", "$odom", "$heading", "$imu"] {
+            for word in [
+                "$earth", "$moves", "$fix", "$rear", "$pose", "$site", "$odom", "$heading", "$imu",
+            ] {
                 topic = topic.replace(word, "");
             }
             recipe += &format!("  - {topic}\n");

@@ -20,3 +20,5 @@ mod origins;
 mod overlay;
 mod plane;
 pub mod tangent_plane_range;
+
+pub(crate) use kinds::is_earth_centred;

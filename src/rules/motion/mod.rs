@@ -116,7 +116,9 @@ impl BagMotion {
         fixes.sort_by_key(|fixes| fixes.guessed);
         let fixes = fixes.into_iter().map(Stream::<FixRow>::track);
         // Joints move, too, and say nothing of the platform's way.
-        let is_way = |poses: &&Stream<PoseRow>| poses.is_of_world() && !is_left_out(poses.frame.as_ref());
+        let is_way = |poses: &&Stream<PoseRow>| {
+            poses.is_of_world() && !poses.is_earth_centred() && !is_left_out(poses.frame.as_ref())
+        };
         fixes
             .take(MAX_TRACKS)
             .chain(
