@@ -6,7 +6,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use super::constants;
 use super::geodesy::Geodetic;
@@ -155,7 +155,8 @@ pub fn shown(place: &Geodetic, earth_from_map: &Rotation3<f64>, within_rad: f64)
         let met = errors.filter(move |error| of(&(error.at(place).inverse() * earth_from_map)) <= within_rad);
         met.collect::<Vec<_>>()
     };
-    let whole = meets(Rotation3::angle);
+    // Not by the trace: rounding may leave it over 3, where the arc cosine is none, just where the rotations are equal.
+    let whole = meets(|difference| UnitQuaternion::from_rotation_matrix(difference).angle());
     if !whole.is_empty() {
         return whole;
     }

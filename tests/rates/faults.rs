@@ -5,9 +5,9 @@ use std::f64::consts::FRAC_PI_2;
 use frames_lint::verdict::Finding;
 use nalgebra::{Rotation3, Vector3};
 
-use crate::frame_worlds;
 use crate::support::drive::errors::{Error, Oriented};
 use crate::support::drive::rows::{FixRow, ImuRow, OdometryRow};
+use crate::{frame_worlds, place_lines};
 
 /// What is wrong with a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -22,6 +22,8 @@ pub enum Fault {
     Fix(&'static str),
     /// Other streams, with or without a fault, by their name in [`frame_worlds::MADE`].
     Made(&'static str),
+    /// A scene of its own, by its name in [`place_lines::SCENES`]; some of them are healthy.
+    Place(&'static str),
 }
 
 /// What names a fault: words of relations, and texts of messages where several faults fit and are told.
@@ -199,13 +201,13 @@ impl Fault {
     pub fn words(self) -> &'static str {
         match self {
             Self::Healthy => "healthy",
-            Self::Imu(name) | Self::Odometry(name) | Self::Fix(name) | Self::Made(name) => name,
+            Self::Imu(name) | Self::Odometry(name) | Self::Fix(name) | Self::Made(name) | Self::Place(name) => name,
         }
     }
 
     fn known(self) -> Option<&'static Known> {
         let (of, name) = match self {
-            Self::Healthy | Self::Made(_) => return None,
+            Self::Healthy | Self::Made(_) | Self::Place(_) => return None,
             Self::Imu(name) => (IMU, name),
             Self::Odometry(name) => (ODOMETRY, name),
             Self::Fix(name) => (FIX, name),
@@ -216,7 +218,10 @@ impl Fault {
 
     /// Whether nothing is wrong.
     pub fn is_healthy(self) -> bool {
-        self == Self::Healthy || self.names().is_none()
+        match self {
+            Self::Place(name) => place_lines::scene(name).is_healthy,
+            _ => self.names().is_none(),
+        }
     }
 
     /// What names it; nothing names what is healthy.
@@ -271,6 +276,9 @@ impl Fault {
 
     /// Whether a finding names it, alone or among those that it says fit as well.
     pub fn is_named_by(self, finding: &Finding) -> bool {
+        if let Self::Place(name) = self {
+            return place_lines::scene(name).is_named_by(finding.relation.as_deref(), &finding.message);
+        }
         self.names().is_some_and(|(words, texts)| {
             let relation = finding.relation.as_deref();
             relation.is_some_and(|word| words.contains(&word))

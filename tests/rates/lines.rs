@@ -4,6 +4,7 @@ use crate::drives::Kind;
 use crate::faults::{Fault, IMU, ODOMETRY};
 use crate::support::drive::description::{Gnss, Grade, Motion, Vehicle};
 use crate::table::{ALL, Asked, Table};
+use crate::{frame_lines, place_lines};
 
 const VEHICLES: [Vehicle; 4] = [Vehicle::Car, Vehicle::Walker, Vehicle::Drone, Vehicle::Robot];
 
@@ -15,7 +16,8 @@ pub fn table() -> Table {
     mirrors(&mut table);
     times(&mut table);
     rules(&mut table);
-    crate::frame_lines::lines(&mut table);
+    frame_lines::lines(&mut table);
+    place_lines::lines(&mut table);
     table
 }
 

@@ -28,6 +28,7 @@ mod faults;
 mod frame_lines;
 mod frame_worlds;
 mod lines;
+mod place_lines;
 mod table;
 
 use std::ops::Range;

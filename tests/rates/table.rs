@@ -1,5 +1,6 @@
 //! The table: its lines, what is counted in each, and how it is printed.
 
+use std::cell::LazyCell;
 use std::fmt::Write;
 use std::ops::Range;
 
@@ -10,6 +11,7 @@ use crate::answers::{self, Answer};
 use crate::drives::Kind;
 use crate::faults::Fault;
 use crate::support::drive::description::{Gnss, Grade, Motion, Vehicle};
+use crate::{frame_worlds, place_lines};
 
 /// Share of wrong answers that a rule may have in a group of lines.
 pub const MOST_WRONG: f64 = 0.005;
@@ -149,7 +151,10 @@ impl Table {
 
     /// Answers every question for these seeds.
     pub fn fill(&mut self, seeds: Range<u64>) {
-        let rules = Rules::select(&["AXES", "QUAT", "TIME09", "TREE16", "SENSOR05", "SENSOR06", "SENSOR09"]).unwrap();
+        let rules = Rules::select(&[
+            "AXES", "QUAT", "GEO", "COV", "TIME09", "TREE16", "SENSOR05", "SENSOR06", "SENSOR08", "SENSOR09",
+        ]);
+        let rules = rules.unwrap();
         // Whoever is through early takes the next of the long drives first.
         let mut tasks: Vec<(usize, u64)> = Vec::new();
         for drives in 0..self.drives.len() {
@@ -158,11 +163,16 @@ impl Table {
         tasks.sort_by_key(|(drives, seed)| (std::cmp::Reverse(self.drives[*drives].kind.seconds), *drives, *seed));
         let answered = |(drives, seed): &(usize, u64)| -> Vec<(usize, Answer)> {
             let Drives { kind, cells } = &self.drives[*drives];
-            let messages = kind.messages(*seed);
+            let messages = LazyCell::new(|| kind.messages(*seed));
             let mut answers = Vec::new();
             for cell in cells {
-                let verdict = rules.judge(&messages.world(cell.fault));
-                let truth = crate::frame_worlds::truth(&messages, cell.fault);
+                let (verdict, truth) = match cell.fault {
+                    Fault::Place(name) => (rules.judge(&place_lines::scene(name).world(*kind, *seed)), cell.fault),
+                    fault => (
+                        rules.judge(&messages.world(fault)),
+                        frame_worlds::truth(&messages, fault),
+                    ),
+                };
                 for question in &cell.questions {
                     let answer = if question.rule == ALL {
                         answers::of_all(&verdict, truth)

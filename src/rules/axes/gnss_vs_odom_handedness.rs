@@ -43,6 +43,11 @@ impl Rule for GnssVsOdomHandedness {
                 let satellites = fixes.track();
                 for poses in &bag.poses {
                     let subject = format!("{} against {}", poses.subject, fixes.subject);
+                    if poses.is_earth_centred() {
+                        let why = "the poses are metres from the Earth's centre: x and y lie in no level plane (GEO03)";
+                        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                        continue;
+                    }
                     let minor_m = min_minor_m(fixes, limits);
                     let votes = Votes::of(&satellites, &poses.track(), minor_m, limits);
                     let is_mirrored = votes.majority(limits) == Some(true);

@@ -120,7 +120,10 @@ fn frames(world: &World, bag: &BagMotion) -> Option<Vec<(Frame, bool)>> {
         let Some(frame) = stream.frame.clone().filter(is_level) else {
             continue;
         };
-        if names::is_wish(&stream.topic) || stream.child.as_ref().is_some_and(names::is_world) {
+        if stream.is_earth_centred()
+            || names::is_wish(&stream.topic)
+            || stream.child.as_ref().is_some_and(names::is_world)
+        {
             continue;
         }
         // The first stream that tells speaks for its frame.

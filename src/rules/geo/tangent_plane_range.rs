@@ -95,6 +95,7 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
         .as_ref()
         .map(|(curvature, who)| (curvature.follows(limits.sigmas, limits.share), who));
     let (local, km) = (plane.local, distance_m / 1e3);
+    let is_open = plane.has_poses && !matches!(heights, Some((Follows::Plane | Follows::Altitude, _)));
     let finding = match heights {
         Some((Follows::Altitude, poses)) if departure_m > limits.max_departure_m => {
             let message = format!(
@@ -121,12 +122,24 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
         }
         _ if departure_m > limits.note_departure_m => {
             let message = format!(
-                "{}: {km:.1} km from the origin the plane lies {departure_m:.2} m above the ellipsoid: z is no altitude there",
-                plane.subject
+                "{}: {km:.1} km from the origin the plane lies {departure_m:.2} m above the ellipsoid: z is no altitude there{}",
+                plane.subject,
+                if is_open {
+                    ", and the heights of the poses do not tell whether theirs is one"
+                } else {
+                    ""
+                }
             );
             Finding::note(plane.subject, message, plane.place.clone())
                 .relation("tangent-plane")
                 .help("heights of fixes and of elevation maps are to be converted in all three coordinates, not by a shift")
+        }
+        _ if departure_m > limits.max_departure_m && is_open => {
+            let why = format!(
+                "{distance_m:.0} m from the origin the plane and the ellipsoid are {departure_m:.2} m apart, and the heights of the poses in \
+                 `{local}` do not tell which of them they follow"
+            );
+            return out.not_evaluated(plane.subject, NotEvaluated::TooLittleEvidence, why);
         }
         _ => return out.pass(plane.subject, measured),
     };

@@ -3,6 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
+use nalgebra::Vector3;
+
+use crate::rules::geo::is_earth_centred;
 use crate::rules::names;
 use crate::source::{MessageRef, Place, SourceId};
 use crate::world::bag::{HeaderFrame, Said, TfEdge};
@@ -164,9 +167,20 @@ impl Stream<FixRow> {
 }
 
 impl Stream<PoseRow> {
+    /// Whether it tells places from the Earth's centre: its x and y then lie in no level plane, its z is no height, and south of
+    /// the equator its way is mirrored.
+    pub(crate) fn is_earth_centred(&self) -> bool {
+        let places = self.rows().map(|timed| Vector3::from(timed.row.position));
+        let mut places = places.filter(|place| place.norm().is_finite() && *place != Vector3::zeros());
+        places.next().is_some_and(|place| is_earth_centred(&place))
+    }
+
     /// Whether it tells the way of the platform: not where one frame of the world lies in another, nor where it should go.
     pub(crate) fn is_way(&self) -> bool {
-        self.is_of_world() && !self.child.as_ref().is_some_and(names::is_world) && !names::is_wish(&self.topic)
+        self.is_of_world()
+            && !self.is_earth_centred()
+            && !self.child.as_ref().is_some_and(names::is_world)
+            && !names::is_wish(&self.topic)
     }
 
     /// Where the poses went.

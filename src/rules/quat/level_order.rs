@@ -95,7 +95,7 @@ pub(crate) fn is_reordered(stream: &Stream<PoseRow>) -> bool {
 /// A pose of the platform, or of another frame of the world, in the world.
 fn is_platform(stream: &Stream<PoseRow>) -> bool {
     let is_level = |child: &FrameId| (names::is_base(child) || names::is_world(child)) && !names::is_sensor(child);
-    stream.is_of_world() && stream.child.as_ref().is_none_or(is_level)
+    stream.is_of_world() && !stream.is_earth_centred() && stream.child.as_ref().is_none_or(is_level)
 }
 
 /// Judges inertial sensors and poses.

@@ -70,7 +70,7 @@ impl Rule for CompassInQuaternion {
 /// Whether a stream is of poses on a topic that tell a way; of odometry AXES08 judges the turning.
 fn is_way(stream: &Stream<PoseRow>) -> bool {
     let has_twist = stream.rows().any(|timed| timed.row.twist.is_some());
-    stream.child.is_none() && !has_twist && stream.is_of_world()
+    stream.child.is_none() && !has_twist && stream.is_of_world() && !stream.is_earth_centred()
 }
 
 impl Against<'_> {

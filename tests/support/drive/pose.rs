@@ -188,6 +188,7 @@ impl PoseRow {
                 let ((e0, n0), (e1, n1)) = (aside(-50.0), aside(50.0));
                 self.orientation = slots(turn((n1 - n0).atan2(e1 - e0)) * rotation(self.orientation));
             }
+            Error::LatLonDegrees => self.position = [there.latitude, there.longitude, there.altitude],
             Error::AltitudeAsZ => self.position[2] = there.altitude - datum.altitude,
             Error::Ecef => {
                 self.change_world(&datum.earth_from_enu());
