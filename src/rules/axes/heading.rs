@@ -33,6 +33,8 @@ pub(crate) struct Heading {
     pub(crate) offset_resultant: f64,
     /// Largest turn of the course within a window, radians.
     pub(crate) widest_rad: f64,
+    /// Longest way of a window that turned enough, metres.
+    pub(crate) longest_m: f64,
     /// Time of the first and last course that voted, seconds after the recording's start.
     pub(crate) span_s: Option<(f64, f64)>,
 }
@@ -79,7 +81,12 @@ impl Heading {
     /// What a window that turned so far votes for; `None` where it turned or went too little, or does not tell.
     fn ask(&mut self, window: Vec<Pair>, turned_rad: f64, limits: &Limits) -> Option<(Sense, Vec<Pair>)> {
         let way: Vec<Course> = window.iter().map(|pair| pair.course).collect();
-        if turned_rad < limits.min_turn_deg.to_radians() || way_m(&way) < limits.min_way_m {
+        if turned_rad < limits.min_turn_deg.to_radians() {
+            return None;
+        }
+        let way_m = way_m(&way);
+        self.longest_m = self.longest_m.max(way_m);
+        if way_m < limits.min_way_m {
             return None;
         }
         self.windows += 1;

@@ -206,6 +206,15 @@ pub(super) fn look(imu: &Imu, tracks: &[Arc<Track>], limits: &Limits) -> Look<De
 fn undecided(headings: &[Heading], limits: &Limits) -> String {
     let widest = headings.iter().map(|heading| heading.widest_rad).fold(0.0, f64::max);
     let windows: usize = headings.iter().map(|heading| heading.windows).sum();
+    if windows == 0 && widest.to_degrees() >= limits.min_turn_deg {
+        let longest = headings.iter().map(|heading| heading.longest_m).fold(0.0, f64::max);
+        return format!(
+            "the course turns by {:.0} deg within {} s, and goes {longest:.1} m at most in such a turn; {} m are needed",
+            widest.to_degrees(),
+            limits.window_s,
+            limits.min_way_m
+        );
+    }
     if windows == 0 {
         return format!(
             "the course turns by {:.0} deg at most while both are there and it moves, {} deg within {} s are needed",
