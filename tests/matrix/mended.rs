@@ -15,6 +15,11 @@ const TRUE: &[(&str, &str, &str)] = &[
         "the driver publishes eastings and northings in `odom`, which is legal: a note",
     ),
     (
+        "openStationaryRTK",
+        "TIME02",
+        "its stamps do stand 2.3 h behind the log clock, in every message",
+    ),
+    (
         "robot_localization",
         "TIME09",
         "the Husky's odometry shows each turn 0.1 s before its gyro, in every part of the recording: a note",

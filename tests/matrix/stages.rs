@@ -30,7 +30,7 @@ pub struct Stage {
 /// A map and a datum whose origin is the first fix.
 pub static EARTH: Stage = Stage {
     kind: Kind::Fixes,
-    words: &["`map`", "datum"],
+    words: &["`map`", "datum", "origin"],
     put: |world, stream| {
         let Some(first) = first_fix(world, stream) else {
             return false;

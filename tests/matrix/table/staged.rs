@@ -46,7 +46,7 @@ pub static ERRORS: &[Error] = &[
     error!(
         "datum lat/lon",
         Change::Staged(&EARTH, |world, _| stages::move_datum(world, |[lat, lon]| [lon, lat])),
-        ["origin-changed"],
+        ["origin-changed", "lat-lon-swapped"],
         ["two origins"],
         ["GEO07"]
     ),
