@@ -22,6 +22,8 @@ pub fn tilt(world_from_body: &UnitQuaternion<f64>) -> f64 {
 pub struct Level {
     /// Nine tenths of them are tilted by no more than this, radians.
     pub tilt_rad: f64,
+    /// One tenth of them is tilted by no more than this, radians.
+    pub least_rad: f64,
     /// From the leftmost to the rightmost yaw, as far as they lie within half a turn of the first, radians.
     pub turned_rad: f64,
     /// How many orientations counted.
@@ -50,6 +52,7 @@ pub fn level(
     }
     Some(Level {
         tilt_rad: quantile(&tilts, 0.9)?,
+        least_rad: quantile(&tilts, 0.1)?,
         turned_rad: most - least,
         rows: tilts.len(),
     })

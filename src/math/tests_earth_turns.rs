@@ -39,6 +39,19 @@ fn errors_are_found_by_themselves_all_over_the_earth() {
 }
 
 #[test]
+fn rounding_hides_no_error_anywhere() {
+    for latitude in (-85..=85).step_by(5) {
+        for longitude in (-175..=175).step_by(5) {
+            let place = at(f64::from(latitude) + 0.376, f64::from(longitude) + 0.55);
+            for error in EarthTurn::ALL {
+                let seen = shown(&place, &error.at(&place), WITHIN);
+                assert!(seen.contains(&error), "{} at {latitude}, {longitude}", error.word());
+            }
+        }
+    }
+}
+
+#[test]
 fn matrices_are_those_of_the_textbooks() {
     let place = at(30.0, 60.0);
     let (h, s) = (0.5, 3.0_f64.sqrt() / 2.0);

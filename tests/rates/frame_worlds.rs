@@ -84,12 +84,12 @@ pub const MADE: &[Made] = &[
     Made::healthy("TF alone", |drive| {
         Recording::default().moving("odom", "base_link", &drive.edge(&[]))
     }),
-    Made::wrong("TF alone, base FRD", (&["frd"], &[]), |drive| {
+    Made::wrong("TF alone, base FRD", (&["frd"], &["-z points up"]), |drive| {
         Recording::default().moving("odom", "base_link", &drive.edge(&[Error::Inverted]))
     }),
     Made::wrong(
         "pose of base FRD",
-        (&["frd", "flu-frd"], &[CONSTANT, OTHER_AXES]),
+        (&["frd", "flu-frd"], &[CONSTANT, OTHER_AXES, "-z points up"]),
         |drive| drive.with(Isometry3::identity(), &drive.odom(&[Error::Inverted])),
     ),
     Made::wrong("pose of base RFU", (&["rfu", "z-90"], &[CONSTANT]), |drive| {
@@ -98,11 +98,19 @@ pub const MADE: &[Made] = &[
     Made::wrong("base FRD", (&["frd"], &["-z points up"]), |drive| {
         drive.on(Error::Inverted)
     }),
-    Made::wrong("base RFU", (&["rfu"], &[]), |drive| drive.on(Error::YForward)),
-    Made::wrong("base LBU", (&["lbu"], &[]), |drive| drive.on(Error::Yaw90)),
-    Made::wrong("base backward", (&[], &["goes backwards all the way"]), |drive| {
-        drive.on(Error::Backward)
+    Made::wrong(
+        "base RFU",
+        (&["rfu"], &["a body whose y axis points forward"]),
+        |drive| drive.on(Error::YForward),
+    ),
+    Made::wrong("base LBU", (&["lbu"], &["a sensor turned to the left"]), |drive| {
+        drive.on(Error::Yaw90)
     }),
+    Made::wrong(
+        "base backward",
+        (&[], &["goes backwards all the way", "a sensor mounted backwards"]),
+        |drive| drive.on(Error::Backward),
+    ),
     // Frames of the world.
     Made::wrong("odom NED", DOWN, |drive| {
         drive.with(Isometry3::identity(), &drive.odom(&[Error::NedWorld]))

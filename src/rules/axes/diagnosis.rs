@@ -150,6 +150,7 @@ fn shows(seen: Seen, code: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rules::axes::causes::Readings;
 
     fn words(seen: Seen) -> (Vec<&'static str>, Option<&'static str>) {
         let diagnosis = Diagnosis::of(seen, &ToldIn::default(), None);
@@ -190,6 +191,20 @@ mod tests {
             ..still
         };
         assert_eq!(words(pushed), (vec!["gravity-sign"], Some("AXES01")));
+    }
+
+    #[test]
+    fn of_readings_that_serve_alike_the_other_measurements_leave_some() {
+        let seen = Seen {
+            turn: Some(Turn::OneOf(Readings::of(&[Turn::Inverse, Turn::Reordered]))),
+            ..Seen::default()
+        };
+        assert_eq!(words(seen), (vec!["inverse", "wxyz"], Some("QUAT01")));
+        let down = Seen {
+            world: Some(World::Down),
+            ..seen
+        };
+        assert_eq!(words(down), (vec!["wxyz"], Some("QUAT01")));
     }
 
     #[test]

@@ -61,8 +61,12 @@ impl Limits {
 
 /// Yaw rate over the turning of one track; `None` where the two do not tell.
 pub(crate) fn gain(imu: &Imu, track: &Track, limits: &Limits) -> Option<f64> {
-    let slope = Rates::of(&Integrals::of(imu), &track.courses(limits.speed_m_s)).turning;
-    limits.tells(&slope).then_some(slope.gain)
+    let integrals = Integrals::of(imu);
+    // As the rule itself looks: poses tell a course at less speed than satellites do.
+    let slow = (!track.is_geodetic).then_some(limits.odometry_speed_m_s);
+    let slopes = [Some(limits.speed_m_s), slow].into_iter().flatten();
+    let mut slopes = slopes.map(|speed_m_s| Rates::of(&integrals, &track.courses(speed_m_s)).turning);
+    Some(slopes.find(|slope| limits.tells(slope))?.gain)
 }
 
 impl Rule for GyroVsTurnSign {

@@ -227,11 +227,13 @@ pub(super) fn look(imu: &Imu, tracks: &[Arc<Track>], limits: &Limits) -> Look<De
 fn undecided(headings: &[Heading], limits: &Limits) -> String {
     let widest = headings.iter().map(|heading| heading.widest_rad).fold(0.0, f64::max);
     let windows: usize = headings.iter().map(|heading| heading.windows).sum();
-    let longest_m = headings.iter().map(|heading| heading.longest_m).fold(0.0, f64::max);
-    if windows == 0 && longest_m > 0.0 {
+    if windows == 0 && widest.to_degrees() >= limits.min_turn_deg {
+        let longest = headings.iter().map(|heading| heading.longest_m).fold(0.0, f64::max);
         return format!(
-            "where the course turns by {} deg within {} s, the way is {longest_m:.1} m long at most, {} m are needed",
-            limits.min_turn_deg, limits.window_s, limits.min_way_m
+            "the course turns by {:.0} deg within {} s, and goes {longest:.1} m at most in such a turn; {} m are needed",
+            widest.to_degrees(),
+            limits.window_s,
+            limits.min_way_m
         );
     }
     if windows == 0 {

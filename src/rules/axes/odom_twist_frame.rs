@@ -9,7 +9,7 @@ use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 use crate::world::motion::PoseRow;
 
-use super::twist::{Reading, Turning, Twists};
+use super::twist::{Reading, Twists};
 
 /// AXES08.
 pub struct OdomTwistFrame;
@@ -57,7 +57,7 @@ impl Rule for OdomTwistFrame {
                     let why = "the pose turns against the yaw rate: part of what AXES08 reports of its orientation";
                     out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
                 } else {
-                    judge_turning(stream, &twists.turning, limits, out);
+                    judge_turning(stream, &twists, limits, out);
                 }
             }
         }
@@ -211,7 +211,16 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
     );
 }
 
-fn judge_turning(stream: &Stream<PoseRow>, turning: &Turning, limits: &Limits, out: &mut Judge) {
+/// Whether the motion shows that the orientation is no inverse one.
+fn confirms_orientation(twists: &Twists, limits: &Limits) -> bool {
+    let [as_defined, inverse] = [Reading::Body, Reading::Inverse].map(|reading| twists.residual(reading));
+    twists.distance_m >= limits.min_distance_m
+        && as_defined <= limits.max_residual
+        && inverse >= limits.min_ratio * as_defined.max(limits.max_residual / 10.0)
+}
+
+fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out: &mut Judge) {
+    let (turning, is_confirmed) = (&twists.turning, confirms_orientation(twists, limits));
     let subject = format!("turning velocity of {}", stream.subject);
     let turned_deg = turning.turned_rad.to_degrees();
     if turned_deg < limits.min_turn_deg {
@@ -236,10 +245,17 @@ fn judge_turning(stream: &Stream<PoseRow>, turning: &Turning, limits: &Limits, o
         );
         out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
     } else {
-        let (words, help) = if near(-1.0) {
+        let (words, help) = if near(-1.0) && is_confirmed {
             (
                 "has the opposite sign",
                 "publish the yaw rate counter-clockwise positive, z up (REP-103)",
+            )
+        } else if near(-1.0) {
+            (
+                "has the opposite sign, or it is the yaw of the orientation that grows clockwise, as that of the inverse one or of a \
+                 compass heading (these data cannot tell which)",
+                "publish the yaw rate counter-clockwise positive, z up (REP-103); or conjugate the quaternion (negate x, y and z); or \
+                 publish `yaw_ros = pi/2 - heading`",
             )
         } else if near(1f64.to_degrees()) {
             ("is in degrees", "publish rad/s (REP-103)")

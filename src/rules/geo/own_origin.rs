@@ -36,7 +36,7 @@ pub(super) fn judge(world: &World, all: &[Origin], limits: &Limits, out: &mut Ju
 
 /// Whether an origin stays where it is.
 fn judge_later(origin: &Origin, limits: &Limits, out: &mut Judge) {
-    let subject = format!("origin by {}, from first to last", origin.who);
+    let subject = format!("first and last origin by {}", origin.who);
     let apart = origin.later.map(|later| origin.at.enu_of(&later)).unwrap_or_default();
     let distance_m = apart.norm();
     let measured = Measured::new("farthest from the first one", distance_m, "m").limit(limits.warning_m);
@@ -65,7 +65,7 @@ fn judge_later(origin: &Origin, limits: &Limits, out: &mut Judge) {
 
 /// Whether an origin is a first fix, and of what quality.
 fn judge_first_fix(origin: &Origin, fixes: &Stream<FixRow>, limits: &Limits, out: &mut Judge) {
-    let subject = format!("origin by {} and the first fix of {}", origin.who, fixes.subject);
+    let subject = format!("first fix of {} as the origin by {}", fixes.subject, origin.who);
     let valid = || fixes.rows().filter(|timed| timed.row.status >= 0);
     let first = valid().find_map(|timed| Some((timed, geodetic(&timed.row)?)));
     let Some((first, place)) = first else {
@@ -108,8 +108,9 @@ fn judge_first_fix(origin: &Origin, fixes: &Stream<FixRow>, limits: &Limits, out
 
 /// A finding, where poses in `map` are told in east and north, and nothing says about which origin.
 pub(super) fn missing(track: &Origin, limits: &Limits) -> Option<Finding> {
-    let turned_deg = track.turned_rad?.to_degrees();
-    if turned_deg.abs() > limits.aligned_deg {
+    let (turned_rad, within_rad) = track.turned_rad?;
+    let turned_deg = turned_rad.to_degrees();
+    if turned_deg.abs() > limits.aligned_deg || limits.sigmas * within_rad.to_degrees() > limits.aligned_deg {
         return None;
     }
     let message = format!(

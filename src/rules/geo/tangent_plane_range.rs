@@ -25,6 +25,7 @@ pub struct Limits {
     max_departure_m: f64,
     note_departure_m: f64,
     max_tilt_deg: f64,
+    elsewhere_m: f64,
     max_height_m: f64,
     sigmas: f64,
     share: f64,
@@ -84,6 +85,13 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
         let why = format!("no poses are told in `{}`, and there are no fixes", plane.local);
         return out.not_evaluated(plane.subject, NotEvaluated::MissingInput, why);
     };
+    if *distance_m > limits.elsewhere_m {
+        let why = format!(
+            "{who} is {:.0} km from the origin: that is no plane that is used too far away, but another place on the Earth (GEO02, GEO07)",
+            distance_m / 1e3
+        );
+        return out.not_evaluated(plane.subject, NotEvaluated::NotApplicable, why);
+    }
     let radius_m = plane.origin.gaussian_radius_m();
     let (departure_m, tilt_deg) = (
         tangent_departure_m(*distance_m, radius_m),
