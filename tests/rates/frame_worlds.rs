@@ -80,7 +80,7 @@ const DOWN: Names = (
 
 /// Every world.
 pub const MADE: &[Made] = &[
-    // Bases.
+    // Bases. While a drive is too short for a front, a base turned under a sensor looks like a sensor turned on it.
     Made::healthy("TF alone", |drive| {
         Recording::default().moving("odom", "base_link", &drive.edge(&[]))
     }),
@@ -98,11 +98,19 @@ pub const MADE: &[Made] = &[
     Made::wrong("base FRD", (&["frd"], &["-z points up"]), |drive| {
         drive.on(Error::Inverted)
     }),
-    Made::wrong("base RFU", (&["rfu"], &[]), |drive| drive.on(Error::YForward)),
-    Made::wrong("base LBU", (&["lbu"], &[]), |drive| drive.on(Error::Yaw90)),
-    Made::wrong("base backward", (&[], &["goes backwards all the way"]), |drive| {
-        drive.on(Error::Backward)
+    Made::wrong(
+        "base RFU",
+        (&["rfu"], &["a body whose y axis points forward"]),
+        |drive| drive.on(Error::YForward),
+    ),
+    Made::wrong("base LBU", (&["lbu"], &["a sensor turned to the left"]), |drive| {
+        drive.on(Error::Yaw90)
     }),
+    Made::wrong(
+        "base backward",
+        (&[], &["goes backwards all the way", "a sensor mounted backwards"]),
+        |drive| drive.on(Error::Backward),
+    ),
     // Frames of the world.
     Made::wrong("odom NED", DOWN, |drive| {
         drive.with(Isometry3::identity(), &drive.odom(&[Error::NedWorld]))
@@ -261,7 +269,7 @@ fn poses_of(rows: &[OdometryRow]) -> Vec<PoseRow> {
     rows.iter().map(|row| row.pose.clone()).collect()
 }
 
-/// What puts fixes to poses: the least that TREE16 takes for a drift, metres and share of the way.
+/// The least that TREE16 takes for a drift: metres, and share of the way.
 const DRIFT: [f64; 2] = [1.0, 0.01];
 
 impl Messages {
