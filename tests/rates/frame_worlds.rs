@@ -277,7 +277,9 @@ impl Messages {
     fn odom(&self, errors: &[Error]) -> Vec<OdometryRow> {
         let mut rows = self.odometry.clone();
         for row in &mut rows {
-            errors.iter().for_each(|error| row.apply(*error));
+            for error in errors {
+                row.apply(*error);
+            }
         }
         rows
     }
@@ -423,7 +425,9 @@ impl Messages {
         let gravity = self.drive.description.place.gravity();
         let mut rows: Vec<ImuRow> = self.imu.clone();
         for row in &mut rows {
-            error.iter().for_each(|error| row.apply(*error, gravity));
+            if let Some(error) = error {
+                row.apply(error, gravity);
+            }
         }
         Recording::default()
             .transform("base_link", "imu_link", &self.base_from_imu)
