@@ -80,7 +80,7 @@ const DOWN: Names = (
 
 /// Every world.
 pub const MADE: &[Made] = &[
-    // Bases.
+    // Bases. While a drive is too short for a front, a base turned under a sensor looks like a sensor turned on it.
     Made::healthy("TF alone", |drive| {
         Recording::default().moving("odom", "base_link", &drive.edge(&[]))
     }),
@@ -269,7 +269,7 @@ fn poses_of(rows: &[OdometryRow]) -> Vec<PoseRow> {
     rows.iter().map(|row| row.pose.clone()).collect()
 }
 
-/// What puts fixes to poses: the least that TREE16 takes for a drift, metres and share of the way.
+/// The least that TREE16 takes for a drift: metres, and share of the way.
 const DRIFT: [f64; 2] = [1.0, 0.01];
 
 impl Messages {

@@ -131,7 +131,7 @@ fn turned(base: &Base, subject: String, seen: &Seen, up: Axis) -> Finding {
     let because = match &seen.gravity {
         Some((axis, sensor)) if *axis != up => {
             format!(
-                "{says} of {} say so, where {sensor} on it has z up, and the pose turns against its gyro",
+                "by {says} of {}, where {sensor} on it has z up, and the pose turns against its gyro",
                 base.stream
             )
         }

@@ -39,11 +39,11 @@ impl Drift {
 
     /// Whether it is one; `None` where it is too uncertain to say.
     pub(super) fn is_told(&self, limits: &Limits) -> Option<bool> {
-        let least_m = self.least_m(limits);
-        if self.by_m <= least_m {
-            (self.sigma_m <= least_m).then_some(false)
+        let (least_m, margin_m) = (self.least_m(limits), limits.margin * self.sigma_m);
+        if self.by_m + margin_m <= least_m {
+            Some(false)
         } else {
-            (self.by_m > limits.sigmas * self.sigma_m).then_some(true)
+            (self.by_m > limits.sigmas * self.sigma_m && self.by_m - margin_m > least_m).then_some(true)
         }
     }
 
