@@ -56,11 +56,10 @@ impl Tilts {
         if is_level(as_is) && is_tilted(other) {
             return Order::Right;
         }
-        let lies = (self.published.least_rad.to_degrees(), as_is);
-        if lies.0 > 90.0 - limits.level_deg && lies.1 - lies.0 < limits.level_deg {
+        let least = self.published.least_rad.to_degrees();
+        if least > 90.0 - limits.tilted_deg {
             return Order::Unknown(format!(
-                "it lies on its side all the time, by {:.0} to {as_is:.0} deg, as an optical frame does in a level one",
-                lies.0
+                "it lies on its side all the time, by {least:.0} to {as_is:.0} deg, as an optical frame does in a level one"
             ));
         }
         if is_tilted(as_is) && is_level(other) && other_turned >= limits.min_turn_deg {
