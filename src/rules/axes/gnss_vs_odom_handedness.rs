@@ -111,7 +111,8 @@ fn swapped(
         return None;
     }
     let ([rms_m, _], [all, _]) = (votes.rms_m, votes.says);
-    if rms_m * limits.min_ratio > as_told_m {
+    // A straight way that is mirrored is nearly as straight once stretched: that takes the square of what tells a mirror.
+    if rms_m * limits.min_ratio.powi(2) > as_told_m {
         return None;
     }
     let message = format!(

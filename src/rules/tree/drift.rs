@@ -115,6 +115,8 @@ struct Laid {
     rms_m: f64,
     /// What is left once the odometry's scale is taken off, too: the noise of both.
     noise_m: f64,
+    /// How many metres of the other track one of the odometry is.
+    scale: f64,
     /// Standard deviation of the turn, radians.
     turn_sigma_rad: f64,
 }
@@ -141,6 +143,7 @@ impl Laid {
             image,
             rms_m,
             noise_m,
+            scale: best.scale,
             turn_sigma_rad,
         })
     }
@@ -170,6 +173,13 @@ fn of(odometry: &Track, other: &Track, sigma_m: f64, limits: &Limits) -> Result<
     };
     if first.rms_m.max(last.rms_m) > limits.max_residual * way_m {
         return Err("the odometry cannot be laid over it even for a third of the drive".to_owned());
+    }
+    let strays = |laid: &Laid| (laid.scale - 1.0).abs() > limits.max_scale;
+    if let Some(part) = [&first, &last].into_iter().find(|part| strays(part)) {
+        return Err(format!(
+            "for a third of the drive it is {:.2} times as long as the odometry: that is no drift, they do not follow one way",
+            part.scale
+        ));
     }
     let by_m = (first.apply(last.middle) - last.image).norm();
     let far_m = (last.middle - first.middle).norm();
