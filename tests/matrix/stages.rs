@@ -2,12 +2,9 @@
 //!
 //! The numbers are the recording's own: its first fix is the origin, its sensor's orientation the heading.
 
-use std::collections::BTreeMap;
-
 use frames_lint::source::{MessageRef, Place as At};
-use frames_lint::world::bag::{Faults, HeaderFrame, StampEvidence, TfEdge, TfSample, TopicEvidence};
+use frames_lint::world::bag::{HeaderFrame, TfEdge, TfSample, TopicEvidence};
 use frames_lint::world::claim::Pose;
-use frames_lint::world::content::StepEvidence;
 use frames_lint::world::motion::{OrientationRow, Row, Series};
 use frames_lint::world::{EarthOrigin, FrameId, World};
 
@@ -37,28 +34,12 @@ pub static EARTH: Stage = Stage {
         };
         let bag = &mut world.bags[stream.bag];
         let at = message("/tf_static", bag.start_ns.unwrap_or_default());
-        bag.tf.push(TfEdge {
-            parent: FrameId::new("earth"),
-            child: FrameId::new("map"),
-            topic: "/tf_static".to_owned(),
-            is_static: true,
-            count: 1,
-            first_at: at.clone(),
-            last_at: at.clone(),
-            samples: vec![TfSample {
-                at,
-                pose: on_earth(first, None),
-            }],
-            extreme: None,
-            non_finite: Faults::default(),
-            zero_quaternion: Faults::default(),
-            denormalized: Faults::default(),
-            worst_norm_error: 0.0,
-            stamps: StampEvidence::default(),
-            steps: StepEvidence::default(),
-            writers: BTreeMap::new(),
-            motion: None,
-        });
+        let sample = TfSample {
+            at,
+            pose: on_earth(first, None),
+        };
+        bag.tf
+            .push(TfEdge::once(FrameId::new("earth"), FrameId::new("map"), sample));
         bag.tf
             .sort_by(|a, b| (&a.child, &a.parent, &a.topic).cmp(&(&b.child, &b.parent, &b.topic)));
         world.origins.push(EarthOrigin {

@@ -102,10 +102,7 @@ fn worlds_made_in_memory_are_those_of_recordings() {
             made.child_frames.keys().collect::<Vec<_>>()
         );
         let [read, made] = [read, made].map(|topic| numbers(&topic.content.motion));
-        assert_eq!(read.len(), made.len());
-        for (read, made) in read.iter().zip(&made) {
-            assert!((read - made).abs() < 1e-9, "{topic}: {read} and {made}");
-        }
+        same(topic, &read, &made);
     }
     // Fixes of a recording are late by what they lag; their rows are of the same form.
     let [read, made] = [&read, &made.bags[0]].map(|bag| bag.topics["/fix"].content.motion.fixes.clone().unwrap());
@@ -150,10 +147,6 @@ fn frames_made_in_memory_are_those_of_recordings() {
         let of = |row: &frames_lint::world::motion::PoseRow| [&row.position[..], &row.orientation].concat();
         rows.rows().flat_map(of).collect()
     };
-    let same = |read: &[f64], made: &[f64]| {
-        assert_eq!(read.len(), made.len());
-        assert!(read.iter().zip(made).all(|(read, made)| (read - made).abs() < 1e-9));
-    };
     for child in ["odom", "base_link"] {
         let [read, made] =
             [&read, &made[0]].map(|bag| bag.tf.iter().find(|edge| edge.child.as_str() == child).unwrap());
@@ -162,22 +155,34 @@ fn frames_made_in_memory_are_those_of_recordings() {
             (made.count, made.is_static, &made.topic)
         );
         let change = |edge: &frames_lint::world::bag::TfEdge| edge.extreme.as_ref().map(|(_, rad, m)| [*rad, *m]);
-        same(&change(read).unwrap_or_default(), &change(made).unwrap_or_default());
+        same(
+            child,
+            &change(read).unwrap_or_default(),
+            &change(made).unwrap_or_default(),
+        );
         let [read, made] = [read, made].map(|edge| edge.motion.as_ref().map_or_else(Vec::new, poses));
-        same(&read, &made);
+        same(child, &read, &made);
     }
     let [told, of_memory] =
         [&read, &made[1]].map(|bag| poses(bag.topics["/pose"].content.motion.poses.as_ref().unwrap()));
-    same(&told, &of_memory);
+    same("/pose", &told, &of_memory);
     let [told, of_memory] = [&read, &made[2]].map(|bag| bag.topics["/imu"].content.imu.clone().unwrap());
     let counts =
         |imu: &frames_lint::world::content::ImuEvidence| [imu.count, imu.identity, imu.zero, imu.same_as_first];
     assert_eq!(counts(&told), counts(&of_memory));
     let turning = |imu: &frames_lint::world::content::ImuEvidence| [imu.angular_velocity_rms, imu.turned_rad];
-    same(&turning(&told), &turning(&of_memory));
+    same("/imu", &turning(&told), &turning(&of_memory));
     let [told, of_memory] = [&read.topics["/points"], &made[3].topics["/livox/lidar"]];
     assert_eq!(told.message_type, of_memory.message_type);
     assert!(told.count > 0 && of_memory.count > 0);
+}
+
+/// Whether a recording and what was made in memory have the same numbers.
+fn same(what: &str, read: &[f64], made: &[f64]) {
+    assert_eq!(read.len(), made.len(), "{what}");
+    for (read, made) in read.iter().zip(made) {
+        assert!((read - made).abs() < 1e-9, "{what}: {read} and {made}");
+    }
 }
 
 /// All numbers of the rows of a stream, times among them.

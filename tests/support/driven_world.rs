@@ -2,11 +2,9 @@
 //!
 //! Owns the means that rows of fast streams are. `tests/rates` holds it to what is collected of a recipe.
 
-use std::collections::BTreeMap;
-
 use frames_lint::source::{MessageRef, SourceId};
-use frames_lint::world::bag::{Faults, HeaderFrame, StampEvidence, TfEdge, TfSample, TopicEvidence};
-use frames_lint::world::content::{ContentEvidence, ImuEvidence, StepEvidence};
+use frames_lint::world::bag::{HeaderFrame, TfEdge, TfSample, TopicEvidence};
+use frames_lint::world::content::{ContentEvidence, ImuEvidence};
 use frames_lint::world::motion::{FixRow as Fix, InertialRow, MotionEvidence, PoseRow as Pose, ROW_NS, Series, Twist};
 use frames_lint::world::{BagEvidence, FrameId, World};
 use nalgebra::Isometry3;
@@ -145,7 +143,7 @@ impl Recording {
             at: message("/tf_static", START_NS),
             pose: frames_lint::world::Pose::from_isometry(parent_from_child),
         };
-        self.0.tf.push(edge([parent, child], 1, vec![sample]));
+        self.0.tf.push(edge([parent, child], 1, &[sample]));
         self
     }
 
@@ -176,7 +174,7 @@ impl Recording {
             is_static: false,
             motion: (weight((angle, shift)) > 1.0).then(|| poses(rows)),
             extreme,
-            ..edge([parent, child], rows.len(), samples)
+            ..edge([parent, child], rows.len(), &samples)
         });
         self
     }
@@ -266,26 +264,13 @@ fn poses(rows: &[PoseRow]) -> Series<Pose> {
     })
 }
 
-/// A static edge with these samples.
-fn edge([parent, child]: [&str; 2], count: usize, samples: Vec<TfSample>) -> TfEdge {
+/// An edge with these samples.
+fn edge([parent, child]: [&str; 2], count: usize, samples: &[TfSample]) -> TfEdge {
     TfEdge {
-        parent: FrameId::new(parent),
-        child: FrameId::new(child),
-        topic: "/tf_static".to_owned(),
-        is_static: true,
         count: count as u64,
-        first_at: samples[0].at.clone(),
         last_at: samples[samples.len() - 1].at.clone(),
-        samples,
-        extreme: None,
-        non_finite: Faults::default(),
-        zero_quaternion: Faults::default(),
-        denormalized: Faults::default(),
-        worst_norm_error: 0.0,
-        stamps: StampEvidence::default(),
-        steps: StepEvidence::default(),
-        writers: BTreeMap::new(),
-        motion: None,
+        samples: samples.to_vec(),
+        ..TfEdge::once(FrameId::new(parent), FrameId::new(child), samples[0].clone())
     }
 }
 

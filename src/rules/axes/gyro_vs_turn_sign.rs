@@ -10,7 +10,7 @@ use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
-use super::causes::{Base, Sense};
+use super::causes::Sense;
 use super::diagnosis::Diagnosis;
 use super::rates::{Integrals, Rates, Slope};
 use super::sensors::{Look, Sensor, Sensors, TRACK, needed};
@@ -42,10 +42,7 @@ pub(super) struct Turned {
 impl Turned {
     /// Whether an upright gyro turns against poses that a simulator may have given the other hand.
     pub(super) fn is_by_a_simulator(&self, sensor: &Sensor) -> bool {
-        sensor.simulator.is_some()
-            && self.class == Sense::Against
-            && !self.is_geodetic
-            && sensor.stands() == Some(Base::Up)
+        self.class == Sense::Against && sensor.may_doubt(self.is_geodetic)
     }
 }
 

@@ -131,10 +131,7 @@ pub(super) struct Decided {
 impl Decided {
     /// Whether the yaw of an upright sensor turns against poses that a simulator may have given the other hand.
     pub(super) fn is_by_a_simulator(&self, sensor: &Sensor) -> bool {
-        sensor.simulator.is_some()
-            && self.class() == causes::Heading::Against
-            && !self.is_geodetic
-            && sensor.stands() == Some(causes::Base::Up)
+        self.class() == causes::Heading::Against && sensor.may_doubt(self.is_geodetic)
     }
 
     pub(super) fn class(&self) -> causes::Heading {

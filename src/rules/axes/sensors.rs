@@ -145,6 +145,11 @@ impl Sensor {
         self.base.as_ref().ok().map(|up| up.class)
     }
 
+    /// Whether a track that it turns against may be the one with the other hand: poses of a simulator, beside an upright sensor.
+    pub(super) fn may_doubt(&self, is_geodetic: bool) -> bool {
+        self.simulator.is_some() && !is_geodetic && self.stands() == Some(causes::Base::Up)
+    }
+
     /// Angle between the acceleration and the world's up, by the orientation, radians; or why it was not measured.
     pub(crate) fn up_rad(&self) -> Look<f64> {
         self.world.as_ref().map(Above::off_up_rad).map_err(Clone::clone)
