@@ -43,6 +43,17 @@ struct Drives {
     cells: Vec<Cell>,
 }
 
+/// What a simulation that others made has for a line.
+#[derive(Clone, Copy, Debug)]
+pub struct Reference {
+    /// Share of right answers.
+    pub right: f64,
+    /// Of how many trials.
+    pub trials: u32,
+    /// How it is written there.
+    pub words: &'static str,
+}
+
 /// A line.
 #[derive(Debug)]
 pub struct Line {
@@ -50,8 +61,7 @@ pub struct Line {
     pub rule: &'static str,
     what: String,
     drive: String,
-    /// Share of right answers in a simulation that others made, and how it is written there.
-    pub reference: Option<(f64, &'static str)>,
+    pub reference: Option<Reference>,
     /// Whether not one wrong answer is allowed.
     pub is_strict: bool,
     pub right: usize,
@@ -79,7 +89,7 @@ pub struct Asked {
     pub called: Option<&'static str>,
     /// Whether the line stands for all vehicles.
     pub pooled: bool,
-    pub reference: Option<(f64, &'static str)>,
+    pub reference: Option<Reference>,
 }
 
 impl Table {
@@ -218,7 +228,7 @@ impl Table {
                 );
             }
             let share = |count: usize| 100.0 * count as f64 / line.all() as f64;
-            let reference = line.reference.map_or("", |(_, words)| words);
+            let reference = line.reference.map_or("", |reference| reference.words);
             let _ = writeln!(
                 text,
                 "{:<9}{:<21}{:<39}{:>7.1}{:>7.2}{:>8.1}{:>7}  {reference}{}",
@@ -307,17 +317,28 @@ impl Line {
         self.right + self.wrong + self.not_evaluated
     }
 
-    /// Whether there is less than the reference, by more than chance explains: the upper end of Wilson's interval at
-    /// two deviations is under it.
+    /// Whether there is less than the reference, by more than chance explains: Newcombe's interval of the difference at two
+    /// deviations (Interval estimation for the difference between independent proportions, Stat Med 1998, method 10) is
+    /// all under 0. The reference is a simulation too, of so many trials.
     fn is_short(&self) -> bool {
-        self.reference.is_some_and(|(reference, _)| {
-            let (n, z) = (self.all() as f64, 2.0);
-            let share = self.right as f64 / n;
-            let middle = share + z * z / (2.0 * n);
-            let half = z * (share * (1.0 - share) / n + z * z / (4.0 * n * n)).sqrt();
-            (middle + half) / (1.0 + z * z / n) < reference - 1e-9
+        self.reference.is_some_and(|reference| {
+            let (n, trials) = (self.all() as f64, f64::from(reference.trials));
+            let ours = self.right as f64 / n;
+            let (_, our_upper) = wilson(ours, n);
+            let (their_lower, _) = wilson(reference.right, trials);
+            let beyond = (our_upper - ours).hypot(reference.right - their_lower);
+            ours - reference.right + beyond < -1e-9
         })
     }
+}
+
+/// Wilson's interval of a share of `n` at two deviations.
+fn wilson(share: f64, n: f64) -> (f64, f64) {
+    let z = 2.0_f64;
+    let middle = share + z * z / (2.0 * n);
+    let half = z * (share * (1.0 - share) / n + z * z / (4.0 * n * n)).sqrt();
+    let whole = 1.0 + z * z / n;
+    ((middle - half) / whole, (middle + half) / whole)
 }
 
 fn words(kind: Kind) -> String {

@@ -71,6 +71,19 @@ impl<'a> Ways<'a> {
         self.others.first().map_or(f64::NAN, |way| way.1)
     }
 
+    /// Whether these are few windows.
+    pub(super) fn covers_little(&self, limits: &Limits) -> bool {
+        self.turns.covered_s < limits.slow_s
+    }
+
+    /// The residual of what was found: as published, or of the best other way.
+    pub(super) fn explains(&self, class: Turn) -> f64 {
+        match class {
+            Turn::Agree | Turn::Tilting => self.as_published.residual,
+            _ => self.best(),
+        }
+    }
+
     /// What was seen, by these windows.
     pub(super) fn found(&self, class: Turn, axis: Option<usize>, limits: &Limits) -> Turned {
         let is_slow = self.by_ratio(limits).is_none() && !matches!(class, Turn::Unrelated | Turn::Ordered);

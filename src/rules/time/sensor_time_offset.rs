@@ -95,9 +95,9 @@ fn judge_bag(
             Ok(offset) => {
                 let limit_s = limit_s(first, second, limits);
                 let measured = measured(first, &offset, limit_s);
-                let beyond_s = offset.in_stamps_s.abs() - limits.sigmas * offset.sigma_s - limit_s;
-                let give_s = limits.sigmas * offset.sigma_s;
-                if beyond_s <= 0.0 && (give_s > limit_s || offset.in_stamps_s.abs() > limit_s) {
+                let (size_s, give_s) = (offset.in_stamps_s.abs(), limits.sigmas * offset.sigma_s);
+                let beyond_s = size_s - give_s - limit_s;
+                if beyond_s <= 0.0 && size_s + give_s > limit_s {
                     let why = format!(
                         "an offset of {:+.3} s against {}, give or take {give_s:.3} s: whether it is within the {limit_s:.3} s that are \
                          sound cannot be told",
