@@ -39,7 +39,7 @@ const SIDE: &str = "on its side";
 pub const MIRRORED: &str = "the track that it is held against is a mirror image";
 
 /// What a finding on a velocity says of the position that may be wrong instead.
-const POSITION: &str = "or the position beside it is wrong";
+const POSITION: &str = "or the position or the orientation beside it is wrong";
 
 /// What a finding on two orientations says of a mounting.
 pub const CONSTANT: &str = "differ by a constant in the body";
@@ -75,7 +75,10 @@ pub const IMU: &[Known] = &[
     (
         "conjugate, wxyz",
         &[Error::Conjugate, Error::Wxyz],
-        (&["wxyz-inverse"], &["stand as w, x, y, z, of the inverse"]),
+        (
+            &["wxyz-inverse"],
+            &["stand as w, x, y, z, of the inverse", "the inverse would be as level"],
+        ),
     ),
     (
         "compass yaw",
@@ -84,6 +87,7 @@ pub const IMU: &[Known] = &[
             &["compass-yaw"],
             &[
                 "the yaw is a compass heading",
+                "grows clockwise: it turns against the course of topic `/odom`",
                 "follows its gyro about one axis, and not about z",
             ],
         ),

@@ -69,6 +69,9 @@ const WORLDS: &str = "differ by a constant of the world";
 /// What AXES14 says of poses that may not be of the body that TF knows, or in another order.
 const OTHER_AXES: &str = "or the orientation is told in other axes of the body, or with w first";
 
+/// What AXES08 says of poses whose orientation may be wrong.
+const ORIENTATION: &str = "the orientation beside it is wrong";
+
 /// What AXES13 says of poses that may stand in another order.
 const W_FIRST: &str = "or the four numbers of the orientation stand as w, x, y, z";
 
@@ -131,7 +134,7 @@ pub const MADE: &[Made] = &[
         drive.in_map(&about_x(50.0))
     }),
     // Orders of four numbers.
-    Made::wrong("odom wxyz", (&["wxyz"], &[OTHER_AXES, W_FIRST]), |drive| {
+    Made::wrong("odom wxyz", (&["wxyz"], &[OTHER_AXES, W_FIRST, ORIENTATION]), |drive| {
         drive.with(Isometry3::identity(), &drive.odom(&[Error::Wxyz]))
     }),
     Made::wrong("TF wxyz", (&["wxyz"], &[W_FIRST]), |drive| {
@@ -149,12 +152,14 @@ pub const MADE: &[Made] = &[
     }),
     // Two orientations of one platform.
     Made::healthy("wheels, VIO", |drive| drive.with_vio(&Rotation3::identity())),
-    Made::wrong("VIO of FRD", (&["flu-frd"], &[CONSTANT]), |drive| {
+    Made::wrong("VIO of FRD", (&["flu-frd", "frd"], &[CONSTANT]), |drive| {
         drive.with_vio(&frd_from_flu())
     }),
-    Made::wrong("VIO of RDF", (&["optical", "optical-inverse"], &[CONSTANT]), |drive| {
-        drive.with_vio(&flu_from_rdf())
-    }),
+    Made::wrong(
+        "VIO of RDF",
+        (&["optical", "optical-inverse", "rdf"], &[CONSTANT]),
+        |drive| drive.with_vio(&flu_from_rdf()),
+    ),
     Made::healthy("two maps", |drive| drive.two_maps(&Rotation3::identity())),
     Made::wrong("two maps, x 90 deg", (&["x90"], &[WORLDS]), |drive| {
         drive.two_maps(&about_x(90.0))

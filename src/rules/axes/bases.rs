@@ -88,6 +88,7 @@ impl Seen {
     pub(super) fn is_backward(&self) -> bool {
         self.forward
             .is_some_and(|forward| forward.index == 0 && forward.is_negative)
+            && self.twist_agrees != Some(false)
     }
 
     /// What the base's yaw is more than its course, radians, where another axis than x points where it goes.

@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use nalgebra::Vector3;
 use serde::Deserialize;
 
+use crate::math::readings::Reading;
 use crate::rules::motion::{Imu, Motion, Track, Yaws};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::source::Place;
@@ -101,6 +103,12 @@ fn judge_zero(imu: &Imu, subject: String, decided: &Decided, sensor: &Sensor, li
     let Some(finding) = offset_finding(imu, &subject, decided, limits) else {
         return out.pass(subject, [decided.offset()]);
     };
+    if !is_upright(imu) {
+        let why = format!(
+            "{offset} from the course, by an orientation on its side or on its head: that is no matter of its zero"
+        );
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
     let seen = format!("the yaw is {offset} from the course");
     if let Some(why) = sensor.diagnosis.reported_elsewhere("AXES04", &seen) {
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
@@ -188,6 +196,17 @@ impl Decided {
         let near = |known: &&Offset| apart_deg(offset, known.deg) <= limits.max_spread_deg;
         imu.driver?.facts.offsets.iter().find(near)
     }
+}
+
+/// Whether z of what the sensor is mounted on points up by its orientation, all in all.
+fn is_upright(imu: &Imu) -> bool {
+    let imu_from_base = imu.base_from_imu().inverse();
+    let ups = imu.stream.rows().filter_map(|timed| {
+        let world_from_imu = Reading::Xyzw.world_from_body(timed.row.orientation)?;
+        Some((world_from_imu * imu_from_base * Vector3::z()).z)
+    });
+    let (sum, count) = ups.fold((0.0, 0.0), |(sum, count), up| (sum + up, count + 1.0));
+    sum >= 0.5 * count
 }
 
 /// Between two angles, degrees, 0 to 180.

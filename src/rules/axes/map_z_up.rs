@@ -99,6 +99,17 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
         out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
         return false;
     }
+    // A sensor that is turned about z of the body leans as far as the body does, and to another side.
+    let [by_sensor, by_poses] = gravity.leans_rad.map(f64::to_degrees);
+    if is_small && (by_sensor - by_poses).abs() < degrees / 2.0 {
+        let why = format!(
+            "gravity's up is {degrees:.0} deg from z, and the body leans by {by_sensor:.0} deg by {} and by {by_poses:.0} deg by the poses: \
+             a sensor that is turned on its mount looks alike",
+            gravity.sensor
+        );
+        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return false;
+    }
     // Of a sensor that is not on a base nobody else looks at the sign.
     let is_sure = !is_small && gravity.sensor_is_right == Some(true);
     let severity = if is_sure { Severity::Error } else { Severity::Warning };

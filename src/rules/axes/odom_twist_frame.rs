@@ -14,6 +14,10 @@ use super::twist::{Reading, Twists};
 /// AXES08.
 pub struct OdomTwistFrame;
 
+/// A residual with y negated that is less than this part of that as defined is smaller by more than rounding: of a platform that
+/// never goes aside the two are the same.
+const SIDE_BETTER: f64 = 0.95;
+
 /// Limits of AXES08.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -181,6 +185,14 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
         return little(why, out);
     }
     if best.0 == Reading::Body {
+        let mirrored = twists.residual(Reading::RightHand);
+        if mirrored < SIDE_BETTER * best.1 {
+            let why = format!(
+                "with y negated the velocity fits the motion better (residuals {mirrored:.3} and {:.3}), but it goes too little to the                  side to tell",
+                best.1
+            );
+            return little(why, out);
+        }
         out.pass(&subject, [measured(best), measured(second)]);
         return;
     }
@@ -190,8 +202,8 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
         .as_ref()
         .map_or_else(|| "the child frame".to_owned(), |child| format!("`{child}`"));
     let message = format!(
-        "the velocity on {} is {}, not in {child}: so read it leaves {:.1} % of the motion of the pose, as defined {:.0} % (or the position beside it is \
-         wrong, and the velocity right)",
+        "the velocity on {} is {}, not in {child}: so read it leaves {:.1} % of the motion of the pose, as defined {:.0} % (or the position or the \
+         orientation beside it is wrong, and the velocity right)",
         stream.topic,
         best.0.words(),
         100.0 * best.1,
@@ -260,7 +272,10 @@ fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out
         } else if near(1f64.to_degrees()) {
             ("is in degrees", "publish rad/s (REP-103)")
         } else {
-            ("disagrees", "publish rad/s about the child frame's z axis (REP-103)")
+            (
+                "disagrees, or the orientation beside it is wrong",
+                "publish rad/s about the child frame's z axis (REP-103)",
+            )
         };
         let message = format!(
             "the yaw rate on {} {words}: {:.2} times what its own pose turns",

@@ -34,6 +34,8 @@ pub(super) struct Gravity {
     pub(super) concentration: f64,
     /// Largest tilt of the body that the poses tell, radians.
     pub(super) tilt_rad: f64,
+    /// How far the body leans from up on the whole, by the sensor and by the poses, radians.
+    pub(super) leans_rad: [f64; 2],
     pub(super) seconds: f64,
     pub(super) rows: u64,
     /// The sensor that feels it.
@@ -214,16 +216,19 @@ fn gravity<'t>(
         return Err((NotEvaluated::NotApplicable, why));
     }
     let (mut sum, mut count, mut lengths, mut tilt_rad) = (Vector3::zeros(), 0_u64, Vec::new(), 0.0_f64);
+    let mut ups = [Vector3::zeros(); 2];
     let mut times: Option<(f64, f64)> = None;
     for timed in imu.stream.rows() {
         let force = Vector3::from(timed.row.linear_acceleration);
         let Some(here) = turned
             .at(timed.t_s, limits.max_step_s)
-            .filter(|_| force.norm().is_finite())
+            .filter(|_| force.norm().is_finite() && force.norm() > 0.0)
         else {
             continue;
         };
         sum += here * child_from_imu * force;
+        let in_body = [child_from_imu * force.normalize(), here.inverse() * Vector3::z()];
+        ups.iter_mut().zip(in_body).for_each(|(sum, up)| *sum += up);
         lengths.push(force.norm());
         tilt_rad = tilt_rad.max((here * Vector3::z()).xy().norm());
         count += 1;
@@ -253,6 +258,7 @@ fn gravity<'t>(
         up: sum.normalize(),
         concentration,
         tilt_rad,
+        leans_rad: ups.map(|up| up.xy().norm().atan2(up.z)),
         seconds,
         rows: count,
         sensor: imu.stream.subject.clone(),

@@ -157,6 +157,13 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
 fn judge_track(subject: &str, place: &Place, origin: &Geodetic, overlay: &Overlay, limits: &Limits, out: &mut Judge) {
     let far = overlay.both.iter().map(|both| origin.enu_of(&both.fix).xy().norm());
     let distance_m = far.fold(0.0, f64::max);
+    if distance_m > limits.elsewhere_m {
+        let why = format!(
+            "its zero lies {:.0} km from the fixes: these are no coordinates in a plane (GEO03)",
+            distance_m / 1e3
+        );
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
     let radius_m = origin.gaussian_radius_m();
     let (departure_m, tilt_deg) = (
         tangent_departure_m(distance_m, radius_m),

@@ -174,7 +174,7 @@ fn judge_tilts(subject: String, topic: &str, place: Place, tilts: &Tilts, limits
         Order::Wrong => {
             let message = format!(
                 "the {subject} is w, x, y, z: so read it stays within {:.0} deg of level while it turns by {:.0} deg, as published \
-                 it is tilted by up to {:.0} deg",
+                 it is tilted by up to {:.0} deg (the inverse would be as level)",
                 tilts.reordered.tilt_rad.to_degrees(),
                 tilts.reordered.turned_rad.to_degrees(),
                 tilts.published.tilt_rad.to_degrees(),

@@ -181,10 +181,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
     let slow = imu.inertial.slow_turns.as_ref().and_then(Ways::of);
     let turns_enough = |ways: &Ways| ways.rotation_deg() >= limits.min_rotation_deg;
     let order = turns_enough(&fast).then(|| fast_order(imu, &fast, limits)).flatten();
-    if let Some(order) = order
-        .as_ref()
-        .filter(|order| fast.maps_are_worse(order.residual, limits))
-    {
+    if let Some(order) = order.as_ref().filter(|order| fast.are_worse(order.residual, limits)) {
         return Ok(Turned {
             ordered: Some(order.clone()),
             ..fast.found(Turn::Ordered, None, limits)

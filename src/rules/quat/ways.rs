@@ -117,10 +117,9 @@ impl<'a> Ways<'a> {
         self.readings < limits.agrees
     }
 
-    /// Whether a turned or negated gyro explains less than something else that leaves this residual: it is the simpler fault.
-    pub(super) fn maps_are_worse(&self, residual: f64, limits: &Limits) -> bool {
-        let maps = self.others.iter().filter(|way| is_map(way.0)).map(|way| way.1);
-        maps.fold(f64::INFINITY, f64::min) >= limits.ratio * residual.max(limits.noise)
+    /// Whether every way with a name, the simpler faults, explains less than something else that leaves this residual.
+    pub(super) fn are_worse(&self, residual: f64, limits: &Limits) -> bool {
+        self.best() >= limits.ratio * residual.max(limits.noise)
     }
 
     /// Whether the orientation may not follow about an axis, though it does about another, noise or not.

@@ -163,6 +163,11 @@ fn told(first: &Runs, second: &Runs, by: By, is_fix: bool, limits: &Limits) -> R
         );
         return silent(peak.rho, &why);
     }
+    // Speeds are of courses over two seconds: what disturbs them lasts as long as they do.
+    let sigma_s = match by {
+        By::YawRate => sigma_s,
+        By::Speed => peak.cautious_sigma_s.unwrap_or(f64::INFINITY),
+    };
     Ok((by, sigma_s, peak))
 }
 
