@@ -122,6 +122,12 @@ impl EarthTurn {
     }
 }
 
+/// The angle of a rotation, by the chord from the identity: the arc cosine of a trace that rounding takes above 3 is no number.
+fn angle(rotation: &Rotation3<f64>) -> f64 {
+    let chord = (rotation.matrix() - Matrix3::identity()).norm() / 8.0_f64.sqrt();
+    2.0 * chord.min(1.0).asin()
+}
+
 /// The product that the textbooks' angles make of rotations of vectors.
 fn active(latitude: f64, longitude: f64) -> Rotation3<f64> {
     let about_x = Rotation3::from_axis_angle(&Vector3::x_axis(), FRAC_PI_2 - latitude);
@@ -155,7 +161,7 @@ pub fn shown(place: &Geodetic, earth_from_map: &Rotation3<f64>, within_rad: f64)
         let met = errors.filter(move |error| of(&(error.at(place).inverse() * earth_from_map)) <= within_rad);
         met.collect::<Vec<_>>()
     };
-    let whole = meets(Rotation3::angle);
+    let whole = meets(angle);
     if !whole.is_empty() {
         return whole;
     }

@@ -22,6 +22,8 @@ pub fn tilt(world_from_body: &UnitQuaternion<f64>) -> f64 {
 pub struct Level {
     /// Nine tenths of them are tilted by no more than this, radians.
     pub tilt_rad: f64,
+    /// One tenth of them is tilted by no more than this, radians.
+    pub least_rad: f64,
     /// From the leftmost to the rightmost yaw, as far as they lie within half a turn of the first, radians.
     pub turned_rad: f64,
     /// How many orientations counted.
@@ -39,13 +41,18 @@ pub fn level(
     for world_from_sensor in slots.into_iter().filter_map(|slots| reading.world_from_body(slots)) {
         let q = world_from_sensor * body_from_sensor.inverse();
         tilts.push(tilt(&q));
-        // The twist about z alone: defined up to where x and y hold all.
-        let yaw = 2.0 * q.k.atan2(q.w);
+        // The twist about z alone, of what hangs upside down after half a turn about x: there z and w hold noise.
+        let yaw = if q.i.hypot(q.j) > q.k.hypot(q.w) {
+            2.0 * q.j.atan2(q.i)
+        } else {
+            2.0 * q.k.atan2(q.w)
+        };
         let turned = difference(yaw, *first.get_or_insert(yaw));
         (least, most) = (least.min(turned), most.max(turned));
     }
     Some(Level {
         tilt_rad: quantile(&tilts, 0.9)?,
+        least_rad: quantile(&tilts, 0.1)?,
         turned_rad: most - least,
         rows: tilts.len(),
     })

@@ -1,7 +1,7 @@
 //! Errors of `earth_from_enu` against closed forms. Only compiled for tests.
 #![allow(clippy::unwrap_used)]
 
-use nalgebra::{Matrix3, Rotation3, Vector3};
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
 use super::earth_turns::{EarthTurn, beside, shown};
@@ -21,6 +21,34 @@ fn every_error_is_found_where_it_is_made() {
     }
     let right = place.enu_from_ecef().inverse();
     assert!(shown(&place, &right, WITHIN).is_empty());
+}
+
+/// Rounding leaves the trace of a difference that is none over 3 at some places.
+#[test]
+fn errors_are_found_by_themselves_all_over_the_earth() {
+    for (latitude, longitude) in
+        (-8..=8).flat_map(|a| (-17..=17).map(move |b| (f64::from(a) * 10.3, f64::from(b) * 10.1)))
+    {
+        let place = at(latitude, longitude);
+        for error in EarthTurn::ALL {
+            let rotation = UnitQuaternion::from_rotation_matrix(&error.at(&place)).to_rotation_matrix();
+            let found = shown(&place, &rotation, WITHIN);
+            assert!(found.contains(&error), "{} at {latitude}, {longitude}", error.word());
+        }
+    }
+}
+
+#[test]
+fn rounding_hides_no_error_anywhere() {
+    for latitude in (-85..=85).step_by(5) {
+        for longitude in (-175..=175).step_by(5) {
+            let place = at(f64::from(latitude) + 0.376, f64::from(longitude) + 0.55);
+            for error in EarthTurn::ALL {
+                let seen = shown(&place, &error.at(&place), WITHIN);
+                assert!(seen.contains(&error), "{} at {latitude}, {longitude}", error.word());
+            }
+        }
+    }
 }
 
 #[test]

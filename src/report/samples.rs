@@ -1,14 +1,11 @@
 //! Hand-made runs for the tests of reports.
 
-use std::collections::BTreeMap;
-
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
 use crate::run::Run;
 use crate::source::{Confidence, Derived, MessageRef, Place, Source, SourceId, SourceKind};
 use crate::verdict::{Finding, Outcome, Row};
-use crate::world::bag::{BagEvidence, Faults, StampEvidence, TfEdge, TfSample};
-use crate::world::content::StepEvidence;
+use crate::world::bag::{BagEvidence, TfEdge, TfSample};
 use crate::world::{Claim, ClaimKind, FrameId, FrameRole, FrameUse, Pose, Spelling, World};
 
 /// A URDF in which the lidar is mounted on line 3.
@@ -110,29 +107,12 @@ impl Sample {
             log_ns: 0,
             ..message(topic, 0)
         };
-        let sample = TfSample {
-            at: first.clone(),
-            pose,
-        };
+        let sample = TfSample { at: first, pose };
         let mut bag = BagEvidence::new(source);
         bag.tf.push(TfEdge {
-            parent: FrameId::new(edge.0),
-            child: FrameId::new(edge.1),
-            topic: topic.to_owned(),
-            is_static: topic.ends_with("_static"),
             count,
-            first_at: first,
             last_at: last,
-            samples: vec![sample],
-            extreme: None,
-            non_finite: Faults::default(),
-            zero_quaternion: Faults::default(),
-            denormalized: Faults::default(),
-            worst_norm_error: 0.0,
-            stamps: StampEvidence::default(),
-            steps: StepEvidence::default(),
-            writers: BTreeMap::new(),
-            motion: None,
+            ..TfEdge::once(FrameId::new(edge.0), FrameId::new(edge.1), sample)
         });
         self.world.bags.push(bag);
     }

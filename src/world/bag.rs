@@ -254,6 +254,30 @@ pub struct TfEdge {
 }
 
 impl TfEdge {
+    /// An edge of one transform, published once; static where its topic is.
+    pub fn once(parent: FrameId, child: FrameId, sample: TfSample) -> Self {
+        let at = sample.at.clone();
+        Self {
+            parent,
+            child,
+            topic: at.topic.clone(),
+            is_static: at.topic.ends_with("_static"),
+            count: 1,
+            first_at: at.clone(),
+            last_at: at,
+            samples: vec![sample],
+            extreme: None,
+            non_finite: Faults::default(),
+            zero_quaternion: Faults::default(),
+            denormalized: Faults::default(),
+            worst_norm_error: 0.0,
+            stamps: StampEvidence::default(),
+            steps: StepEvidence::default(),
+            writers: BTreeMap::new(),
+            motion: None,
+        }
+    }
+
     /// The first valid sample.
     pub fn first(&self) -> Option<&TfSample> {
         self.samples.first()

@@ -1,4 +1,4 @@
-//! The errors, what they do to evidence, what names each of them, and the rules that see it wherever they judge.
+//! What an error is: what it does to evidence, what names it, and the rules that see it wherever they judge.
 
 use frames_lint::verdict::{Finding, Row};
 use frames_lint::world::World;
@@ -7,9 +7,10 @@ use frames_lint::world::motion::{FixRow, InertialRow, PoseRow, Series, Twist};
 use nalgebra::Vector3;
 
 use crate::places;
+use crate::stages::Stage;
 use crate::streams::{At, Kind, Stream};
 use crate::support::drive::rows::{FixRow as Fix, ImuRow, OdometryRow, PoseRow as Pose};
-use crate::table::ERRORS;
+pub use crate::table::all;
 
 /// Standard gravity, m/s².
 pub const GRAVITY: f64 = 9.806_65;
@@ -27,6 +28,8 @@ pub enum Change {
     Fixes(fn(&mut Fix)),
     /// Stamps of inertial messages, seconds.
     Stamps(f64),
+    /// What is staged beside the evidence.
+    Staged(&'static Stage, fn(&mut World, &Stream)),
 }
 
 /// What a stream must have.
@@ -56,11 +59,6 @@ pub struct Error {
     pub texts: &'static [&'static str],
     /// The rules that must see it where they judge the stream.
     pub seen_by: &'static [&'static str],
-}
-
-/// Every error.
-pub fn all() -> impl Iterator<Item = &'static Error> {
-    ERRORS.iter()
 }
 
 impl Error {
@@ -93,15 +91,30 @@ impl Error {
             Change::Imu(..) | Change::Stamps(_) => Kind::Imu,
             Change::Poses(..) | Change::Places(_) => Kind::Poses,
             Change::Fixes(_) => Kind::Fixes,
+            Change::Staged(stage, _) => stage.kind,
         }
     }
 
-    /// Puts the error into a stream; false where it cannot have it.
+    /// What has to be staged for it.
+    pub fn stage(&self) -> Option<&'static Stage> {
+        match self.change {
+            Change::Staged(stage, _) => Some(stage),
+            _ => None,
+        }
+    }
+
+    /// Puts the error into a stream, after its stage; false where it cannot have it.
     pub fn inject(&self, world: &mut World, stream: &Stream) -> bool {
         match (self.change, stream.kind) {
             (Change::Imu(needs, change), Kind::Imu) => {
                 has(world, stream, needs) && {
                     as_imu_rows(world, Some(stream), change);
+                    true
+                }
+            }
+            (Change::Staged(stage, change), kind) => {
+                stage.kind == kind && {
+                    change(world, stream);
                     true
                 }
             }
@@ -125,7 +138,7 @@ impl Error {
 }
 
 /// Whether a stream has what an error changes.
-fn has(world: &World, stream: &Stream, needs: Needs) -> bool {
+pub fn has(world: &World, stream: &Stream, needs: Needs) -> bool {
     let mut found = needs == Needs::Nothing;
     let differ = |mut values: Box<dyn Iterator<Item = [f64; 4]> + '_>| {
         let Some(first) = values.next() else { return false };
@@ -265,7 +278,7 @@ fn imu_row(row: &InertialRow) -> ImuRow {
 }
 
 /// Changes poses of topics and of TF, and what else says the same.
-fn as_odometry_rows(world: &mut World, stream: &Stream, change: fn(&mut OdometryRow)) {
+pub fn as_odometry_rows(world: &mut World, stream: &Stream, change: fn(&mut OdometryRow)) {
     let row_of = |row: &PoseRow, pose: [f64; 36], twist: [f64; 36]| {
         let velocity = row.twist.unwrap_or(Twist {
             linear: [0.0; 3],

@@ -1,6 +1,6 @@
 //! What a rule's answer to a world is worth, the truth being known.
 
-use frames_lint::verdict::{Finding, Outcome, Row, Verdict};
+use frames_lint::verdict::{Finding, Outcome, Row, Severity, Verdict};
 
 use crate::faults::Fault;
 
@@ -37,19 +37,22 @@ pub fn of_rule(verdict: &Verdict, rule: &str, subject: &str, fault: Fault) -> An
             return Answer::Wrong(reason.to_owned());
         }
         // One cause, one finding: another rule has it.
-        let Some((_, owner)) = reason.split_once("part of what ") else {
+        let part = reason
+            .split_once("part of what ")
+            .map(|(_, rest)| rest.split(' ').next());
+        let whole = reason.split_once(" reports what is wrong with this sensor");
+        let Some(Some(owner)) = part.or(whole.map(|(start, _)| start.split(' ').next_back())) else {
             continue;
         };
         points_elsewhere = true;
-        let owner = owner.split(' ').next().unwrap_or_default();
         findings.extend(verdict.findings.iter().filter(|finding| finding.rule == owner));
     }
     if let Some(wrong) = findings.iter().find(|finding| !fault.is_named_by(finding)) {
         return Answer::Wrong(said(wrong));
     }
     let passes = rows.iter().any(|row| row.outcome == Outcome::Pass);
-    match (fault, findings.is_empty(), passes) {
-        (Fault::Healthy, true, true) | (_, false, false) => Answer::Right,
+    match (fault.is_healthy(), findings.is_empty(), passes) {
+        (true, true, true) | (_, false, false) => Answer::Right,
         (_, _, true) => Answer::Wrong(format!("{rule} passes: {}", measured(&rows))),
         _ if points_elsewhere => Answer::Wrong(format!("{rule} points to a rule that says nothing")),
         _ => {
@@ -64,12 +67,17 @@ pub fn of_all(verdict: &Verdict, fault: Fault) -> Answer {
     if let Some(crashed) = verdict.rows.iter().find(|row| row.outcome == Outcome::Crashed) {
         return Answer::Wrong(format!("{} crashed", crashed.rule));
     }
-    if let Some(wrong) = verdict.findings.iter().find(|finding| !fault.is_named_by(finding)) {
+    // That nothing states the origin of a map is true of each of these worlds in which it is said, and no alarm.
+    let is_alarm =
+        |finding: &&Finding| (finding.severity, finding.relation.as_deref()) != (Severity::Note, Some("missing"));
+    let mut alarms = verdict.findings.iter().filter(is_alarm);
+    if let Some(wrong) = alarms.find(|finding| !fault.is_named_by(finding)) {
         return Answer::Wrong(said(wrong));
     }
-    let is_right = match fault {
-        Fault::Healthy => verdict.count(Outcome::Pass) > 0,
-        _ => !verdict.findings.is_empty(),
+    let is_right = if fault.is_healthy() {
+        verdict.count(Outcome::Pass) > 0
+    } else {
+        !verdict.findings.is_empty()
     };
     if is_right {
         Answer::Right

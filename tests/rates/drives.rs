@@ -6,6 +6,7 @@ use frames_lint::world::World;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use crate::faults::Fault;
+use crate::frame_worlds;
 use crate::support::drive::description::{Gnss, Grade, Motion, Vehicle};
 use crate::support::drive::rows::{FixRow, ImuRow, OdometryRow};
 use crate::support::drive::{Description, Drive, Stream};
@@ -23,21 +24,21 @@ pub struct Kind {
 
 /// How often sensors speak.
 const IMU_HZ: f64 = 100.0;
-const ODOMETRY_HZ: f64 = 20.0;
+pub const ODOMETRY_HZ: f64 = 20.0;
 const FIX_HZ: f64 = 5.0;
 /// From the time of a fix to its message, seconds.
-const FIX_LATENCY_S: f64 = 0.1;
+pub const FIX_LATENCY_S: f64 = 0.1;
 /// Where the antenna is on the base, metres.
 const ANTENNA: [f64; 3] = [-0.1, 0.0, 0.8];
 
 /// The messages of a drive, all of them right.
 #[derive(Debug)]
 pub struct Messages {
-    drive: Drive,
-    base_from_imu: Isometry3<f64>,
-    imu: Vec<ImuRow>,
-    odometry: Vec<OdometryRow>,
-    fixes: Vec<FixRow>,
+    pub drive: Drive,
+    pub base_from_imu: Isometry3<f64>,
+    pub imu: Vec<ImuRow>,
+    pub odometry: Vec<OdometryRow>,
+    pub fixes: Vec<FixRow>,
 }
 
 impl Kind {
@@ -82,6 +83,9 @@ pub fn base_from_imu(seed: u64) -> Isometry3<f64> {
 impl Messages {
     /// The world that a recording with a fault gives.
     pub fn world(&self, fault: Fault) -> World {
+        if let Fault::Made(name) = fault {
+            return frame_worlds::made(name).world(self);
+        }
         let description = &self.drive.description;
         let imu = fault.imu(&self.imu, description.place.gravity());
         let odometry = fault.odometry(&self.odometry);

@@ -7,6 +7,7 @@ use nalgebra::{Rotation3, Vector3};
 
 use crate::support::drive::errors::{Error, Oriented};
 use crate::support::drive::rows::{FixRow, ImuRow, OdometryRow};
+use crate::{frame_worlds, place_lines};
 
 /// What is wrong with a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -19,10 +20,14 @@ pub enum Fault {
     Odometry(&'static str),
     /// The satellite receiver, by its name in [`FIX`].
     Fix(&'static str),
+    /// Other streams, with or without a fault, by their name in [`frame_worlds::MADE`].
+    Made(&'static str),
+    /// A scene of its own, by its name in [`place_lines::SCENES`]; some of them are healthy.
+    Place(&'static str),
 }
 
 /// What names a fault: words of relations, and texts of messages where several faults fit and are told.
-type Names = (&'static [&'static str], &'static [&'static str]);
+pub type Names = (&'static [&'static str], &'static [&'static str]);
 
 /// A fault: its name, the errors of the stream, and what names it.
 type Known = (&'static str, &'static [Error], Names);
@@ -31,13 +36,13 @@ type Known = (&'static str, &'static [Error], Names);
 const SIDE: &str = "on its side";
 
 /// What a sensor's finding says of a track that may be wrong instead.
-const MIRRORED: &str = "the track that it is held against is a mirror image";
+pub const MIRRORED: &str = "the track that it is held against is a mirror image";
 
 /// What a finding on a velocity says of the position that may be wrong instead.
-const POSITION: &str = "or the position beside it is wrong";
+const POSITION: &str = "or the position or the orientation beside it is wrong";
 
 /// What a finding on two orientations says of a mounting.
-const CONSTANT: &str = "differ by a constant in the body";
+pub const CONSTANT: &str = "differ by a constant in the body";
 
 /// Odometry that is stamped on arrival.
 const LATE: &str = "odom 0.1 s late";
@@ -70,7 +75,10 @@ pub const IMU: &[Known] = &[
     (
         "conjugate, wxyz",
         &[Error::Conjugate, Error::Wxyz],
-        (&["wxyz-inverse"], &["stand as w, x, y, z, of the inverse"]),
+        (
+            &["wxyz-inverse"],
+            &["stand as w, x, y, z, of the inverse", "the inverse would be as level"],
+        ),
     ),
     (
         "compass yaw",
@@ -79,6 +87,7 @@ pub const IMU: &[Known] = &[
             &["compass-yaw"],
             &[
                 "the yaw is a compass heading",
+                "grows clockwise: it turns against the course of topic `/odom`",
                 "follows its gyro about one axis, and not about z",
             ],
         ),
@@ -196,19 +205,35 @@ impl Fault {
     pub fn words(self) -> &'static str {
         match self {
             Self::Healthy => "healthy",
-            Self::Imu(name) | Self::Odometry(name) | Self::Fix(name) => name,
+            Self::Imu(name) | Self::Odometry(name) | Self::Fix(name) | Self::Made(name) | Self::Place(name) => name,
         }
     }
 
     fn known(self) -> Option<&'static Known> {
         let (of, name) = match self {
-            Self::Healthy => return None,
+            Self::Healthy | Self::Made(_) | Self::Place(_) => return None,
             Self::Imu(name) => (IMU, name),
             Self::Odometry(name) => (ODOMETRY, name),
             Self::Fix(name) => (FIX, name),
         };
         let known = of.iter().find(|known| known.0 == name);
         Some(known.unwrap_or_else(|| panic!("no fault is called `{name}`")))
+    }
+
+    /// Whether nothing is wrong.
+    pub fn is_healthy(self) -> bool {
+        match self {
+            Self::Place(name) => place_lines::scene(name).is_healthy,
+            _ => self.names().is_none(),
+        }
+    }
+
+    /// What names it; nothing names what is healthy.
+    fn names(self) -> Option<Names> {
+        match self {
+            Self::Made(name) => frame_worlds::made(name).names,
+            _ => Some(self.known()?.2),
+        }
     }
 
     /// The messages of an inertial sensor with the fault.
@@ -255,7 +280,10 @@ impl Fault {
 
     /// Whether a finding names it, alone or among those that it says fit as well.
     pub fn is_named_by(self, finding: &Finding) -> bool {
-        self.known().is_some_and(|(_, _, (words, texts))| {
+        if let Self::Place(name) = self {
+            return place_lines::scene(name).is_named_by(finding.relation.as_deref(), &finding.message);
+        }
+        self.names().is_some_and(|(words, texts)| {
             let relation = finding.relation.as_deref();
             relation.is_some_and(|word| words.contains(&word))
                 || texts.iter().any(|text| finding.message.contains(text))

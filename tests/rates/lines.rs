@@ -3,7 +3,8 @@
 use crate::drives::Kind;
 use crate::faults::{Fault, IMU, ODOMETRY};
 use crate::support::drive::description::{Gnss, Grade, Motion, Vehicle};
-use crate::table::{ALL, Asked, Table};
+use crate::table::{ALL, Asked, Reference, Table};
+use crate::{frame_lines, place_lines};
 
 const VEHICLES: [Vehicle; 4] = [Vehicle::Car, Vehicle::Walker, Vehicle::Drone, Vehicle::Robot];
 
@@ -15,6 +16,8 @@ pub fn table() -> Table {
     mirrors(&mut table);
     times(&mut table);
     rules(&mut table);
+    frame_lines::lines(&mut table);
+    place_lines::lines(&mut table);
     table
 }
 
@@ -29,6 +32,13 @@ const CAR: Kind = Kind {
 /// A line of a simulation that others made: its motion, its length, and the share that was right.
 type Simulated = (Motion, u32, f64, &'static str);
 
+/// How many trials of each line the simulations have.
+const S1: u32 = 60;
+const S2: u32 = 300;
+const S3B_RTK: u32 = 200;
+const S3B_SINGLE: u32 = 60;
+const S4: u32 = 100;
+
 fn simulated(
     table: &mut Table,
     group: &'static str,
@@ -36,7 +46,7 @@ fn simulated(
     subject: &'static str,
     of: Kind,
     faults: &[Fault],
-    lines: &[Simulated],
+    (trials, lines): (u32, &[Simulated]),
 ) {
     for (motion, seconds, right, words) in lines {
         for fault in faults {
@@ -54,7 +64,11 @@ fn simulated(
                     fault: *fault,
                     called: None,
                     pooled: false,
-                    reference: Some((*right, words)),
+                    reference: Some(Reference {
+                        right: *right,
+                        trials,
+                        words,
+                    }),
                 },
             );
         }
@@ -79,7 +93,7 @@ fn quaternions(table: &mut Table) {
         (Straight, 60, 0.75, "1.00 to the east"),
         (Still, 60, 0.0, "0 (not evaluated)"),
     ];
-    simulated(table, group, "QUAT01", "", CAR, &faults, &tactical);
+    simulated(table, group, "QUAT01", "", CAR, &faults, (S1, &tactical));
     let mems = Kind {
         imu: Grade::Mems,
         ..CAR
@@ -89,7 +103,7 @@ fn quaternions(table: &mut Table) {
         (Turning, 20, 0.975, ".975-1.00"),
         (Turning, 60, 1.0, "1.00"),
     ];
-    simulated(table, group, "QUAT01", "", mems, &faults, &low);
+    simulated(table, group, "QUAT01", "", mems, &faults, (S1, &low));
 }
 
 /// S2: the heading against the course.
@@ -115,14 +129,14 @@ fn headings(table: &mut Table) {
         (Straight, 120, 0.0, ".02; real drives need turns"),
         (Straight, 300, 0.0, ".25; real drives need turns"),
     ];
-    simulated(table, group, "AXES04", "", mems, &faults, &lines);
+    simulated(table, group, "AXES04", "", mems, &faults, (S2, &lines));
     // Its courses of 2 s are off by 0.2 m/s, the noise of the position alone: S2 had 0.3 m/s.
     let single = Kind {
         gnss: Gnss::Single,
         ..mems
     };
     let lines = [(Turning, 60, 0.95, ".95"), (Turning, 300, 0.98, ".98")];
-    simulated(table, group, "AXES04", "", single, &faults, &lines);
+    simulated(table, group, "AXES04", "", single, &faults, (S2, &lines));
 }
 
 /// S3b: odometry mirrored against the satellites' track.
@@ -143,7 +157,7 @@ fn mirrors(table: &mut Table) {
         (Straight, 120, 0.96, ".96"),
         (Straight, 300, 1.0, "1.00"),
     ];
-    simulated(table, group, "AXES07", "", CAR, &faults, &rtk);
+    simulated(table, group, "AXES07", "", CAR, &faults, (S3B_RTK, &rtk));
     let single = Kind {
         gnss: Gnss::Single,
         ..CAR
@@ -156,7 +170,7 @@ fn mirrors(table: &mut Table) {
         (Straight, 120, 0.10, ".10"),
         (Straight, 300, 0.17, ".17"),
     ];
-    simulated(table, group, "AXES07", "", single, &faults, &lines);
+    simulated(table, group, "AXES07", "", single, &faults, (S3B_SINGLE, &lines));
 }
 
 /// S4: odometry stamped late against the gyro. S4 had a yaw rate at 10 Hz with noise of 0.01 rad/s; here it is 20 Hz and 0.005.
@@ -171,7 +185,7 @@ fn times(table: &mut Table) {
         (Turning, 120, 1.0, "1.00"),
         (Straight, 60, 0.0, "0-.05"),
     ];
-    simulated(table, group, "TIME09", "topic `/odom`", CAR, &faults, &lines);
+    simulated(table, group, "TIME09", "topic `/odom`", CAR, &faults, (S4, &lines));
 }
 
 /// A rule, its subject, what its line without a fault is called, and the faults that show in it.
@@ -317,7 +331,7 @@ const SHOWS: &[Shows] = &[
 ];
 
 /// The kinds of drives of each group of lines, whether vehicles are pooled in them, and what is not pooled.
-fn groups() -> [(&'static str, Vec<Kind>, bool); 4] {
+pub fn groups() -> [(&'static str, Vec<Kind>, bool); 4] {
     // Good sensors and bad ones: what a vehicle usually carries.
     let turning = [
         (Grade::Tactical, Gnss::Rtk),

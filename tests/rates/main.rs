@@ -25,7 +25,10 @@ mod support;
 mod answers;
 mod drives;
 mod faults;
+mod frame_lines;
+mod frame_worlds;
 mod lines;
+mod place_lines;
 mod table;
 
 use std::ops::Range;
@@ -99,10 +102,7 @@ fn worlds_made_in_memory_are_those_of_recordings() {
             made.child_frames.keys().collect::<Vec<_>>()
         );
         let [read, made] = [read, made].map(|topic| numbers(&topic.content.motion));
-        assert_eq!(read.len(), made.len());
-        for (read, made) in read.iter().zip(&made) {
-            assert!((read - made).abs() < 1e-9, "{topic}: {read} and {made}");
-        }
+        same(topic, &read, &made);
     }
     // Fixes of a recording are late by what they lag; their rows are of the same form.
     let [read, made] = [&read, &made.bags[0]].map(|bag| bag.topics["/fix"].content.motion.fixes.clone().unwrap());
@@ -113,6 +113,76 @@ fn worlds_made_in_memory_are_those_of_recordings() {
     assert_eq!(delays(&read), delays(&made));
     let [read, made] = [&read, &made].map(|series| *series.rows().next().unwrap());
     assert_eq!((read.variance_m2, read.status), (made.variance_m2, made.status));
+}
+
+/// So are transforms that move, poses, and what is counted of inertial messages.
+#[test]
+fn frames_made_in_memory_are_those_of_recordings() {
+    let kind = Kind {
+        vehicle: Vehicle::Robot,
+        motion: Motion::Turning,
+        seconds: 3,
+        imu: Grade::Mems,
+        gnss: Gnss::Single,
+    };
+    let recipe = "
+        duration_s: 3
+        drive: {vehicle: robot, motion: turning, seed: 4, imu: mems, gnss: single}
+        topics:
+          - {topic: /tf, rate_hz: 20, transforms: [{parent: map, child: odom}, {parent: odom, child: base_link, from_drive: odometry}]}
+          - {topic: /pose, from_drive: pose, rate_hz: 20, frame_id: map}
+          - {topic: /imu, from_drive: imu, rate_hz: 100, frame_id: imu_link, xyz: [0.1, 0.05, 0.3]}
+          - {topic: /points, type: sensor_msgs/msg/PointCloud2, rate_hz: 10, frame_id: lidar}
+    ";
+    let read = support::evidence(recipe);
+    let messages = kind.messages(4);
+    let made = [
+        Fault::Made("stand-in"),
+        Fault::Made("poses"),
+        Fault::Healthy,
+        Fault::Made("lidar"),
+    ];
+    let made = made.map(|fault| messages.world(fault).bags[0].clone());
+    let poses = |rows: &Series<frames_lint::world::motion::PoseRow>| -> Vec<f64> {
+        let of = |row: &frames_lint::world::motion::PoseRow| [&row.position[..], &row.orientation].concat();
+        rows.rows().flat_map(of).collect()
+    };
+    for child in ["odom", "base_link"] {
+        let [read, made] =
+            [&read, &made[0]].map(|bag| bag.tf.iter().find(|edge| edge.child.as_str() == child).unwrap());
+        assert_eq!(
+            (read.count, read.is_static, &read.topic),
+            (made.count, made.is_static, &made.topic)
+        );
+        let change = |edge: &frames_lint::world::bag::TfEdge| edge.extreme.as_ref().map(|(_, rad, m)| [*rad, *m]);
+        same(
+            child,
+            &change(read).unwrap_or_default(),
+            &change(made).unwrap_or_default(),
+        );
+        let [read, made] = [read, made].map(|edge| edge.motion.as_ref().map_or_else(Vec::new, poses));
+        same(child, &read, &made);
+    }
+    let [told, of_memory] =
+        [&read, &made[1]].map(|bag| poses(bag.topics["/pose"].content.motion.poses.as_ref().unwrap()));
+    same("/pose", &told, &of_memory);
+    let [told, of_memory] = [&read, &made[2]].map(|bag| bag.topics["/imu"].content.imu.clone().unwrap());
+    let counts =
+        |imu: &frames_lint::world::content::ImuEvidence| [imu.count, imu.identity, imu.zero, imu.same_as_first];
+    assert_eq!(counts(&told), counts(&of_memory));
+    let turning = |imu: &frames_lint::world::content::ImuEvidence| [imu.angular_velocity_rms, imu.turned_rad];
+    same("/imu", &turning(&told), &turning(&of_memory));
+    let [told, of_memory] = [&read.topics["/points"], &made[3].topics["/livox/lidar"]];
+    assert_eq!(told.message_type, of_memory.message_type);
+    assert!(told.count > 0 && of_memory.count > 0);
+}
+
+/// Whether a recording and what was made in memory have the same numbers.
+fn same(what: &str, read: &[f64], made: &[f64]) {
+    assert_eq!(read.len(), made.len(), "{what}");
+    for (read, made) in read.iter().zip(made) {
+        assert!((read - made).abs() < 1e-9, "{what}: {read} and {made}");
+    }
 }
 
 /// All numbers of the rows of a stream, times among them.

@@ -1,5 +1,6 @@
 //! The table: its lines, what is counted in each, and how it is printed.
 
+use std::cell::LazyCell;
 use std::fmt::Write;
 use std::ops::Range;
 
@@ -10,6 +11,7 @@ use crate::answers::{self, Answer};
 use crate::drives::Kind;
 use crate::faults::Fault;
 use crate::support::drive::description::{Gnss, Grade, Motion, Vehicle};
+use crate::{frame_worlds, place_lines};
 
 /// Share of wrong answers that a rule may have in a group of lines.
 pub const MOST_WRONG: f64 = 0.005;
@@ -41,6 +43,17 @@ struct Drives {
     cells: Vec<Cell>,
 }
 
+/// What a simulation that others made has for a line.
+#[derive(Clone, Copy, Debug)]
+pub struct Reference {
+    /// Share of right answers.
+    pub right: f64,
+    /// Of how many trials.
+    pub trials: u32,
+    /// How it is written there.
+    pub words: &'static str,
+}
+
 /// A line.
 #[derive(Debug)]
 pub struct Line {
@@ -48,8 +61,7 @@ pub struct Line {
     pub rule: &'static str,
     what: String,
     drive: String,
-    /// Share of right answers in a simulation that others made, and how it is written there.
-    pub reference: Option<(f64, &'static str)>,
+    pub reference: Option<Reference>,
     /// Whether not one wrong answer is allowed.
     pub is_strict: bool,
     pub right: usize,
@@ -77,7 +89,7 @@ pub struct Asked {
     pub called: Option<&'static str>,
     /// Whether the line stands for all vehicles.
     pub pooled: bool,
-    pub reference: Option<(f64, &'static str)>,
+    pub reference: Option<Reference>,
 }
 
 impl Table {
@@ -149,7 +161,10 @@ impl Table {
 
     /// Answers every question for these seeds.
     pub fn fill(&mut self, seeds: Range<u64>) {
-        let rules = Rules::select(&["AXES", "QUAT", "TIME09"]).unwrap();
+        let rules = Rules::select(&[
+            "AXES", "QUAT", "GEO", "COV", "TIME09", "TREE16", "SENSOR05", "SENSOR06", "SENSOR08", "SENSOR09",
+        ]);
+        let rules = rules.unwrap();
         // Whoever is through early takes the next of the long drives first.
         let mut tasks: Vec<(usize, u64)> = Vec::new();
         for drives in 0..self.drives.len() {
@@ -158,15 +173,21 @@ impl Table {
         tasks.sort_by_key(|(drives, seed)| (std::cmp::Reverse(self.drives[*drives].kind.seconds), *drives, *seed));
         let answered = |(drives, seed): &(usize, u64)| -> Vec<(usize, Answer)> {
             let Drives { kind, cells } = &self.drives[*drives];
-            let messages = kind.messages(*seed);
+            let messages = LazyCell::new(|| kind.messages(*seed));
             let mut answers = Vec::new();
             for cell in cells {
-                let verdict = rules.judge(&messages.world(cell.fault));
+                let (verdict, truth) = match cell.fault {
+                    Fault::Place(name) => (rules.judge(&place_lines::scene(name).world(*kind, *seed)), cell.fault),
+                    fault => (
+                        rules.judge(&messages.world(fault)),
+                        frame_worlds::truth(&messages, fault),
+                    ),
+                };
                 for question in &cell.questions {
                     let answer = if question.rule == ALL {
-                        answers::of_all(&verdict, cell.fault)
+                        answers::of_all(&verdict, truth)
                     } else {
-                        answers::of_rule(&verdict, question.rule, question.subject, cell.fault)
+                        answers::of_rule(&verdict, question.rule, question.subject, truth)
                     };
                     let of = |said: String| {
                         let drive: Vec<String> = words(*kind).split_whitespace().map(str::to_owned).collect();
@@ -202,15 +223,15 @@ impl Table {
                 group = line.group;
                 let _ = writeln!(
                     text,
-                    "\n{group}\n{:<7}{:<21}{:<39}{:>7}{:>7}{:>8}{:>7}  reference",
+                    "\n{group}\n{:<9}{:<21}{:<39}{:>7}{:>7}{:>8}{:>7}  reference",
                     "rule", "fault", "drive", "right", "wrong", "not ev.", "n"
                 );
             }
             let share = |count: usize| 100.0 * count as f64 / line.all() as f64;
-            let reference = line.reference.map_or("", |(_, words)| words);
+            let reference = line.reference.map_or("", |reference| reference.words);
             let _ = writeln!(
                 text,
-                "{:<7}{:<21}{:<39}{:>7.1}{:>7.2}{:>8.1}{:>7}  {reference}{}",
+                "{:<9}{:<21}{:<39}{:>7.1}{:>7.2}{:>8.1}{:>7}  {reference}{}",
                 line.rule,
                 line.what,
                 line.drive,
@@ -296,17 +317,28 @@ impl Line {
         self.right + self.wrong + self.not_evaluated
     }
 
-    /// Whether there is less than the reference, by more than chance explains: the upper end of Wilson's interval at
-    /// two deviations is under it.
+    /// Whether there is less than the reference, by more than chance explains: Newcombe's interval of the difference at two
+    /// deviations (Interval estimation for the difference between independent proportions, Stat Med 1998, method 10) is
+    /// all under 0. The reference is a simulation too, of so many trials.
     fn is_short(&self) -> bool {
-        self.reference.is_some_and(|(reference, _)| {
-            let (n, z) = (self.all() as f64, 2.0);
-            let share = self.right as f64 / n;
-            let middle = share + z * z / (2.0 * n);
-            let half = z * (share * (1.0 - share) / n + z * z / (4.0 * n * n)).sqrt();
-            (middle + half) / (1.0 + z * z / n) < reference - 1e-9
+        self.reference.is_some_and(|reference| {
+            let (n, trials) = (self.all() as f64, f64::from(reference.trials));
+            let ours = self.right as f64 / n;
+            let (_, our_upper) = wilson(ours, n);
+            let (their_lower, _) = wilson(reference.right, trials);
+            let beyond = (our_upper - ours).hypot(reference.right - their_lower);
+            ours - reference.right + beyond < -1e-9
         })
     }
+}
+
+/// Wilson's interval of a share of `n` at two deviations.
+fn wilson(share: f64, n: f64) -> (f64, f64) {
+    let z = 2.0_f64;
+    let middle = share + z * z / (2.0 * n);
+    let half = z * (share * (1.0 - share) / n + z * z / (4.0 * n * n)).sqrt();
+    let whole = 1.0 + z * z / n;
+    ((middle - half) / whole, (middle + half) / whole)
 }
 
 fn words(kind: Kind) -> String {

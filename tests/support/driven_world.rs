@@ -2,16 +2,14 @@
 //!
 //! Owns the means that rows of fast streams are. `tests/rates` holds it to what is collected of a recipe.
 
-use std::collections::BTreeMap;
-
 use frames_lint::source::{MessageRef, SourceId};
-use frames_lint::world::bag::{Faults, HeaderFrame, StampEvidence, TfEdge, TfSample, TopicEvidence};
-use frames_lint::world::content::{ContentEvidence, StepEvidence};
+use frames_lint::world::bag::{HeaderFrame, TfEdge, TfSample, TopicEvidence};
+use frames_lint::world::content::{ContentEvidence, ImuEvidence};
 use frames_lint::world::motion::{FixRow as Fix, InertialRow, MotionEvidence, PoseRow as Pose, ROW_NS, Series, Twist};
 use frames_lint::world::{BagEvidence, FrameId, World};
 use nalgebra::Isometry3;
 
-use super::drive::rows::{FixRow, ImuRow, OdometryRow};
+use super::drive::rows::{FixRow, ImuRow, OdometryRow, PoseRow};
 
 /// Log clock at the start, nanoseconds.
 pub const START_NS: i64 = 1_700_000_000_000_000_000;
@@ -46,17 +44,27 @@ impl Recording {
             angular_velocity: part(&values, 4),
             linear_acceleration: part(&values, 7),
         });
-        let motion = MotionEvidence {
-            inertial: Some(series),
-            ..MotionEvidence::default()
+        let content = ContentEvidence {
+            imu: Some(inertial(topic, rows)),
+            motion: MotionEvidence {
+                inertial: Some(series),
+                ..MotionEvidence::default()
+            },
+            ..ContentEvidence::default()
         };
-        self.add(topic, "sensor_msgs/msg/Imu", [frame, ""], motion);
+        self.add(topic, "sensor_msgs/msg/Imu", [frame, ""], rows.len(), content);
         self
     }
 
     /// With odometry of `base_link` in `odom`.
     #[must_use]
-    pub fn odometry(mut self, topic: &str, rows: &[OdometryRow]) -> Self {
+    pub fn odometry(self, topic: &str, rows: &[OdometryRow]) -> Self {
+        self.odometry_of(topic, ["odom", "base_link"], rows)
+    }
+
+    /// With odometry of a frame in another.
+    #[must_use]
+    pub fn odometry_of(mut self, topic: &str, frames: [&str; 2], rows: &[OdometryRow]) -> Self {
         let messages = rows.iter().map(|row| {
             let mut values = [0.0; 13];
             values[..3].copy_from_slice(&row.pose.position);
@@ -75,11 +83,30 @@ impl Recording {
                 angular: part(&values, 10),
             }),
         });
-        let motion = MotionEvidence {
+        let content = of_motion(MotionEvidence {
             poses: Some(series),
             ..MotionEvidence::default()
-        };
-        self.add(topic, "nav_msgs/msg/Odometry", ["odom", "base_link"], motion);
+        });
+        self.add(topic, "nav_msgs/msg/Odometry", frames, rows.len(), content);
+        self
+    }
+
+    /// With poses in a frame.
+    #[must_use]
+    pub fn poses(mut self, topic: &str, frame: &str, rows: &[PoseRow]) -> Self {
+        let content = of_motion(MotionEvidence {
+            poses: Some(poses(rows)),
+            ..MotionEvidence::default()
+        });
+        self.add(topic, "geometry_msgs/msg/PoseStamped", [frame, ""], rows.len(), content);
+        self
+    }
+
+    /// With point clouds, of which nothing but the frame is known.
+    #[must_use]
+    pub fn clouds(mut self, topic: &str, frame: &str, count: usize) -> Self {
+        let content = ContentEvidence::default();
+        self.add(topic, "sensor_msgs/msg/PointCloud2", [frame, ""], count, content);
         self
     }
 
@@ -101,39 +128,53 @@ impl Recording {
             variance_m2: part(&values, 3),
             status: values[6] as i8,
         });
-        let motion = MotionEvidence {
+        let content = of_motion(MotionEvidence {
             fixes: Some(series),
             ..MotionEvidence::default()
-        };
-        self.add(topic, "sensor_msgs/msg/NavSatFix", [frame, ""], motion);
+        });
+        self.add(topic, "sensor_msgs/msg/NavSatFix", [frame, ""], rows.len(), content);
         self
     }
 
     /// With a static transform.
     #[must_use]
     pub fn transform(mut self, parent: &str, child: &str, parent_from_child: &Isometry3<f64>) -> Self {
-        let at = message("/tf_static", START_NS);
+        let sample = TfSample {
+            at: message("/tf_static", START_NS),
+            pose: frames_lint::world::Pose::from_isometry(parent_from_child),
+        };
+        self.0.tf.push(edge([parent, child], 1, &[sample]));
+        self
+    }
+
+    /// With a transform on `/tf`: all of its poses, and every twentieth of them as a sample; not how it steps.
+    #[must_use]
+    pub fn moving(mut self, parent: &str, child: &str, rows: &[PoseRow]) -> Self {
+        let sample = |row: &PoseRow| TfSample {
+            at: message("/tf", START_NS + (row.t_s * 1e9).round() as i64),
+            pose: frames_lint::world::Pose::from_isometry(&row.isometry()),
+        };
+        let samples: Vec<TfSample> = rows.iter().step_by(20).chain(rows.last()).map(sample).collect();
+        let first = rows[0].isometry();
+        let apart = |row: &PoseRow| {
+            let here = row.isometry();
+            let shift = (here.translation.vector - first.translation.vector).norm();
+            (first.rotation.angle_to(&here.rotation), shift)
+        };
+        // In the units of a tenth of a degree and a millimetre, as it is collected.
+        let weight = |(angle, shift): (f64, f64)| (angle / 0.1_f64.to_radians()).max(shift / 1e-3);
+        let farthest = rows
+            .iter()
+            .max_by(|a, b| weight(apart(a)).total_cmp(&weight(apart(b))))
+            .unwrap();
+        let (angle, shift) = apart(farthest);
+        let extreme = (rows.iter().any(|row| row.isometry() != first)).then(|| (sample(farthest), angle, shift));
         self.0.tf.push(TfEdge {
-            parent: FrameId::new(parent),
-            child: FrameId::new(child),
-            topic: "/tf_static".to_owned(),
-            is_static: true,
-            count: 1,
-            first_at: at.clone(),
-            last_at: at.clone(),
-            samples: vec![TfSample {
-                at,
-                pose: frames_lint::world::Pose::from_isometry(parent_from_child),
-            }],
-            extreme: None,
-            non_finite: Faults::default(),
-            zero_quaternion: Faults::default(),
-            denormalized: Faults::default(),
-            worst_norm_error: 0.0,
-            stamps: StampEvidence::default(),
-            steps: StepEvidence::default(),
-            writers: BTreeMap::new(),
-            motion: None,
+            topic: "/tf".to_owned(),
+            is_static: false,
+            motion: (weight((angle, shift)) > 1.0).then(|| poses(rows)),
+            extreme,
+            ..edge([parent, child], rows.len(), &samples)
         });
         self
     }
@@ -150,27 +191,86 @@ impl Recording {
         world
     }
 
-    fn add(&mut self, topic: &str, message_type: &str, [frame, child]: [&str; 2], motion: MotionEvidence) {
+    fn add(
+        &mut self,
+        topic: &str,
+        message_type: &str,
+        [frame, child]: [&str; 2],
+        count: usize,
+        content: ContentEvidence,
+    ) {
         let at = message(topic, START_NS);
-        let header = |count: u64| HeaderFrame {
-            count,
+        let header = || HeaderFrame {
+            count: count as u64,
             first: at.clone(),
         };
         let mut evidence = TopicEvidence {
             topic: topic.to_owned(),
             message_type: message_type.to_owned(),
-            content: ContentEvidence {
-                motion,
-                ..ContentEvidence::default()
-            },
+            count: count as u64,
+            content,
             ..TopicEvidence::default()
         };
         evidence.stamps.first = Some(at.clone());
-        evidence.header_frames.insert(FrameId::new(frame), header(1));
+        evidence.header_frames.insert(FrameId::new(frame), header());
         if !child.is_empty() {
-            evidence.child_frames.insert(FrameId::new(child), header(1));
+            evidence.child_frames.insert(FrameId::new(child), header());
         }
         self.0.topics.insert(topic.to_owned(), evidence);
+    }
+}
+
+fn of_motion(motion: MotionEvidence) -> ContentEvidence {
+    ContentEvidence {
+        motion,
+        ..ContentEvidence::default()
+    }
+}
+
+/// What is counted of inertial messages.
+fn inertial(topic: &str, rows: &[ImuRow]) -> ImuEvidence {
+    #[allow(clippy::float_cmp)] // exactly is what is asked
+    let is = |xyzw: [f64; 4]| rows.iter().filter(|row| row.orientation == xyzw).count() as u64;
+    let speed = |row: &ImuRow| row.gyro.iter().map(|rate| rate * rate).sum::<f64>().sqrt();
+    let squares: f64 = rows.iter().map(|row| speed(row).powi(2)).sum();
+    let steps = rows.windows(2);
+    ImuEvidence {
+        count: rows.len() as u64,
+        identity: is([0.0, 0.0, 0.0, 1.0]),
+        zero: is([0.0; 4]),
+        same_as_first: rows.first().map_or(0, |row| is(row.orientation)),
+        first: Some(message(topic, START_NS)),
+        angular_velocity_rms: (squares / rows.len() as f64).sqrt(),
+        turned_rad: steps
+            .map(|pair| 0.5 * (speed(&pair[0]) + speed(&pair[1])) * (pair[1].t_s - pair[0].t_s))
+            .sum(),
+    }
+}
+
+/// Poses without a velocity.
+fn poses(rows: &[PoseRow]) -> Series<Pose> {
+    let messages = rows.iter().map(|row| {
+        let mut values = [0.0; 7];
+        values[..3].copy_from_slice(&row.position);
+        values[3..].copy_from_slice(&row.orientation);
+        (row.t_s, values)
+    });
+    series(messages, 3, 0.0, |stamp_ns, log_ns, values| Pose {
+        stamp_ns,
+        log_ns,
+        position: part(&values, 0),
+        orientation: part(&values, 3),
+        twist: None,
+    })
+}
+
+/// An edge with these samples.
+fn edge([parent, child]: [&str; 2], count: usize, samples: &[TfSample]) -> TfEdge {
+    TfEdge {
+        count: count as u64,
+        last_at: samples[samples.len() - 1].at.clone(),
+        samples: samples.to_vec(),
+        ..TfEdge::once(FrameId::new(parent), FrameId::new(child), samples[0].clone())
     }
 }
 

@@ -82,13 +82,13 @@
 //! - imu, ins: `frd` (gyro and accelerometer beside a correct quaternion), `deg_s`, `gyro_negated`, `g`, `cm_s2`, `gravity_sign`,
 //!   `gravity_removed`
 //! - pose, odometry: `x_negated`, `y_negated`, `z_negated`, `swap_xy` (positions alone); pose: `utm_grid` (from the
-//!   origin's easting and northing), `utm`, `ecef`, `altitude_as_z`
+//!   origin's easting and northing), `utm`, `ecef`, `lat_lon_degrees`, `altitude_as_z`
 //! - odometry: `twist_in_world`, `twist_reversed`, `twist_y_negated`, `twist_swapped`, `twist_yaw_negated`,
 //!   `twist_covariance_in_world`
 //! - fix, gps_fix, custom_gps: `swapped`, `msl`, `radians`, `e7`, `float32`; gnss_velocity: `ned_frd`, `swap_xy`,
 //!   `twist_in_body`, `twist_reversed`
 //! - covariances: `covariance_std`; imu, pose, odometry: `covariance_degrees`; pose, odometry, fix:
-//!   `covariance_centimetres`; pose, odometry: `covariance_rotation_first`, `covariance_not_rotated` (left in the body's axes); pose: `covariance_of_enu` (left in
+//!   `covariance_centimetres`; pose, odometry: `covariance_millimetres`, `covariance_rotation_first`, `covariance_not_rotated` (left in the body's axes); pose: `covariance_of_enu` (left in
 //!   ENU, the pose being in `world_from_enu`); imu, fix: `covariance_up_first`
 //! - earth: `transposed`, `ned_rows`, `spherical_latitude`, `active_rotations`, `lat_lon_swapped`
 //!

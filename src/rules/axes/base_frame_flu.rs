@@ -87,7 +87,7 @@ fn judge_seen(base: &Base, subject: String, seen: &Seen, limits: &Limits, out: &
     }
     match seen.forward {
         Some(forward) if forward.index == 0 && !forward.is_negative => out.pass(subject, measured),
-        Some(forward) if forward.index == 0 => {
+        Some(forward) if forward.index == 0 && seen.twist_agrees != Some(false) => {
             let message = format!(
                 "`{}` goes backwards all the way ({:.0} m along -x): a drive in reverse, or its x axis points to the rear",
                 base.frame, seen.way_m
@@ -123,18 +123,27 @@ fn turned(base: &Base, subject: String, seen: &Seen, up: Axis) -> Finding {
         || format!("{} points up", up.word()),
         |letters| format!("its axes point {}", words(letters)),
     );
+    let says = if seen.forward.is_some() {
+        "pose and motion"
+    } else {
+        "the pose"
+    };
     let because = match &seen.gravity {
         Some((axis, sensor)) if *axis != up => {
             format!(
-                "pose and motion of {} say so, where {sensor} on it has z up, and the pose turns against its gyro",
+                "by {says} of {}, where {sensor} on it has z up, and the pose turns against its gyro",
                 base.stream
             )
         }
-        Some((_, sensor)) => format!("pose and motion of {} and gravity by {sensor} say so", base.stream),
+        Some((_, sensor)) => format!("{says} of {} and gravity by {sensor} say so", base.stream),
         None => format!("pose and motion of {} say so", base.stream),
     };
     let doubt = if seen.is_upside_down() && seen.gravity.is_none() {
-        "; or the frame that the pose is told in has z down"
+        if seen.is_up_reordered {
+            "; or the frame that the pose is told in has z down; or the four numbers of the orientation stand as w, x, y, z"
+        } else {
+            "; or the frame that the pose is told in has z down"
+        }
     } else if !seen.is_upside_down() && seen.twist_agrees.is_none() {
         "; or the orientation counts its yaw from another direction than the position"
     } else {

@@ -18,7 +18,7 @@ use crate::world::{FrameId, World};
 use super::base_frame_flu::{BaseFrameFlu, Limits};
 use super::imu_gravity_sign::{self, ImuGravitySign};
 use super::sensors::Look;
-use super::worlds::turns_against;
+use super::worlds::turns_with;
 
 /// A direction along an axis of the base.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -74,12 +74,28 @@ pub(super) struct Seen {
     /// Whether the velocity that is published with the pose points along the same axis; `None` without one.
     pub(super) twist_agrees: Option<bool>,
     pub(super) way_m: f64,
+    /// Whether z points up once the four numbers are read as w, x, y, z.
+    pub(super) is_up_reordered: bool,
 }
 
 impl Seen {
     /// Whether the base is turned itself: the pose says so, and nothing contradicts.
     pub(super) fn is_turned(&self) -> bool {
         self.is_upside_down() || self.is_sideways()
+    }
+
+    /// Whether its x points to the rear, or it drives in reverse all the way.
+    pub(super) fn is_backward(&self) -> bool {
+        self.forward
+            .is_some_and(|forward| forward.index == 0 && forward.is_negative)
+            && self.twist_agrees != Some(false)
+    }
+
+    /// What the base's yaw is more than its course, radians, where another axis than x points where it goes.
+    pub(super) fn yaw_minus_course_rad(&self) -> Option<f64> {
+        let forward = self.forward.filter(|_| self.is_sideways() || self.is_backward())?;
+        let forward = forward.vector();
+        (forward.z == 0.0).then(|| -forward.y.atan2(forward.x))
     }
 
     /// Whether its z points down: against z of the world, unless gravity says that it is the world that is upside down.
@@ -148,7 +164,8 @@ fn bases(bag: &BagMotion) -> Option<Vec<Base>> {
         let turned = Turned::of(stream);
         let is_on_it = |imu: &&Imu| imu.mount.as_ref().is_some_and(|mount| mount.base == frame);
         let mut on_it = bag.imus.iter().filter(is_on_it);
-        let against = on_it.find(|imu| turns_against(&turned, imu, &imu.base_from_imu(), limits.max_step_s));
+        let against =
+            on_it.find(|imu| turns_with(&turned, imu, &imu.base_from_imu(), limits.max_step_s) == Some(false));
         let against = against.map(|imu| imu.stream.subject.clone());
         found.push(Base {
             stream: stream.subject.clone(),
@@ -177,7 +194,7 @@ fn look(
     limits: &Limits,
 ) -> Look<Seen> {
     let (mut forward, mut up, mut twist) = (Vector3::zeros(), Vector3::zeros(), Vector3::zeros());
-    let (mut way_m, mut rows) = (0.0, 0.0);
+    let (mut way_m, mut rows, mut reordered) = (0.0, 0.0, Vector3::zeros());
     for window in stream.windows(limits.window_s, limits.max_step_s) {
         let (Some(first), Some(last), Some(middle)) = (window.first(), window.last(), window.get(window.len() / 2))
         else {
@@ -201,6 +218,9 @@ fn look(
         rows += 1.0;
         forward += orientation.inverse() * moved;
         up += orientation.inverse() * Vector3::z();
+        if let Some(other) = Reading::Wxyz.world_from_body(middle.row.orientation) {
+            reordered += other.inverse() * Vector3::z();
+        }
         let velocity = middle
             .row
             .twist
@@ -210,6 +230,11 @@ fn look(
         }
     }
     if way_m < limits.min_way_m {
+        // What stands has no front, and still a top.
+        let seen = standing(stream, gravity, against, limits);
+        if let Some(seen) = seen.filter(Seen::is_upside_down) {
+            return Ok(seen);
+        }
         let why = format!(
             "it goes {way_m:.1} m straight enough to say where its front is; {} m are needed",
             limits.min_way_m
@@ -232,5 +257,33 @@ fn look(
             .zip(forward)
             .map(|(twist, forward)| twist.normalize().dot(&forward.vector()) > 0.5),
         way_m,
+        is_up_reordered: steady(reordered, rows).is_some_and(|up| up.index == 2 && !up.is_negative),
+    })
+}
+
+/// What is seen of a base that goes nowhere: where gravity and the pose agree that its z points down.
+fn standing(
+    stream: &Stream<PoseRow>,
+    gravity: Option<(Axis, String)>,
+    against: Option<String>,
+    limits: &Limits,
+) -> Option<Seen> {
+    let orientations = stream
+        .rows()
+        .filter_map(|timed| Reading::Xyzw.world_from_body(timed.row.orientation));
+    let ups: Vec<Vector3<f64>> = orientations.map(|turned| turned.inverse() * Vector3::z()).collect();
+    let sum: Vector3<f64> = ups.iter().sum();
+    let is_steady = !ups.is_empty() && sum.norm() >= limits.min_concentration * ups.len() as f64;
+    let up = Axis::near(&sum, limits.max_angle_deg).filter(|up| is_steady && up.index == 2 && up.is_negative)?;
+    gravity.as_ref().filter(|(axis, _)| *axis == up)?;
+    Some(Seen {
+        forward: None,
+        concentration: 0.0,
+        up: Some(up),
+        gravity,
+        against,
+        twist_agrees: None,
+        way_m: 0.0,
+        is_up_reordered: false,
     })
 }

@@ -43,6 +43,8 @@ pub(crate) enum Turn {
     Yaw,
     /// The other way; of these it cannot be told which.
     Reversed,
+    /// As its integral once it is read otherwise; of several readings it cannot be told which.
+    OneOf(Readings),
     /// As its integral once the four numbers are read as `w x y z`.
     Reordered,
     /// As its integral once they are read as `w x y z` of the inverse.
@@ -53,6 +55,32 @@ pub(crate) enum Turn {
     Ordered,
     /// It does not.
     Unrelated,
+}
+
+/// Readings of an orientation and its gyro that serve alike.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Readings(u8);
+
+impl Readings {
+    const KNOWN: [Turn; 6] = [
+        Turn::Inverse,
+        Turn::Reordered,
+        Turn::ReorderedInverse,
+        Turn::Frd,
+        Turn::Negated,
+        Turn::Yaw,
+    ];
+
+    /// Those of a list that have a name.
+    pub(crate) fn of(turns: &[Turn]) -> Self {
+        let bits = Self::KNOWN.iter().enumerate();
+        Self(bits.fold(0, |sum, (bit, known)| sum | u8::from(turns.contains(known)) << bit))
+    }
+
+    fn has(self, turn: Turn) -> bool {
+        let bit = Self::KNOWN.iter().position(|known| *known == turn);
+        bit.is_some_and(|bit| self.0 >> bit & 1 == 1)
+    }
 }
 
 /// How the yaw of the orientation turns against the course.
@@ -336,9 +364,17 @@ impl Cause {
         }
         any(seen.base, self.base)
             && any(seen.world, self.world)
-            && any(seen.turn, self.turn)
+            && self.turns_as(seen.turn)
             && any(seen.heading, self.heading)
             && any(seen.sense, self.sense)
             && any(seen.push, self.push)
+    }
+
+    fn turns_as(&self, seen: Option<Turn>) -> bool {
+        match seen {
+            None => true,
+            Some(Turn::OneOf(readings)) => self.turn.iter().any(|turn| readings.has(*turn)),
+            Some(turn) => self.turn.contains(&turn),
+        }
     }
 }

@@ -126,6 +126,12 @@ impl Diagnosis {
     }
 }
 
+/// A wrong setting of a driver that what was seen does not rule out. A heading in place of a yaw is judged by itself.
+pub(super) fn unseen(seen: Seen) -> Option<&'static Cause> {
+    let is_setting = |cause: &&Cause| cause.is_of_driver && cause.word != "compass-yaw";
+    CAUSES.iter().find(|cause| is_setting(cause) && cause.fits(seen))
+}
+
 /// Whether a rule sees something wrong.
 fn shows(seen: Seen, code: &str) -> bool {
     match code {
@@ -144,6 +150,7 @@ fn shows(seen: Seen, code: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::rules::axes::causes::Readings;
 
     fn words(seen: Seen) -> (Vec<&'static str>, Option<&'static str>) {
         let diagnosis = Diagnosis::of(seen, &ToldIn::default(), None);
@@ -184,6 +191,20 @@ mod tests {
             ..still
         };
         assert_eq!(words(pushed), (vec!["gravity-sign"], Some("AXES01")));
+    }
+
+    #[test]
+    fn of_readings_that_serve_alike_the_other_measurements_leave_some() {
+        let seen = Seen {
+            turn: Some(Turn::OneOf(Readings::of(&[Turn::Inverse, Turn::Reordered]))),
+            ..Seen::default()
+        };
+        assert_eq!(words(seen), (vec!["inverse", "wxyz"], Some("QUAT01")));
+        let down = Seen {
+            world: Some(World::Down),
+            ..seen
+        };
+        assert_eq!(words(down), (vec!["wxyz"], Some("QUAT01")));
     }
 
     #[test]

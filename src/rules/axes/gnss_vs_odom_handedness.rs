@@ -1,5 +1,7 @@
 //! AXES07: a track of odometry that is the mirror image of the satellites' one.
 
+use std::cell::OnceCell;
+
 use serde::Deserialize;
 
 use crate::math::stats::median;
@@ -40,21 +42,30 @@ impl Rule for GnssVsOdomHandedness {
         let worlds = Worlds::of(world);
         for (index, bag) in Motion::of(world).bags.iter().enumerate() {
             for fixes in &bag.fixes {
-                let satellites = fixes.track();
+                let (satellites, minor_m) = (fixes.track(), min_minor_m(fixes, limits));
+                let exchanged = OnceCell::new();
+                let exchanged = || exchanged.get_or_init(|| exchanged_track(fixes)).as_ref();
                 for poses in &bag.poses {
                     let subject = format!("{} against {}", poses.subject, fixes.subject);
-                    let minor_m = min_minor_m(fixes, limits);
+                    if poses.is_earth_centred() {
+                        let why = "the poses are metres from the Earth's centre: x and y lie in no level plane (GEO03)";
+                        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                        continue;
+                    }
                     let votes = Votes::of(&satellites, &poses.track(), minor_m, limits);
                     let is_mirrored = votes.majority(limits) == Some(true);
-                    if let Some(finding) = swapped(poses, fixes, &votes, minor_m, limits) {
+                    let swapped = swapped(poses, fixes, exchanged, &votes, minor_m, limits);
+                    if (is_mirrored || swapped.is_some()) && worlds.is_off(index, poses.frame.as_ref()) {
+                        let why = "mirrored: part of what AXES14 reports of the frame, whose z does not point up";
+                        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                        continue;
+                    }
+                    if let Some(finding) = swapped {
                         out.fail(Finding { subject, ..finding });
                         continue;
                     }
                     if is_mirrored && bag.simulator.is_some() {
                         let why = "it is mirrored, and the poses are a simulator's: SENSOR09 reports it";
-                        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-                    } else if is_mirrored && worlds.is_down(index, poses.frame.as_ref()) {
-                        let why = "mirrored: part of what AXES14 reports of the frame, whose z points down";
                         out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
                     } else {
                         judge_votes(&subject, poses, fixes, &votes, minor_m, limits, out);
@@ -84,26 +95,23 @@ pub(crate) fn hand(fixes: &Stream<FixRow>, track: &Track, limits: &Limits) -> Op
 
 /// A finding, where the tracks fit once latitude and longitude are exchanged, and as told neither turned nor, by far, mirrored.
 /// A track of exchanged coordinates is mirrored, and stretched besides: away from the equator neither fit meets it.
-fn swapped(
+fn swapped<'t>(
     poses: &Stream<PoseRow>,
     fixes: &Stream<FixRow>,
+    exchanged: impl FnOnce() -> Option<&'t Track>,
     votes: &Votes,
     minor_m: f64,
     limits: &Limits,
 ) -> Option<Finding> {
     // As told the tracks must not fit turned, and mirrored clearly worse than the exchanged ones do.
     let as_told_m = votes.better_m.filter(|_| votes.majority(limits) != Some(false))?;
-    let mut exchanged = fixes.clone();
-    for fix in exchanged.stretches.iter_mut().flatten() {
-        std::mem::swap(&mut fix.row.latitude_deg, &mut fix.row.longitude_deg);
-    }
-    let is_place = exchanged.rows().all(|fix| fix.row.latitude_deg.abs() <= 90.0);
-    let votes = Votes::of(&Track::of_fixes(&exchanged), &poses.track(), minor_m, limits);
-    if !is_place || votes.majority(limits) != Some(false) {
+    let votes = Votes::of(exchanged()?, &poses.track(), minor_m, limits);
+    if votes.majority(limits) != Some(false) {
         return None;
     }
     let ([rms_m, _], [all, _]) = (votes.rms_m, votes.says);
-    if rms_m * limits.min_ratio > as_told_m {
+    // A straight way that is mirrored is nearly as straight once stretched: that takes the square of what tells a mirror.
+    if rms_m * limits.min_ratio.powi(2) > as_told_m {
         return None;
     }
     let message = format!(
@@ -116,6 +124,16 @@ fn swapped(
         .related(poses.place(), "the other track")
         .help("latitude comes first in NavSatFix; GeoJSON, KML and shapes of maps have longitude first");
     Some(finding.measured(Measured::new("residual, exchanged", rms_m, "m").samples(all as u64)))
+}
+
+/// The track of a receiver with latitude and longitude exchanged; `None` where that is no place on the Earth.
+fn exchanged_track(fixes: &Stream<FixRow>) -> Option<Track> {
+    let mut exchanged = fixes.clone();
+    for fix in exchanged.stretches.iter_mut().flatten() {
+        std::mem::swap(&mut fix.row.latitude_deg, &mut fix.row.longitude_deg);
+    }
+    let is_place = exchanged.rows().all(|fix| fix.row.latitude_deg.abs() <= 90.0);
+    is_place.then(|| Track::of_fixes(&exchanged))
 }
 
 /// How far odometry must spread to be told from its mirror image under this receiver's noise.

@@ -10,7 +10,7 @@ use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
-use super::causes::{Base, Sense};
+use super::causes::Sense;
 use super::diagnosis::Diagnosis;
 use super::rates::{Integrals, Rates, Slope};
 use super::sensors::{Look, Sensor, Sensors, TRACK, needed};
@@ -41,11 +41,8 @@ pub(super) struct Turned {
 
 impl Turned {
     /// Whether an upright gyro turns against poses that a simulator may have given the other hand.
-    fn is_by_a_simulator(&self, sensor: &Sensor) -> bool {
-        sensor.simulator.is_some()
-            && self.class == Sense::Against
-            && !self.is_geodetic
-            && sensor.stands() == Some(Base::Up)
+    pub(super) fn is_by_a_simulator(&self, sensor: &Sensor) -> bool {
+        self.class == Sense::Against && sensor.may_doubt(self.is_geodetic)
     }
 }
 
@@ -61,8 +58,12 @@ impl Limits {
 
 /// Yaw rate over the turning of one track; `None` where the two do not tell.
 pub(crate) fn gain(imu: &Imu, track: &Track, limits: &Limits) -> Option<f64> {
-    let slope = Rates::of(&Integrals::of(imu), &track.courses(limits.speed_m_s)).turning;
-    limits.tells(&slope).then_some(slope.gain)
+    let integrals = Integrals::of(imu);
+    // As the rule itself looks: poses tell a course at less speed than satellites do.
+    let slow = (!track.is_geodetic).then_some(limits.odometry_speed_m_s);
+    let slopes = [Some(limits.speed_m_s), slow].into_iter().flatten();
+    let mut slopes = slopes.map(|speed_m_s| Rates::of(&integrals, &track.courses(speed_m_s)).turning);
+    Some(slopes.find(|slope| limits.tells(slope))?.gain)
 }
 
 impl Rule for GyroVsTurnSign {

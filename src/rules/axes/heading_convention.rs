@@ -2,8 +2,10 @@
 
 use std::sync::Arc;
 
+use nalgebra::Vector3;
 use serde::Deserialize;
 
+use crate::math::readings::Reading;
 use crate::rules::motion::{Imu, Motion, Track, Yaws};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::source::Place;
@@ -54,6 +56,10 @@ impl Rule for HeadingConvention {
                 }
             };
             match decided.class() {
+                causes::Heading::Against if decided.is_by_a_simulator(sensor) => {
+                    let why = "it turns against the poses of a simulator, which SENSOR09 judges";
+                    out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                }
                 causes::Heading::Against => judge_against(imu, subject, decided, &sensor.diagnosis, limits, out),
                 causes::Heading::With => {
                     out.pass(&subject, decided.measured(limits));
@@ -97,8 +103,23 @@ fn judge_zero(imu: &Imu, subject: String, decided: &Decided, sensor: &Sensor, li
     let Some(finding) = offset_finding(imu, &subject, decided, limits) else {
         return out.pass(subject, [decided.offset()]);
     };
+    if !is_upright(imu) {
+        let why = format!(
+            "{offset} from the course, by an orientation on its side or on its head: that is no matter of its zero"
+        );
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
     let seen = format!("the yaw is {offset} from the course");
     if let Some(why) = sensor.diagnosis.reported_elsewhere("AXES04", &seen) {
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    // A base whose x does not point forward turns every sensor on it.
+    let by_base = |rad: f64| {
+        let offset_deg = decided.heading.offset_rad.to_degrees();
+        apart_deg(offset_deg, rad.to_degrees()) <= limits.max_spread_deg
+    };
+    if sensor.base_yaw_rad.is_some_and(by_base) {
+        let why = format!("{seen}: part of what AXES13 reports of the base");
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
     let finding = finding.related(decided.track_at.clone(), TRACK);
@@ -116,6 +137,11 @@ pub(super) struct Decided {
 }
 
 impl Decided {
+    /// Whether the yaw of an upright sensor turns against poses that a simulator may have given the other hand.
+    pub(super) fn is_by_a_simulator(&self, sensor: &Sensor) -> bool {
+        self.class() == causes::Heading::Against && sensor.may_doubt(self.is_geodetic)
+    }
+
     pub(super) fn class(&self) -> causes::Heading {
         match self.heading.winner() {
             Sense::Left => causes::Heading::With,
@@ -172,6 +198,17 @@ impl Decided {
     }
 }
 
+/// Whether z of what the sensor is mounted on points up by its orientation, all in all.
+fn is_upright(imu: &Imu) -> bool {
+    let imu_from_base = imu.base_from_imu().inverse();
+    let ups = imu.stream.rows().filter_map(|timed| {
+        let world_from_imu = Reading::Xyzw.world_from_body(timed.row.orientation)?;
+        Some((world_from_imu * imu_from_base * Vector3::z()).z)
+    });
+    let (sum, count) = ups.fold((0.0, 0.0), |(sum, count), up| (sum + up, count + 1.0));
+    sum >= 0.5 * count
+}
+
 /// Between two angles, degrees, 0 to 180.
 fn apart_deg(a: f64, b: f64) -> f64 {
     ((a - b + 540.0).rem_euclid(360.0) - 180.0).abs()
@@ -206,11 +243,13 @@ pub(super) fn look(imu: &Imu, tracks: &[Arc<Track>], limits: &Limits) -> Look<De
 fn undecided(headings: &[Heading], limits: &Limits) -> String {
     let widest = headings.iter().map(|heading| heading.widest_rad).fold(0.0, f64::max);
     let windows: usize = headings.iter().map(|heading| heading.windows).sum();
-    let longest_m = headings.iter().map(|heading| heading.longest_m).fold(0.0, f64::max);
-    if windows == 0 && longest_m > 0.0 {
+    if windows == 0 && widest.to_degrees() >= limits.min_turn_deg {
+        let longest = headings.iter().map(|heading| heading.longest_m).fold(0.0, f64::max);
         return format!(
-            "where the course turns by {} deg within {} s, the way is {longest_m:.1} m long at most, {} m are needed",
-            limits.min_turn_deg, limits.window_s, limits.min_way_m
+            "the course turns by {:.0} deg within {} s, and goes {longest:.1} m at most in such a turn; {} m are needed",
+            widest.to_degrees(),
+            limits.window_s,
+            limits.min_way_m
         );
     }
     if windows == 0 {

@@ -83,13 +83,14 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
             "as in units of gravity (g)",
             "multiply it by 9.80665: REP-145 and sensor_msgs/Imu want m/s2",
         )
-    } else if near(100.0 * limits.gravity) {
-        ("as in cm/s2", "divide it by 100: sensor_msgs/Imu wants m/s2")
-    } else if near(1000.0 * limits.gravity) || near(1000.0) {
+    } else if near(100.0 * limits.gravity) || near(1000.0) {
+        // 981 and 1000: no drive tells them apart.
         (
-            "as in mm/s2 or thousandths of g",
-            "scale it: sensor_msgs/Imu wants m/s2",
+            "as in cm/s2 or in thousandths of g",
+            "divide it by 100, or multiply it by 0.00980665, as the data sheet says: sensor_msgs/Imu wants m/s2",
         )
+    } else if near(1000.0 * limits.gravity) {
+        ("as in mm/s2", "divide it by 1000: sensor_msgs/Imu wants m/s2")
     } else if is_removed {
         (
             "as where gravity was taken off",
@@ -123,15 +124,15 @@ fn mean_length(imu: &Imu) -> Option<f64> {
     (!forces.is_empty()).then(|| (forces.iter().sum::<Vector3<f64>>() / forces.len() as f64).norm())
 }
 
-/// Whether an acceleration is as steady as gravity is, and as the orientation turns it into the world, vertical under some
-/// reading.
+/// Whether an acceleration is as steady as gravity is, and as the orientation turns it into the world, vertical: another reading
+/// makes a vertical of anything.
 fn is_steady(imu: &Imu, force: f64, limits: &Limits) -> bool {
     let length = |timed: &Timed<InertialRow>| Vector3::from(timed.row.linear_acceleration).norm();
     let off: Vec<f64> = imu.stream.rows().map(|timed| (length(timed) - force).abs()).collect();
     let is_even = median(&off).is_some_and(|off| off <= limits.max_uneven * force);
     let is_vertical = imu.inertial.gravity.as_ref().is_none_or(|gravity| {
-        let means = gravity.means.iter().map(|mean| mean.mean_m_s2);
-        means.map(|mean| mean.z.abs() / mean.norm()).fold(0.0, f64::max) >= limits.min_vertical
+        let mean = gravity.mean(Reading::Xyzw).map(|mean| mean.mean_m_s2);
+        mean.is_some_and(|mean| mean.z.abs() >= limits.min_vertical * mean.norm())
     });
     is_even && is_vertical
 }
@@ -183,6 +184,14 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
     }
     if near(1.0) {
         return out.pass(subject, [measured]);
+    }
+    // Noise of the gyro makes the slope smaller than the scale is; the slope of the gyro on the orientation bounds it from above.
+    let upper = gain / score.gain_correlation.powi(2);
+    if gain < 1.0 && upper * (1.0 + limits.gain_share) > 1.0 {
+        let why = format!(
+            "the orientation turns {gain:.2} to {upper:.2} times as far as its gyro says, by which of the two is noise"
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
     }
     let (what, help) = if near(1f64.to_radians()) {
         (

@@ -99,15 +99,30 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
         out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
         return false;
     }
+    // A sensor that is turned about z of the body leans as far as the body does, and to another side.
+    let [by_sensor, by_poses] = gravity.leans_rad.map(f64::to_degrees);
+    if is_small && (by_sensor - by_poses).abs() < degrees / 2.0 {
+        let why = format!(
+            "gravity's up is {degrees:.0} deg from z, and the body leans by {by_sensor:.0} deg by {} and by {by_poses:.0} deg by the poses: \
+             a sensor that is turned on its mount looks alike",
+            gravity.sensor
+        );
+        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return false;
+    }
     // Of a sensor that is not on a base nobody else looks at the sign.
     let is_sure = !is_small && gravity.sensor_is_right == Some(true);
     let severity = if is_sure { Severity::Error } else { Severity::Warning };
     let (relation, kind, help) = named(gravity, limits);
-    let doubt = if is_sure || is_small {
-        String::new()
-    } else {
-        format!("; or the accelerometer of {} has the other sign", gravity.sensor)
-    };
+    let mut doubt = String::new();
+    if !is_sure && !is_small {
+        doubt = format!("; or the accelerometer of {} has the other sign", gravity.sensor);
+    }
+    if !gravity.turns_with && !is_small {
+        doubt.push_str(
+            "; or the orientation is told in other axes of the body, or with w first: it does not turn enough with the gyro to tell",
+        );
+    }
     let message = format!(
         "up is {degrees:.0} deg from z of `{}`{kind}: gravity by {}, turned by {}, points along ({:+.2}, {:+.2}, {:+.2}) for {:.0} s{doubt}",
         frame.name, gravity.sensor, frame.stream, gravity.up.x, gravity.up.y, gravity.up.z, gravity.seconds

@@ -9,10 +9,14 @@ use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 use crate::world::motion::PoseRow;
 
-use super::twist::{Reading, Turning, Twists};
+use super::twist::{Reading, Twists};
 
 /// AXES08.
 pub struct OdomTwistFrame;
+
+/// A residual with y negated that is less than this part of that as defined is smaller by more than rounding: of a platform that
+/// never goes aside the two are the same.
+const SIDE_BETTER: f64 = 0.95;
 
 /// Limits of AXES08.
 #[derive(Debug, Deserialize)]
@@ -57,7 +61,7 @@ impl Rule for OdomTwistFrame {
                     let why = "the pose turns against the yaw rate: part of what AXES08 reports of its orientation";
                     out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
                 } else {
-                    judge_turning(stream, &twists.turning, limits, out);
+                    judge_turning(stream, &twists, limits, out);
                 }
             }
         }
@@ -181,6 +185,14 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
         return little(why, out);
     }
     if best.0 == Reading::Body {
+        let mirrored = twists.residual(Reading::RightHand);
+        if mirrored < SIDE_BETTER * best.1 {
+            let why = format!(
+                "with y negated the velocity fits the motion better (residuals {mirrored:.3} and {:.3}), but it goes too little to the                  side to tell",
+                best.1
+            );
+            return little(why, out);
+        }
         out.pass(&subject, [measured(best), measured(second)]);
         return;
     }
@@ -190,8 +202,8 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
         .as_ref()
         .map_or_else(|| "the child frame".to_owned(), |child| format!("`{child}`"));
     let message = format!(
-        "the velocity on {} is {}, not in {child}: so read it leaves {:.1} % of the motion of the pose, as defined {:.0} % (or the position beside it is \
-         wrong, and the velocity right)",
+        "the velocity on {} is {}, not in {child}: so read it leaves {:.1} % of the motion of the pose, as defined {:.0} % (or the position or the \
+         orientation beside it is wrong, and the velocity right)",
         stream.topic,
         best.0.words(),
         100.0 * best.1,
@@ -211,7 +223,16 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
     );
 }
 
-fn judge_turning(stream: &Stream<PoseRow>, turning: &Turning, limits: &Limits, out: &mut Judge) {
+/// Whether the motion shows that the orientation is no inverse one.
+fn confirms_orientation(twists: &Twists, limits: &Limits) -> bool {
+    let [as_defined, inverse] = [Reading::Body, Reading::Inverse].map(|reading| twists.residual(reading));
+    twists.distance_m >= limits.min_distance_m
+        && as_defined <= limits.max_residual
+        && inverse >= limits.min_ratio * as_defined.max(limits.max_residual / 10.0)
+}
+
+fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out: &mut Judge) {
+    let (turning, is_confirmed) = (&twists.turning, confirms_orientation(twists, limits));
     let subject = format!("turning velocity of {}", stream.subject);
     let turned_deg = turning.turned_rad.to_degrees();
     if turned_deg < limits.min_turn_deg {
@@ -236,15 +257,25 @@ fn judge_turning(stream: &Stream<PoseRow>, turning: &Turning, limits: &Limits, o
         );
         out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
     } else {
-        let (words, help) = if near(-1.0) {
+        let (words, help) = if near(-1.0) && is_confirmed {
             (
                 "has the opposite sign",
                 "publish the yaw rate counter-clockwise positive, z up (REP-103)",
             )
+        } else if near(-1.0) {
+            (
+                "has the opposite sign, or it is the yaw of the orientation that grows clockwise, as that of the inverse one or of a \
+                 compass heading (these data cannot tell which)",
+                "publish the yaw rate counter-clockwise positive, z up (REP-103); or conjugate the quaternion (negate x, y and z); or \
+                 publish `yaw_ros = pi/2 - heading`",
+            )
         } else if near(1f64.to_degrees()) {
             ("is in degrees", "publish rad/s (REP-103)")
         } else {
-            ("disagrees", "publish rad/s about the child frame's z axis (REP-103)")
+            (
+                "disagrees, or the orientation beside it is wrong",
+                "publish rad/s about the child frame's z axis (REP-103)",
+            )
         };
         let message = format!(
             "the yaw rate on {} {words}: {:.2} times what its own pose turns",

@@ -13,9 +13,9 @@ use crate::verdict::NotEvaluated;
 use crate::world::{FrameId, World};
 
 use super::accel_vs_speed::{self, AccelVsSpeed, Pushed};
-use super::bases::{self, Base, Bases};
-use super::causes::{self, Seen};
-use super::diagnosis::Diagnosis;
+use super::bases::{Base, Bases};
+use super::causes::{self, Cause, Seen};
+use super::diagnosis::{self, Diagnosis};
 use super::gyro_vs_turn_sign::{self, GyroVsTurnSign};
 use super::heading_convention::{self, Decided, HeadingConvention};
 use super::imu_gravity_sign::{self, ImuGravitySign, Up};
@@ -43,6 +43,10 @@ pub(crate) struct Sensor {
     pub(crate) offset: Option<&'static Offset>,
     /// The simulator that names in its recording tell.
     pub(super) simulator: Option<Known<Simulator>>,
+    /// What the base's yaw is more than its course, radians, where another axis of it than x points forward.
+    pub(super) base_yaw_rad: Option<f64>,
+    /// A wrong setting of a driver that would look the same as what was seen.
+    pub(crate) unseen: Option<&'static Cause>,
 }
 
 /// Every inertial sensor, recording by recording, in the order of [`Motion`].
@@ -61,7 +65,7 @@ impl Sensors {
                 .zip(&bases.bags)
                 .enumerate()
                 .map(|(index, (bag, bases))| {
-                    sensors(bag, bases, |frame| worlds.is_down(index, frame)).unwrap_or_default()
+                    sensors(bag, bases, |frame| worlds.is_off(index, frame)).unwrap_or_default()
                 })
                 .collect(),
         })
@@ -89,15 +93,15 @@ pub(super) fn needed(tracks: &[Arc<Track>]) -> Look<()> {
 }
 
 /// The sensors of a recording; `None` where a page's limits do not load, which the engine reports.
-fn sensors(bag: &BagMotion, bases: &[Base], is_down: impl Fn(Option<&FrameId>) -> bool) -> Option<Vec<Sensor>> {
+fn sensors(bag: &BagMotion, bases: &[Base], is_off: impl Fn(Option<&FrameId>) -> bool) -> Option<Vec<Sensor>> {
     if bag.imus.is_empty() {
         return None;
     }
     let (base, world) = (limits_of::<ImuGravitySign>()?, limits_of::<OrientationVsGravity>()?);
     let (turn, heading) = (limits_of::<QuaternionConvention>()?, limits_of::<HeadingConvention>()?);
     let (sense, push) = (limits_of::<GyroVsTurnSign>()?, limits_of::<AccelVsSpeed>()?);
-    // In a frame whose z points down, tracks turn the other way.
-    let tracks = bag.tracks(is_down);
+    // In a frame whose z points down, tracks turn the other way; in one that lies on its side, they are no track.
+    let tracks = bag.tracks(is_off);
     let asked = |(why, reason): (NotEvaluated, String)| match why {
         NotEvaluated::TooLittleEvidence => (why, tracks.why(reason)),
         _ => (why, reason),
@@ -114,17 +118,22 @@ fn sensors(bag: &BagMotion, bases: &[Base], is_down: impl Fn(Option<&FrameId>) -
             diagnosis: Diagnosis::default(),
             offset: None,
             simulator: bag.simulator,
+            base_yaw_rad: None,
+            unseen: None,
         };
         let decided = sensor.heading.as_ref().ok();
         sensor.offset = decided.and_then(|decided| decided.known_offset(imu, &heading));
         let mount = imu.mount.as_ref().map(|mount| &mount.base);
-        let is_on_turned = bases
-            .iter()
-            .any(|base| Some(&base.frame) == mount && base.seen.as_ref().is_ok_and(bases::Seen::is_turned));
-        sensor.diagnosis = Diagnosis::of(sensor.seen(), &imu.stream.told_in, imu.driver);
-        if is_on_turned {
+        let on = bases.iter().find(|base| Some(&base.frame) == mount);
+        let on = on.and_then(|base| base.seen.as_ref().ok());
+        let seen = sensor.seen();
+        sensor.diagnosis = Diagnosis::of(seen, &imu.stream.told_in, imu.driver);
+        sensor.unseen = diagnosis::unseen(seen);
+        if let Some(on) = on.filter(|on| on.is_turned() || on.is_backward()) {
             sensor.diagnosis.leave_mounting_to("AXES13");
+            sensor.base_yaw_rad = on.yaw_minus_course_rad();
         }
+        sensor.offset = sensor.offset.filter(|_| sensor.base_yaw_rad.is_none());
         sensor
     };
     Some(bag.imus.iter().map(look).collect())
@@ -134,6 +143,11 @@ impl Sensor {
     /// Where its acceleration points in the base; `None` where that was not measured.
     pub(crate) fn stands(&self) -> Option<causes::Base> {
         self.base.as_ref().ok().map(|up| up.class)
+    }
+
+    /// Whether a track that it turns against may be the one with the other hand: poses of a simulator, beside an upright sensor.
+    pub(super) fn may_doubt(&self, is_geodetic: bool) -> bool {
+        self.simulator.is_some() && !is_geodetic && self.stands() == Some(causes::Base::Up)
     }
 
     /// Angle between the acceleration and the world's up, by the orientation, radians; or why it was not measured.
@@ -153,8 +167,11 @@ impl Sensor {
         fn class<T, C>(look: &Look<T>, of: impl Fn(&T) -> C) -> Option<C> {
             look.as_ref().ok().map(of)
         }
-        let mut heading = class(&self.heading, Decided::class);
-        let mut sense = class(&self.sense, |seen| seen.class);
+        // What the poses of a simulator contradict is SENSOR09's.
+        let mut heading = class(&self.heading, Decided::class)
+            .filter(|_| !self.heading.as_ref().is_ok_and(|seen| seen.is_by_a_simulator(self)));
+        let mut sense = class(&self.sense, |seen| seen.class)
+            .filter(|_| !self.sense.as_ref().is_ok_and(|seen| seen.is_by_a_simulator(self)));
         // Two tracks that contradict each other: what turns against one may be the track's fault, so the other says nothing.
         if let (Ok(by_yaw), Ok(by_gyro)) = (&self.heading, &self.sense)
             && by_yaw.track != by_gyro.track

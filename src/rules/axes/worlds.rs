@@ -1,6 +1,6 @@
 //! Where gravity and altitude say that up is, in the frames that poses are told in.
 //!
-//! Made once: what else looks wrong in a frame whose z points down is left to AXES14. Must not report.
+//! Made once: what else looks wrong in a frame whose z does not point up is left to AXES14. Must not report.
 
 use std::cell::OnceCell;
 use std::sync::Arc;
@@ -34,12 +34,16 @@ pub(super) struct Gravity {
     pub(super) concentration: f64,
     /// Largest tilt of the body that the poses tell, radians.
     pub(super) tilt_rad: f64,
+    /// How far the body leans from up on the whole, by the sensor and by the poses, radians.
+    pub(super) leans_rad: [f64; 2],
     pub(super) seconds: f64,
     pub(super) rows: u64,
     /// The sensor that feels it.
     pub(super) sensor: String,
     /// Whether AXES01 finds the same sensor right in its base; `None` where it has none.
     pub(super) sensor_is_right: Option<bool>,
+    /// Whether the pose turns with the sensor's gyro: the two mean the same axes of the body.
+    pub(super) turns_with: bool,
 }
 
 impl Gravity {
@@ -68,11 +72,12 @@ pub(super) struct Frame {
 }
 
 impl Frame {
-    /// Whether z points down: by gravity, with a sensor that is right, or by altitude.
-    pub(super) fn is_down(&self, limits: &Limits) -> bool {
-        let by_gravity = self.gravity.as_ref().is_ok_and(|gravity| {
-            gravity.sensor_is_right != Some(false) && gravity.angle_deg() > 180.0 - limits.error_deg
-        });
+    /// Whether z points elsewhere than up, so that x and y are no map: by gravity, with a sensor that is right, or by altitude.
+    pub(super) fn is_off(&self, limits: &Limits) -> bool {
+        let by_gravity = self
+            .gravity
+            .as_ref()
+            .is_ok_and(|gravity| gravity.sensor_is_right != Some(false) && gravity.angle_deg() > limits.error_deg);
         by_gravity || self.heights.as_ref().is_ok_and(|heights| heights.slope < 0.0)
     }
 }
@@ -100,12 +105,12 @@ impl Worlds {
         self.bags.iter().flatten().map(|(frame, _)| frame)
     }
 
-    /// Whether z of a frame of the recording with this number points down.
-    pub(crate) fn is_down(&self, bag: usize, frame: Option<&FrameId>) -> bool {
+    /// Whether z of a frame of the recording with this number points elsewhere than up.
+    pub(crate) fn is_off(&self, bag: usize, frame: Option<&FrameId>) -> bool {
         let known = self.bags.get(bag).into_iter().flatten();
         known
             .into_iter()
-            .any(|(known, is_down)| *is_down && Some(&known.name) == frame)
+            .any(|(known, is_off)| *is_off && Some(&known.name) == frame)
     }
 }
 
@@ -117,7 +122,10 @@ fn frames(world: &World, bag: &BagMotion) -> Option<Vec<(Frame, bool)>> {
         let Some(frame) = stream.frame.clone().filter(is_level) else {
             continue;
         };
-        if names::is_wish(&stream.topic) || stream.child.as_ref().is_some_and(names::is_world) {
+        if stream.is_earth_centred()
+            || names::is_wish(&stream.topic)
+            || stream.child.as_ref().is_some_and(names::is_world)
+        {
             continue;
         }
         // The first stream that tells speaks for its frame.
@@ -150,8 +158,8 @@ fn frames(world: &World, bag: &BagMotion) -> Option<Vec<(Frame, bool)>> {
         }
     }
     let with_sense = |frame: Frame| {
-        let is_down = frame.is_down(&limits);
-        (frame, is_down)
+        let is_off = frame.is_off(&limits);
+        (frame, is_off)
     };
     Some(found.into_iter().map(with_sense).collect())
 }
@@ -199,7 +207,8 @@ fn gravity<'t>(
     let turned = turned();
     let sensor_is_right = imu_gravity_sign::look(imu, sign).ok().map(|up| up.class == Base::Up);
     // Of a sensor that is wrong itself AXES01 speaks.
-    if sensor_is_right != Some(false) && turns_against(turned, imu, &child_from_imu, limits.max_step_s) {
+    let turns_with = turns_with(turned, imu, &child_from_imu, limits.max_step_s);
+    if sensor_is_right != Some(false) && turns_with == Some(false) {
         let why = format!(
             "{} turns against the gyro of {}: one of the two tells `{child}` in other axes, so its gravity says nothing of the frame",
             stream.subject, imu.stream.subject
@@ -207,16 +216,19 @@ fn gravity<'t>(
         return Err((NotEvaluated::NotApplicable, why));
     }
     let (mut sum, mut count, mut lengths, mut tilt_rad) = (Vector3::zeros(), 0_u64, Vec::new(), 0.0_f64);
+    let mut ups = [Vector3::zeros(); 2];
     let mut times: Option<(f64, f64)> = None;
     for timed in imu.stream.rows() {
         let force = Vector3::from(timed.row.linear_acceleration);
         let Some(here) = turned
             .at(timed.t_s, limits.max_step_s)
-            .filter(|_| force.norm().is_finite())
+            .filter(|_| force.norm().is_finite() && force.norm() > 0.0)
         else {
             continue;
         };
         sum += here * child_from_imu * force;
+        let in_body = [child_from_imu * force.normalize(), here.inverse() * Vector3::z()];
+        ups.iter_mut().zip(in_body).for_each(|(sum, up)| *sum += up);
         lengths.push(force.norm());
         tilt_rad = tilt_rad.max((here * Vector3::z()).xy().norm());
         count += 1;
@@ -246,16 +258,23 @@ fn gravity<'t>(
         up: sum.normalize(),
         concentration,
         tilt_rad,
+        leans_rad: ups.map(|up| up.xy().norm().atan2(up.z)),
         seconds,
         rows: count,
         sensor: imu.stream.subject.clone(),
         sensor_is_right,
+        turns_with: turns_with == Some(true),
     })
 }
 
-/// Whether a pose turns against the gyro of a sensor on its body: then the two mean other axes of it, and neither turns what the
-/// other measures. What hardly turns says nothing.
-pub(super) fn turns_against(turned: &Turned, imu: &Imu, child_from_imu: &UnitQuaternion<f64>, max_step_s: f64) -> bool {
+/// Whether a pose turns with the gyro of a sensor on its body, or against it: then the two mean other axes of it, and neither turns
+/// what the other measures. What hardly turns says nothing.
+pub(super) fn turns_with(
+    turned: &Turned,
+    imu: &Imu,
+    child_from_imu: &UnitQuaternion<f64>,
+    max_step_s: f64,
+) -> Option<bool> {
     let (mut together, mut by_pose, mut by_gyro) = (0.0, 0.0, 0.0);
     for stretch in &imu.stream.stretches {
         // Where a turn began, and what the gyro has turned since, up to the row before.
@@ -286,7 +305,7 @@ pub(super) fn turns_against(turned: &Turned, imu: &Imu, child_from_imu: &UnitQua
         }
     }
     let correlation = together / (by_pose * by_gyro).sqrt();
-    by_pose.min(by_gyro) >= MIN_TURN_RAD2 && correlation < -AGREES
+    (by_pose.min(by_gyro) >= MIN_TURN_RAD2 && correlation.abs() > AGREES).then_some(correlation > 0.0)
 }
 
 /// Heights against altitudes at the times of fixes.

@@ -49,7 +49,11 @@ pub(super) fn columns(
     let mut add = |frame: &FrameId, child: Option<&FrameId>, made: Option<Column>| {
         let Some(column) = made else { return };
         // The origin of one map in another may lie anywhere, and says nothing of what is told in either.
-        let between = child.is_some_and(|child| names::is_world(child) || is_earth(child));
+        // The Earth's centre lies 6370 km from every map: GEO02 judges how a map lies on the Earth.
+        if child.is_some_and(is_earth) {
+            return;
+        }
+        let between = child.is_some_and(names::is_world);
         if !(between && column.kind != Kind::EarthCentred) {
             all.entry(frame.clone()).or_default().push(column);
         }

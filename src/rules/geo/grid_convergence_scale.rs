@@ -34,6 +34,8 @@ pub struct Limits {
     on_grid_m: f64,
     follow_scale: f64,
     follow_share: f64,
+    errors_last_s: f64,
+    untold_m: f64,
 }
 
 impl Rule for GridConvergenceScale {
@@ -75,17 +77,22 @@ fn judge_pair(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>, li
         let why = "the place is in no zone of UTM, or the poses stand still";
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     };
-    let (angle_deg, scale) = (
-        limits.sigmas * laid.deviations.0.to_degrees(),
-        limits.sigmas * laid.deviations.1,
-    );
-    let near = |grid: &&Grid| laid.beside(grid).0.abs().to_degrees() <= limits.max_angle_deg + angle_deg;
-    let fits = |grid: &&Grid| near(grid) && laid.beside(grid).1.abs() <= limits.max_scale + scale;
-    let measured = measured(&laid, points as u64, limits);
-    let Some(grid) = laid.grids.iter().find(fits) else {
-        return out.pass(subject, measured);
+    let receiver = overlay.receiver_deviation(limits.errors_last_s, limits.untold_m);
+    let sigmas = |angle_rad: f64, scale: f64| (limits.sigmas * angle_rad.to_degrees(), limits.sigmas * scale);
+    // What a grid is told by is the scatter; that it is none, must hold for all that the receiver's errors may do.
+    let narrow = sigmas(laid.deviations.0, laid.deviations.1);
+    let (angle_deg, scale) = sigmas(laid.deviations.0.hypot(receiver), laid.deviations.1.hypot(receiver));
+    let fits = |grid: &Grid, (angle_deg, scale): (f64, f64)| {
+        let (angle_off, scale_off) = laid.beside(grid);
+        angle_off.abs().to_degrees() <= limits.max_angle_deg + angle_deg && scale_off.abs() <= limits.max_scale + scale
     };
-    if angle_deg > limits.max_angle_deg || scale > limits.max_scale {
+    let measured = measured(&laid, points as u64, limits);
+    if !laid.grids.iter().any(|grid| fits(grid, (angle_deg, scale))) {
+        return out.pass(subject, measured);
+    }
+    let is_sure = narrow.0 <= limits.max_angle_deg && narrow.1 <= limits.max_scale;
+    let found = laid.grids.iter().find(|grid| fits(grid, narrow)).filter(|_| is_sure);
+    let Some(grid) = found else {
         let why = format!(
             "laid over the fixes the poses are turned by {:.2} +- {angle_deg:.2} deg and scaled by {:.5} +- {scale:.5}: that does not \
              tell east, north from the grid of UTM (both uncertainties must be within {} deg and {})",
@@ -95,7 +102,7 @@ fn judge_pair(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>, li
             limits.max_scale
         );
         return out.not_evaluated(subject, too_little, why);
-    }
+    };
     let convergence_deg = grid.fit.angle_rad.to_degrees();
     if convergence_deg.abs() < limits.min_convergence_deg {
         let why = format!(

@@ -7,7 +7,9 @@ use nalgebra::Vector3;
 use crate::math::geodesy::Geodetic;
 use crate::math::utm::{utm, zone};
 
-use super::coordinate_kind::Limits;
+use crate::rules::limits_of;
+
+use super::coordinate_kind::{CoordinateKind, Limits};
 
 /// Kinds of coordinates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -77,6 +79,11 @@ pub(super) fn kind(middle: &Vector3<f64>, fix: Option<&Geodetic>, limits: &Limit
         Kind::Far
     };
     (kind, false)
+}
+
+/// Whether a position is in metres from the Earth's centre, by its size: x and y of such positions lie in no level plane.
+pub(crate) fn is_earth_centred(position_m: &Vector3<f64>) -> bool {
+    limits_of::<CoordinateKind>().is_some_and(|limits| kind(position_m, None, &limits).0 == Kind::EarthCentred)
 }
 
 /// Degrees, where the position holds those of the fix.

@@ -21,3 +21,5 @@ mod overlay;
 mod own_origin;
 mod plane;
 pub mod tangent_plane_range;
+
+pub(crate) use kinds::is_earth_centred;

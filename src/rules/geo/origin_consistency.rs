@@ -7,7 +7,7 @@ use crate::math::geoid::undulation_m;
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::source::Confidence;
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
-use crate::world::World;
+use crate::world::{EarthOrigin, World};
 
 use super::apart::{between, direction, told};
 use super::origins::{By, Origin, origins};
@@ -35,6 +35,8 @@ pub struct Limits {
     pub(super) sigmas: f64,
     pub(super) copied_m: f64,
     pub(super) aligned_deg: f64,
+    pub(super) errors_last_s: f64,
+    pub(super) untold_m: f64,
 }
 
 impl Rule for OriginConsistency {
@@ -44,6 +46,9 @@ impl Rule for OriginConsistency {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for stated in &world.origins {
+            judge_place(stated, out);
+        }
         let (all, left_out) = origins(world, limits);
         for why in left_out {
             out.not_evaluated("origin", NotEvaluated::TooLittleEvidence, why);
@@ -70,6 +75,30 @@ impl Rule for OriginConsistency {
             judge_pair(world, of_drive.unwrap_or(reference), other, limits, out);
         }
     }
+}
+
+/// A file's origin whose latitude is none; the others are compared.
+fn judge_place(stated: &EarthOrigin, out: &mut Judge) {
+    let Some([latitude, longitude]) = stated.latitude_longitude_deg else {
+        return;
+    };
+    if latitude.abs() <= 90.0 {
+        return;
+    }
+    let subject = format!("origin `{}`", stated.label);
+    if latitude.abs() > 180.0 || longitude.is_nan() || longitude.abs() > 90.0 {
+        let why = format!("{latitude}, {longitude} is no latitude and longitude in degrees");
+        return out.not_evaluated(subject, NotEvaluated::InputBroken, why);
+    }
+    let message = format!(
+        "`{}` has the latitude {latitude} deg, and none is beyond 90: latitude and longitude are exchanged",
+        stated.label
+    );
+    let finding = Finding::error(subject, message, stated.place.clone()).likely();
+    let finding = finding
+        .relation("lat-lon-swapped")
+        .help(format!("write latitude {longitude} and longitude {latitude}"));
+    out.fail(finding.measured(Measured::new("latitude", latitude, "deg").limit(90.0)));
 }
 
 /// Files of one format are for different maps: of these the one that is nearest to the reference, none where the reference is

@@ -56,8 +56,8 @@ pub(super) struct Origin {
     pub(super) within_m: f64,
     /// Where the same source puts it later on, farthest off.
     pub(super) later: Option<Geodetic>,
-    /// By how much a track's axes are turned from east and north, radians.
-    pub(super) turned_rad: Option<f64>,
+    /// By how much a track's axes are turned from east and north, and one deviation of that, radians.
+    pub(super) turned_rad: Option<(f64, f64)>,
     /// Where it is said.
     pub(super) place: Place,
     /// How sure the reading is.
@@ -231,9 +231,9 @@ fn of_tracks<'m>(
         })
 }
 
-/// The origin, what it is uncertain by in metres, and by how much the axes are turned in radians; `None` for a track that does
-/// not fit or is not local.
-fn origin_of_track(overlay: &Overlay, limits: &Limits) -> Option<(Geodetic, f64, f64)> {
+/// The origin, what it is uncertain by in metres, and by how much the axes are turned with its deviation in radians; `None` for a
+/// track that does not fit or is not local.
+fn origin_of_track(overlay: &Overlay, limits: &Limits) -> Option<(Geodetic, f64, (f64, f64))> {
     let (enu, xy) = overlay.planes();
     let fit = overlay.fit(limits.max_scale, 1.0)?;
     let (angle_sd, scale_sd) = deviations(&xy, &enu, limits.blocks)?;
@@ -243,5 +243,12 @@ fn origin_of_track(overlay: &Overlay, limits: &Limits) -> Option<(Geodetic, f64,
         && far_m <= limits.local_m
         && fit.rms_m <= limits.track_m;
     let within_m = limits.sigmas * (fit.rms_m + far_m * angle_sd.hypot(scale_sd));
-    (is_sound && within_m <= limits.track_m).then_some((overlay.origin(&fit)?, within_m, fit.angle_rad))
+    (is_sound && within_m <= limits.track_m).then_some((
+        overlay.origin(&fit)?,
+        within_m,
+        (
+            fit.angle_rad,
+            angle_sd.hypot(overlay.receiver_deviation(limits.errors_last_s, limits.untold_m)),
+        ),
+    ))
 }

@@ -7,7 +7,8 @@ use std::sync::Arc;
 use nalgebra::{Quaternion, UnitQuaternion, Vector2, Vector3};
 
 use crate::math::geodesy::Geodetic;
-use crate::math::similarity2::{Similarity2, fit_similarities};
+use crate::math::similarity2::{Similarity2, fit_similarities, spread};
+use crate::math::stats::median;
 use crate::rules::motion::{Stream, Track};
 use crate::rules::names;
 use crate::world::World;
@@ -15,6 +16,8 @@ use crate::world::motion::{FixRow, PoseRow};
 
 /// So many moments say where a track lies; of more every n-th is taken. Errors of receivers last for minutes.
 const MAX_MOMENTS: usize = 4096;
+/// Messages of a receiver come up to this late, seconds; stamps further apart are of two clocks.
+const MAX_LATENCY_S: f64 = 1.0;
 
 /// One moment.
 #[derive(Clone, Copy, Debug)]
@@ -29,6 +32,8 @@ pub(super) struct Both {
     pub(super) enu_m: Vector3<f64>,
     /// The altitude over that of the first fix, metres; `None` where the receiver gives none.
     pub(super) climb_m: Option<f64>,
+    /// What the receiver says its horizontal error to be, one deviation, metres; `None` where it says nothing.
+    pub(super) deviation_m: Option<f64>,
 }
 
 /// All moments of a stream of poses and a receiver.
@@ -45,6 +50,20 @@ impl Overlay {
     pub(super) fn of(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>) -> Option<Self> {
         let arm = arm(world, poses, fixes).filter(|arm| *arm != Vector3::zeros());
         let track = arm.map_or_else(|| poses.track(), |arm| Arc::new(Track::of_poses(&moved(poses, arm))));
+        let by_arrival = Self::at(&track, fixes, 0.0);
+        // Streams are put side by side by when they arrived. A receiver's messages come late, and its stamps say by how
+        // much, if they are of the poses' clock: the better fit tells.
+        let late_s = fixes.stamp_offset_s.zip(poses.stamp_offset_s).map(|(a, b)| a - b);
+        let late_s = late_s.filter(|late_s| *late_s != 0.0 && late_s.abs() <= MAX_LATENCY_S);
+        let by_stamp = late_s.and_then(|late_s| Self::at(&track, fixes, late_s));
+        [by_arrival, by_stamp]
+            .into_iter()
+            .flatten()
+            .min_by(|a, b| a.rms_m().total_cmp(&b.rms_m()))
+    }
+
+    /// The moments, where the poses are read so many seconds after the fixes.
+    fn at(track: &Track, fixes: &Stream<FixRow>, after_s: f64) -> Option<Self> {
         let mut at = track.follow();
         let origin = fixes.rows().find_map(|timed| geodetic(&timed.row))?;
         let every = fixes.rows().count().div_ceil(MAX_MOMENTS).max(1);
@@ -52,10 +71,11 @@ impl Overlay {
             let fix = geodetic(row)?;
             Some(Both {
                 t_s,
-                place_m: at(t_s)?,
+                place_m: at(t_s + after_s)?,
                 fix,
                 enu_m: origin.enu_of(&fix),
                 climb_m: row.altitude_m.is_finite().then_some(fix.height_m - origin.height_m),
+                deviation_m: deviation_m(row),
             })
         };
         let both: Vec<Both> = fixes
@@ -64,6 +84,24 @@ impl Overlay {
             .filter_map(|timed| beside(timed.t_s, &timed.row))
             .collect();
         (both.len() > 1).then_some(Self { first: origin, both })
+    }
+
+    /// How far the poses lie off the fixes once turned, scaled and shifted, metres.
+    fn rms_m(&self) -> f64 {
+        let (enu, xy) = self.planes();
+        fit_similarities(&xy, &enu).map_or(f64::INFINITY, |fit| fit.proper.rms_m)
+    }
+
+    /// By how much the receiver's errors may turn the track (radians) or scale it, one deviation. Such errors stay for minutes,
+    /// and one that drifts along looks like a turn: no scatter within a drive shows it. Errors that are `errors_last_s` apart
+    /// are independent; `untold_m` is the deviation of a receiver that states none.
+    pub(super) fn receiver_deviation(&self, errors_last_s: f64, untold_m: f64) -> f64 {
+        let told: Vec<f64> = self.both.iter().filter_map(|both| both.deviation_m).collect();
+        let error_m = median(&told).unwrap_or(untold_m);
+        let (enu, _) = self.planes();
+        let spread_m = spread(&enu).map_or(0.0, |spread| spread.major_sd_m.hypot(spread.minor_sd_m));
+        let (from_s, to_s) = self.span_s();
+        error_m / spread_m / ((to_s - from_s) / errors_last_s).max(1.0).sqrt()
     }
 
     /// East and north of the fixes, and x and y of the poses, metres.
@@ -104,7 +142,9 @@ impl Overlay {
 
 /// Whether poses say where the platform is in a frame of the world: not where one such frame lies in another.
 pub(super) fn is_way(poses: &Stream<PoseRow>) -> bool {
-    poses.frame.as_ref().is_some_and(names::is_world) && !poses.child.as_ref().is_some_and(names::is_world)
+    poses.frame.as_ref().is_some_and(names::is_world)
+        && !poses.is_earth_centred()
+        && !poses.child.as_ref().is_some_and(names::is_world)
 }
 
 /// The place of a fix; at height 0 where the receiver gives none.
@@ -115,6 +155,13 @@ pub(super) fn geodetic(fix: &FixRow) -> Option<Geodetic> {
         0.0
     };
     Geodetic::from_degrees(fix.latitude_deg, fix.longitude_deg, height_m)
+}
+
+/// What a fix states of its horizontal error, one deviation, metres.
+fn deviation_m(row: &FixRow) -> Option<f64> {
+    let [east, north, _] = row.variance_m2;
+    let variance = f64::midpoint(east, north);
+    (variance > 0.0 && variance.is_finite()).then(|| variance.sqrt())
 }
 
 /// The antenna in the axes of the body that the poses are of, metres.

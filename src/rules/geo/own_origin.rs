@@ -2,6 +2,7 @@
 //!
 //! Owns these parts of GEO07.
 
+use crate::math::geodesy::Geodetic;
 use crate::rules::Judge;
 use crate::rules::motion::{Motion, Stream};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
@@ -20,8 +21,8 @@ const CORRECTED: i8 = 2;
 pub(super) fn judge(world: &World, all: &[Origin], limits: &Limits, out: &mut Judge) {
     let motion = Motion::of(world);
     for origin in all {
-        if origin.later.is_some() {
-            judge_later(origin, limits, out);
+        if let Some(later) = &origin.later {
+            judge_later(origin, later, limits, out);
         }
         let is_stated = matches!(origin.by, By::Transform | By::Topic);
         let Some(bag) = origin.bag.filter(|_| is_stated).and_then(|bag| motion.bags.get(bag)) else {
@@ -35,9 +36,9 @@ pub(super) fn judge(world: &World, all: &[Origin], limits: &Limits, out: &mut Ju
 }
 
 /// Whether an origin stays where it is.
-fn judge_later(origin: &Origin, limits: &Limits, out: &mut Judge) {
-    let subject = format!("origin by {}, from first to last", origin.who);
-    let apart = origin.later.map(|later| origin.at.enu_of(&later)).unwrap_or_default();
+fn judge_later(origin: &Origin, later: &Geodetic, limits: &Limits, out: &mut Judge) {
+    let subject = format!("first and last origin by {}", origin.who);
+    let apart = origin.at.enu_of(later);
     let distance_m = apart.norm();
     let measured = Measured::new("farthest from the first one", distance_m, "m").limit(limits.warning_m);
     if distance_m <= limits.warning_m {
@@ -65,7 +66,7 @@ fn judge_later(origin: &Origin, limits: &Limits, out: &mut Judge) {
 
 /// Whether an origin is a first fix, and of what quality.
 fn judge_first_fix(origin: &Origin, fixes: &Stream<FixRow>, limits: &Limits, out: &mut Judge) {
-    let subject = format!("origin by {} and the first fix of {}", origin.who, fixes.subject);
+    let subject = format!("first fix of {} as the origin by {}", fixes.subject, origin.who);
     let valid = || fixes.rows().filter(|timed| timed.row.status >= 0);
     let first = valid().find_map(|timed| Some((timed, geodetic(&timed.row)?)));
     let Some((first, place)) = first else {
@@ -108,8 +109,9 @@ fn judge_first_fix(origin: &Origin, fixes: &Stream<FixRow>, limits: &Limits, out
 
 /// A finding, where poses in `map` are told in east and north, and nothing says about which origin.
 pub(super) fn missing(track: &Origin, limits: &Limits) -> Option<Finding> {
-    let turned_deg = track.turned_rad?.to_degrees();
-    if turned_deg.abs() > limits.aligned_deg {
+    let (turned_rad, within_rad) = track.turned_rad?;
+    let turned_deg = turned_rad.to_degrees();
+    if turned_deg.abs() > limits.aligned_deg || limits.sigmas * within_rad.to_degrees() > limits.aligned_deg {
         return None;
     }
     let message = format!(

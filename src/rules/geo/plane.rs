@@ -23,6 +23,8 @@ pub(super) struct Plane<'s> {
     pub(super) origin: Geodetic,
     /// Largest distance, metres, and who is there.
     pub(super) reach: Option<(f64, String)>,
+    /// Whether poses are told in the frame.
+    pub(super) has_poses: bool,
     /// What the heights of poses say, and of which poses.
     pub(super) curvature: Option<(Curvature, String)>,
 }
@@ -38,6 +40,7 @@ impl<'s> Plane<'s> {
             place,
             origin,
             reach: None,
+            has_poses: false,
             curvature: None,
         })
     }
@@ -64,6 +67,7 @@ impl<'s> Plane<'s> {
         });
         let most = |a: &(f64, String), b: &(f64, String)| a.0.total_cmp(&b.0);
         self.reach = by_poses.max_by(most).or_else(|| by_fixes.max_by(most));
+        self.has_poses = in_frame().next().is_some();
         let told = in_frame().flat_map(|poses| bag.fixes.iter().map(move |fixes| (poses, fixes)));
         let mut curvatures = told.filter_map(|(poses, fixes)| {
             let overlay = Overlay::of(world, poses, fixes)?;

@@ -25,6 +25,7 @@ pub struct Limits {
     max_departure_m: f64,
     note_departure_m: f64,
     max_tilt_deg: f64,
+    elsewhere_m: f64,
     max_height_m: f64,
     sigmas: f64,
     share: f64,
@@ -84,6 +85,13 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
         let why = format!("no poses are told in `{}`, and there are no fixes", plane.local);
         return out.not_evaluated(plane.subject, NotEvaluated::MissingInput, why);
     };
+    if *distance_m > limits.elsewhere_m {
+        let why = format!(
+            "{who} is {:.0} km from the origin: that is no plane that is used too far away, but another place on the Earth (GEO02, GEO07)",
+            distance_m / 1e3
+        );
+        return out.not_evaluated(plane.subject, NotEvaluated::NotApplicable, why);
+    }
     let radius_m = plane.origin.gaussian_radius_m();
     let (departure_m, tilt_deg) = (
         tangent_departure_m(*distance_m, radius_m),
@@ -95,6 +103,7 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
         .as_ref()
         .map(|(curvature, who)| (curvature.follows(limits.sigmas, limits.share), who));
     let (local, km) = (plane.local, distance_m / 1e3);
+    let is_open = plane.has_poses && !matches!(heights, Some((Follows::Plane | Follows::Altitude, _)));
     let finding = match heights {
         Some((Follows::Altitude, poses)) if departure_m > limits.max_departure_m => {
             let message = format!(
@@ -121,12 +130,24 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
         }
         _ if departure_m > limits.note_departure_m => {
             let message = format!(
-                "{}: {km:.1} km from the origin the plane lies {departure_m:.2} m above the ellipsoid: z is no altitude there",
-                plane.subject
+                "{}: {km:.1} km from the origin the plane lies {departure_m:.2} m above the ellipsoid: z is no altitude there{}",
+                plane.subject,
+                if is_open {
+                    ", and the heights of the poses do not tell whether theirs is one"
+                } else {
+                    ""
+                }
             );
             Finding::note(plane.subject, message, plane.place.clone())
                 .relation("tangent-plane")
                 .help("heights of fixes and of elevation maps are to be converted in all three coordinates, not by a shift")
+        }
+        _ if departure_m > limits.max_departure_m && is_open => {
+            let why = format!(
+                "{distance_m:.0} m from the origin the plane and the ellipsoid are {departure_m:.2} m apart, and the heights of the poses in \
+                 `{local}` do not tell which of them they follow"
+            );
+            return out.not_evaluated(plane.subject, NotEvaluated::TooLittleEvidence, why);
         }
         _ => return out.pass(plane.subject, measured),
     };
@@ -136,6 +157,13 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
 fn judge_track(subject: &str, place: &Place, origin: &Geodetic, overlay: &Overlay, limits: &Limits, out: &mut Judge) {
     let far = overlay.both.iter().map(|both| origin.enu_of(&both.fix).xy().norm());
     let distance_m = far.fold(0.0, f64::max);
+    if distance_m > limits.elsewhere_m {
+        let why = format!(
+            "its zero lies {:.0} km from the fixes: these are no coordinates in a plane (GEO03)",
+            distance_m / 1e3
+        );
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
     let radius_m = origin.gaussian_radius_m();
     let (departure_m, tilt_deg) = (
         tangent_departure_m(distance_m, radius_m),

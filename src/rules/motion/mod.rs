@@ -114,7 +114,9 @@ impl BagMotion {
         let mut fixes: Vec<&Stream<FixRow>> = self.fixes.iter().collect();
         fixes.sort_by_key(|fixes| fixes.guessed);
         // Joints move, too, and say nothing of the platform's way.
-        let is_way = |poses: &&Stream<PoseRow>| poses.is_of_world() && !is_left_out(poses.frame.as_ref());
+        let is_way = |poses: &&Stream<PoseRow>| {
+            poses.is_of_world() && !poses.is_earth_centred() && !is_left_out(poses.frame.as_ref())
+        };
         let poses: Vec<&Stream<PoseRow>> = self.poses.iter().filter(is_way).collect();
         Tracks::of(&fixes, &poses)
     }

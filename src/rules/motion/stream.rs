@@ -3,6 +3,9 @@
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
 
+use nalgebra::Vector3;
+
+use crate::rules::geo::is_earth_centred;
 use crate::rules::names;
 use crate::source::{MessageRef, Place, SourceId};
 use crate::world::bag::{HeaderFrame, Said, TfEdge};
@@ -48,12 +51,15 @@ pub(crate) struct Stream<R> {
     pub(crate) told_in: ToldIn,
     /// Runs of rows without a hole, times growing inside each.
     pub(crate) stretches: Vec<Vec<Timed<R>>>,
-    track: Made,
+    made: Made,
 }
 
-/// The track of a stream, made by the first that asks. A copy, which may be altered, starts without.
+/// What follows from the rows of a stream, made by the first that asks. A copy, which may be altered, starts without.
 #[derive(Debug, Default)]
-struct Made(OnceLock<Arc<Track>>);
+struct Made {
+    track: OnceLock<Arc<Track>>,
+    is_earth_centred: OnceLock<bool>,
+}
 
 impl Clone for Made {
     fn clone(&self) -> Self {
@@ -80,7 +86,7 @@ impl<R: Row> Stream<R> {
             first: said.first.cloned(),
             told_in: ToldIn::default(),
             stretches,
-            track: Made::default(),
+            made: Made::default(),
         })
     }
 
@@ -159,19 +165,32 @@ impl<R: Row + Convert> Stream<R> {
 impl Stream<FixRow> {
     /// Where the receiver went.
     pub(crate) fn track(&self) -> Arc<Track> {
-        Arc::clone(self.track.0.get_or_init(|| Arc::new(Track::of_fixes(self))))
+        Arc::clone(self.made.track.get_or_init(|| Arc::new(Track::of_fixes(self))))
     }
 }
 
 impl Stream<PoseRow> {
+    /// Whether it tells places from the Earth's centre: its x and y then lie in no level plane, its z is no height, and south of
+    /// the equator its way is mirrored.
+    pub(crate) fn is_earth_centred(&self) -> bool {
+        *self.made.is_earth_centred.get_or_init(|| {
+            let places = self.rows().map(|timed| Vector3::from(timed.row.position));
+            let mut places = places.filter(|place| place.norm().is_finite() && *place != Vector3::zeros());
+            places.next().is_some_and(|place| is_earth_centred(&place))
+        })
+    }
+
     /// Whether it tells the way of the platform: not where one frame of the world lies in another, nor where it should go.
     pub(crate) fn is_way(&self) -> bool {
-        self.is_of_world() && !self.child.as_ref().is_some_and(names::is_world) && !names::is_wish(&self.topic)
+        self.is_of_world()
+            && !self.is_earth_centred()
+            && !self.child.as_ref().is_some_and(names::is_world)
+            && !names::is_wish(&self.topic)
     }
 
     /// Where the poses went.
     pub(crate) fn track(&self) -> Arc<Track> {
-        Arc::clone(self.track.0.get_or_init(|| Arc::new(Track::of_poses(self))))
+        Arc::clone(self.made.track.get_or_init(|| Arc::new(Track::of_poses(self))))
     }
 
     /// The stream of a moving transform.
@@ -191,7 +210,7 @@ impl Stream<PoseRow> {
             first: Some(edge.first_at.clone()),
             told_in: ToldIn::default(),
             stretches,
-            track: Made::default(),
+            made: Made::default(),
         })
     }
 }

@@ -1,7 +1,9 @@
 //! The order of angles behind a quaternion, found by the gyro: taken apart in the right order, and put together as ROS does,
-//! the orientation is the integral of the gyro.
+//! the orientation is the integral of the gyro, and gravity does not contradict it.
 //!
 //! Owns the search. Must not word a finding.
+
+use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::math::euler::Order;
 use crate::math::readings::Reading;
@@ -36,10 +38,13 @@ pub(super) struct Margins {
 const WINDOW_S: f64 = 0.5;
 /// Two orders whose residuals differ by less than this factor cannot be told apart.
 const ALIKE: f64 = 1.5;
+/// Mean cosine from the vertical beneath which an axis points down, steadily.
+const DOWN: f64 = -0.5;
 
 /// The order of angles that the quaternions of a sensor were made in, if the gyro shows one.
 pub(super) fn ordered(imu: &Imu, as_published: f64, margins: &Margins) -> Option<Ordered> {
     let mut tried: Vec<(Order, Turns, f64)> = candidates()
+        .filter(|order| !contradicts_gravity(oriented(imu, *order)))
         .filter_map(|order| {
             let turns = turns(&mended(imu, order), &Options::new(WINDOW_S))?;
             let residual = turns.score(Reading::Xyzw)?.residual;
@@ -91,14 +96,39 @@ fn candidates() -> impl Iterator<Item = Order> {
         .filter(move |order| order.middle() != YAW && of_three(order))
 }
 
+/// The rotation that four numbers would be, had their angles been put together as ROS does.
+fn in_order_of_ros(published: [f64; 4], order: Order) -> Option<UnitQuaternion<f64>> {
+    let rotation = Reading::Xyzw.world_from_body(published)?;
+    Some(Order::ROS.compose(order.numbers_of(&rotation)?))
+}
+
+/// Those rotations of a sensor, with the acceleration.
+fn oriented(imu: &Imu, order: Order) -> impl Iterator<Item = (UnitQuaternion<f64>, Vector3<f64>)> + '_ {
+    imu.stream.rows().filter_map(move |timed| {
+        let rotation = in_order_of_ros(timed.row.orientation, order)?;
+        Some((rotation, Vector3::from(timed.row.linear_acceleration)))
+    })
+}
+
+/// Whether a body would stand on its head by its orientation, and the acceleration does not say so. An orientation whose body
+/// alone is forward, right, down looks like another order of angles on flat ground: its roll of half a turn changes places with
+/// its yaw.
+fn contradicts_gravity(oriented: impl Iterator<Item = (UnitQuaternion<f64>, Vector3<f64>)>) -> bool {
+    let (mut rows, mut body_up, mut force_up, mut force) = (0.0, 0.0, 0.0, 0.0);
+    for (world_from_body, acceleration) in oriented.filter(|(_, force)| force.norm().is_finite()) {
+        rows += 1.0;
+        body_up += (world_from_body * Vector3::z()).z;
+        force_up += (world_from_body * acceleration).z;
+        force += acceleration.norm();
+    }
+    // Hanging upside down, the force at rest points up in the world all the same.
+    body_up < DOWN * rows && force_up <= -DOWN * force
+}
+
 /// The rows of a sensor with the orientation that it would have, had its angles been put together as ROS does.
 fn mended(imu: &Imu, order: Order) -> Vec<Vec<Row>> {
     let slots = |published: [f64; 4]| -> [f64; 4] {
-        let mended = Reading::Xyzw
-            .world_from_body(published)
-            .and_then(|rotation| order.numbers_of(&rotation))
-            .map(|numbers| Order::ROS.compose(numbers).coords);
-        mended.map_or([f64::NAN; 4], |q| [q.x, q.y, q.z, q.w])
+        in_order_of_ros(published, order).map_or([f64::NAN; 4], |q| [q.coords.x, q.coords.y, q.coords.z, q.coords.w])
     };
     let stretches = imu.stream.stretches.iter();
     stretches
@@ -111,4 +141,28 @@ fn mended(imu: &Imu, order: Order) -> Vec<Vec<Row>> {
             rows.collect()
         })
         .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A drive in circles, level, by an orientation that stands this way up, with this acceleration in the body.
+    fn turning(roll_rad: f64, up_m_s2: f64) -> impl Iterator<Item = (UnitQuaternion<f64>, Vector3<f64>)> {
+        (0..100).map(move |row| {
+            let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 0.1 * f64::from(row));
+            let roll = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), roll_rad);
+            (yaw * roll, Vector3::new(0.3, -0.2, up_m_s2))
+        })
+    }
+
+    #[test]
+    fn only_an_orientation_on_its_head_that_gravity_does_not_see_is_contradicted() {
+        let half_turn = std::f64::consts::PI;
+        assert!(contradicts_gravity(turning(half_turn, 9.81)), "a body in FRD alone");
+        assert!(contradicts_gravity(turning(half_turn, 0.0)), "no gravity to confirm it");
+        assert!(!contradicts_gravity(turning(half_turn, -9.81)), "hangs upside down");
+        assert!(!contradicts_gravity(turning(0.1, 9.81)), "level");
+        assert!(!contradicts_gravity(turning(0.1, -9.81)), "all of it in NED and FRD");
+    }
 }

@@ -155,7 +155,11 @@ fn judge_sensor(imu: &Imu, sensor: &Sensor, out: &mut Judge) {
             out.pass(subject, [measured]);
         }
         (None, Turn::Agree | Turn::Tilting) => {
-            let why = "it turns about one axis: no order of angles would show";
+            let [x, y, z] = turned.rates_deg_s();
+            let why = format!(
+                "it turns about one axis alone ({x:.1}, {y:.1} and {z:.1} deg/s about x, y and z): another order of its angles would \
+                 not show"
+            );
             out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
         }
         (None, _) => {

@@ -56,6 +56,12 @@ impl Tilts {
         if is_level(as_is) && is_tilted(other) {
             return Order::Right;
         }
+        let least = self.published.least_rad.to_degrees();
+        if least > 90.0 - limits.tilted_deg {
+            return Order::Unknown(format!(
+                "it lies on its side all the time, by {least:.0} to {as_is:.0} deg, as an optical frame does in a level one"
+            ));
+        }
         if is_tilted(as_is) && is_level(other) && other_turned >= limits.min_turn_deg {
             return Order::Wrong;
         }
@@ -95,7 +101,7 @@ pub(crate) fn is_reordered(stream: &Stream<PoseRow>) -> bool {
 /// A pose of the platform, or of another frame of the world, in the world.
 fn is_platform(stream: &Stream<PoseRow>) -> bool {
     let is_level = |child: &FrameId| (names::is_base(child) || names::is_world(child)) && !names::is_sensor(child);
-    stream.is_of_world() && stream.child.as_ref().is_none_or(is_level)
+    stream.is_of_world() && !stream.is_earth_centred() && stream.child.as_ref().is_none_or(is_level)
 }
 
 /// Judges inertial sensors and poses.
@@ -168,7 +174,7 @@ fn judge_tilts(subject: String, topic: &str, place: Place, tilts: &Tilts, limits
         Order::Wrong => {
             let message = format!(
                 "the {subject} is w, x, y, z: so read it stays within {:.0} deg of level while it turns by {:.0} deg, as published \
-                 it is tilted by up to {:.0} deg",
+                 it is tilted by up to {:.0} deg (the inverse would be as level)",
                 tilts.reordered.tilt_rad.to_degrees(),
                 tilts.reordered.turned_rad.to_degrees(),
                 tilts.published.tilt_rad.to_degrees(),

@@ -28,8 +28,11 @@ pub struct Limits {
     pub(super) unrelated: f64,
     pub(super) unrelated_deg: f64,
     pub(super) ratio: f64,
+    pub(super) alike: f64,
     pub(super) slow_agrees: f64,
     pub(super) slow_gap: f64,
+    pub(super) slow_s: f64,
+    pub(super) slow_sure: f64,
     pub(super) unrelated_correlation: f64,
     pub(super) standing: f64,
     pub(super) noise: f64,
@@ -57,12 +60,19 @@ pub(crate) struct Turned {
     pub(super) ordered: Option<Ordered>,
     /// How many axes turn fast enough to speak.
     pub(super) speaking: usize,
+    /// Root mean square of the rate about each axis, rad/s.
+    pub(super) axis_rms_rad_s: [f64; 3],
 }
 
 impl Turned {
     /// Whether another order of angles would have shown: it turns about several axes.
     pub(super) fn shows_order(&self) -> bool {
         self.speaking > 1
+    }
+
+    /// Root mean square of the rate about each axis, degrees a second.
+    pub(super) fn rates_deg_s(&self) -> [f64; 3] {
+        self.axis_rms_rad_s.map(f64::to_degrees)
     }
 
     /// Of orientation and gyro about each axis.
@@ -120,6 +130,9 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
             format!("follows its gyro about one axis, and not about {axis}")
         }
         Turn::Unrelated => "is not the integral of its gyro".to_owned(),
+        Turn::OneOf(_) => {
+            "follows its gyro only when it is read in another way, of which several serve alike".to_owned()
+        }
         _ => "turns against its gyro".to_owned(),
     };
     let message = format!(
@@ -167,11 +180,8 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
     }
     let slow = imu.inertial.slow_turns.as_ref().and_then(Ways::of);
     let turns_enough = |ways: &Ways| ways.rotation_deg() >= limits.min_rotation_deg;
-    let order = fast_order(imu, &fast, limits).filter(|_| turns_enough(&fast));
-    if let Some(order) = order
-        .as_ref()
-        .filter(|order| fast.maps_are_worse(order.residual, limits))
-    {
+    let order = turns_enough(&fast).then(|| fast_order(imu, &fast, limits)).flatten();
+    if let Some(order) = order.as_ref().filter(|order| fast.are_worse(order.residual, limits)) {
         return Ok(Turned {
             ordered: Some(order.clone()),
             ..fast.found(Turn::Ordered, None, limits)
@@ -189,6 +199,11 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
     let by_gap = || {
         let ways = slow.as_ref().filter(|ways| turns_enough(ways))?;
         let class = ways.by_gap(limits)?;
+        let is_weak = ways.covers_little(limits) && ways.explains(class).powi(2) > limits.slow_sure;
+        // As much noise as turning in short windows: what two or three long ones make of it may be chance.
+        if is_weak && fast.explains(class) > 1.0 {
+            return None;
+        }
         // What noise hides in short windows is no proof against an axis.
         let axis = fast.axis(class, limits).ok()?;
         axis.is_none().then(|| ways.found(class, None, limits))
@@ -206,12 +221,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
     if fast.is_unrelated(limits) {
         return Ok(fast.found(Turn::Unrelated, None, limits));
     }
-    little(format!(
-        "neither follows the other clearly: {:.0} % of the turning is left unexplained as published, {:.0} % by the best other \
-         reading",
-        100.0 * fast.as_published.residual,
-        100.0 * fast.best()
-    ))
+    little(fast.unclear(limits))
 }
 
 /// The order of the angles behind the orientation, if it is another one. The search is dear, and its answer is sure: asked

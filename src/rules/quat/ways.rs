@@ -7,7 +7,7 @@ use nalgebra::Matrix3;
 use crate::math::readings::Reading;
 use crate::math::rotation::singular_values;
 use crate::math::turns::{Score, Turns};
-use crate::rules::axes::causes::Turn;
+use crate::rules::axes::causes::{Readings, Turn};
 
 use super::quaternion_convention::{Limits, Turned};
 
@@ -71,6 +71,19 @@ impl<'a> Ways<'a> {
         self.others.first().map_or(f64::NAN, |way| way.1)
     }
 
+    /// Whether these are few windows.
+    pub(super) fn covers_little(&self, limits: &Limits) -> bool {
+        self.turns.covered_s < limits.slow_s
+    }
+
+    /// The residual of what was found: as published, or of the best other way.
+    pub(super) fn explains(&self, class: Turn) -> f64 {
+        match class {
+            Turn::Agree | Turn::Tilting => self.as_published.residual,
+            _ => self.best(),
+        }
+    }
+
     /// What was seen, by these windows.
     pub(super) fn found(&self, class: Turn, axis: Option<usize>, limits: &Limits) -> Turned {
         let is_slow = self.by_ratio(limits).is_none() && !matches!(class, Turn::Unrelated | Turn::Ordered);
@@ -89,6 +102,7 @@ impl<'a> Ways<'a> {
             axis,
             ordered: None,
             speaking: self.speaking(limits),
+            axis_rms_rad_s: self.turns.axis_rms_rad_s,
         }
     }
 
@@ -103,10 +117,9 @@ impl<'a> Ways<'a> {
         self.readings < limits.agrees
     }
 
-    /// Whether a turned or negated gyro explains less than something else that leaves this residual: it is the simpler fault.
-    pub(super) fn maps_are_worse(&self, residual: f64, limits: &Limits) -> bool {
-        let maps = self.others.iter().filter(|way| is_map(way.0)).map(|way| way.1);
-        maps.fold(f64::INFINITY, f64::min) >= limits.ratio * residual.max(limits.noise)
+    /// Whether every way with a name, the simpler faults, explains less than something else that leaves this residual.
+    pub(super) fn are_worse(&self, residual: f64, limits: &Limits) -> bool {
+        self.best() >= limits.ratio * residual.max(limits.noise)
     }
 
     /// Whether the orientation may not follow about an axis, though it does about another, noise or not.
@@ -131,7 +144,9 @@ impl<'a> Ways<'a> {
             return None;
         }
         let is_alike = |residual: f64| residual < limits.ratio * best.max(limits.noise);
-        self.one_of(is_alike, own > limits.opposes)
+        let found = self.one_of(is_alike, own > limits.opposes);
+        let is_sound = own > limits.opposes && best <= limits.alike;
+        found.or_else(|| Some(self.several(is_alike)?).filter(|_| is_sound))
     }
 
     /// The way that explains the turning, the noise of the orientation aside: noise adds the same square to every residual, so
@@ -174,6 +189,43 @@ impl<'a> Ways<'a> {
         }
     }
 
+    /// Why it cannot be told how the orientation turns.
+    pub(super) fn unclear(&self, limits: &Limits) -> String {
+        let percent = |residual: f64| format!("{:.0} %", 100.0 * residual);
+        let own = percent(self.as_published.residual);
+        let best = self.best().min(self.unnamed);
+        if best >= limits.agrees || self.as_published.residual < limits.ratio * best.max(limits.noise) {
+            return format!(
+                "neither follows the other clearly: {own} of the turning is left unexplained as published, {} by the best other reading",
+                percent(self.best())
+            );
+        }
+        let alike = |residual: f64| residual < limits.ratio * best.max(limits.noise);
+        let named = self.others.iter().filter(|way| alike(way.1));
+        let mut ways: Vec<String> = named
+            .map(|(turn, residual)| format!("{} ({})", words(*turn), percent(*residual)))
+            .collect();
+        if alike(self.unnamed) {
+            ways.push(format!("a gyro with other axes ({})", percent(self.unnamed)));
+        }
+        format!(
+            "{own} of the turning is left unexplained as published, and these explain it alike: {}; it turns about too few axes to tell",
+            ways.join(", ")
+        )
+    }
+
+    /// The ways that are as good as the best, where readings of the four numbers are among them.
+    fn several(&self, is_alike: impl Fn(f64) -> bool) -> Option<Turn> {
+        let alike: Vec<Turn> = self
+            .others
+            .iter()
+            .filter(|way| is_alike(way.1))
+            .map(|way| way.0)
+            .collect();
+        let has_reading = alike.iter().any(|turn| !is_map(*turn));
+        (alike.len() > 1 && has_reading).then(|| Turn::OneOf(Readings::of(&alike)))
+    }
+
     /// Whether the orientation turns, and not as the gyro does under any reading.
     pub(super) fn is_unrelated(&self, limits: &Limits) -> bool {
         let follows = self.turns.scores.iter().map(explained);
@@ -214,6 +266,19 @@ impl<'a> Ways<'a> {
             }
         }
         if unclear { Err(Unclear) } else { Ok(None) }
+    }
+}
+
+/// What a way of reading is, in a list of them.
+fn words(turn: Turn) -> &'static str {
+    match turn {
+        Turn::Inverse => "the inverse orientation",
+        Turn::Reordered => "its numbers read as w, x, y, z",
+        Turn::ReorderedInverse => "its numbers read as w, x, y, z, of the inverse",
+        Turn::Frd => "a gyro or a body in FRD",
+        Turn::Negated => "a negated gyro",
+        Turn::Yaw => "a yaw that turns the other way",
+        _ => "another reading",
     }
 }
 

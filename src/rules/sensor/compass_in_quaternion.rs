@@ -2,6 +2,8 @@
 
 use serde::Deserialize;
 
+use crate::math::level::level;
+use crate::math::readings::Reading;
 use crate::rules::axes::heading_convention::{self, HeadingConvention};
 use crate::rules::axes::sensors::{Sensor, Sensors};
 use crate::rules::axes::worlds::Worlds;
@@ -24,6 +26,7 @@ pub struct Limits {
     pub(super) same_deg: f64,
     pub(super) apart_deg: f64,
     pub(super) max_offset_deg: f64,
+    max_tilt_deg: f64,
 }
 
 /// What a yaw can be held against, and the limits.
@@ -46,7 +49,7 @@ impl Rule for CompassInQuaternion {
         };
         let (motion, sensors, worlds) = (Motion::of(world), Sensors::of(world), Worlds::of(world));
         for (index, bag) in motion.bags.iter().enumerate() {
-            let tracks = bag.tracks(|frame| worlds.is_down(index, frame));
+            let tracks = bag.tracks(|frame| worlds.is_off(index, frame));
             let compasses = bag.compasses();
             let against = Against {
                 compasses: &compasses,
@@ -70,7 +73,7 @@ impl Rule for CompassInQuaternion {
 /// Whether a stream is of poses on a topic that tell a way; of odometry AXES08 judges the turning.
 fn is_way(stream: &Stream<PoseRow>) -> bool {
     let has_twist = stream.rows().any(|timed| timed.row.twist.is_some());
-    stream.child.is_none() && !has_twist && stream.is_of_world()
+    stream.child.is_none() && !has_twist && stream.is_of_world() && !stream.is_earth_centred()
 }
 
 impl Against<'_> {
@@ -127,7 +130,15 @@ impl Against<'_> {
     /// Poses tell their own way: yaw and position stand in one frame, wherever its zero is.
     fn judge_pose(&self, stream: &Stream<PoseRow>, out: &mut Judge) {
         let subject = format!("yaw of {}", stream.subject);
-        let yaws = Yaws::of(stream, &nalgebra::UnitQuaternion::identity());
+        let straight = nalgebra::UnitQuaternion::identity();
+        let slots = stream.rows().map(|timed| timed.row.orientation);
+        let tilt_deg = level(slots, &straight, Reading::Xyzw).map_or(0.0, |level| level.tilt_rad.to_degrees());
+        if tilt_deg > self.limits.max_tilt_deg {
+            let why =
+                format!("it is tilted by {tilt_deg:.0} deg against z of its frame: what lies on its side has no yaw");
+            return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        }
+        let yaws = Yaws::of(stream, &straight);
         match by_track(&yaws, &stream.track(), true, self.turns) {
             Some(found) if found.is_clockwise => out.fail(found.finding(stream, &subject, self.turns, self.limits)),
             Some(found) => out.pass(subject, found.measured(self.turns)),

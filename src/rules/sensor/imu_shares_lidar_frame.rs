@@ -3,10 +3,10 @@
 use serde::Deserialize;
 
 use crate::rules::{Evidence, Judge, Need, Rule, names};
-use crate::source::Place;
+use crate::source::{MessageRef, Place};
 use crate::tables;
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::bag::TopicEvidence;
+use crate::world::bag::{Said, TopicEvidence};
 use crate::world::{BagEvidence, FrameId, World};
 
 /// SENSOR05.
@@ -26,8 +26,9 @@ impl Rule for ImuSharesLidarFrame {
     fn judge(world: &World, _: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             let clouds: Vec<&TopicEvidence> = bag.topics.values().filter(|topic| is_cloud(topic)).collect();
-            for imu in bag.topics.values().filter(|topic| topic.content.imu.is_some()) {
-                judge_imu(bag, imu, &clouds, out);
+            let said = bag.topics.values().flat_map(TopicEvidence::said);
+            for imu in said.filter(|said| said.content.imu.is_some()) {
+                judge_imu(bag, &imu, &clouds, out);
             }
         }
     }
@@ -40,8 +41,8 @@ fn is_cloud(topic: &TopicEvidence) -> bool {
     TYPES.contains(&name) && topic.count > 0
 }
 
-fn judge_imu(bag: &BagEvidence, imu: &TopicEvidence, clouds: &[&TopicEvidence], out: &mut Judge) {
-    let subject = format!("frame of topic `{}`", imu.topic);
+fn judge_imu(bag: &BagEvidence, imu: &Said<'_>, clouds: &[&TopicEvidence], out: &mut Judge) {
+    let subject = format!("frame of {}", imu.subject());
     if clouds.is_empty() {
         return out.not_evaluated(subject, NotEvaluated::MissingInput, "no point cloud in the recording");
     }
@@ -69,9 +70,9 @@ fn judge_imu(bag: &BagEvidence, imu: &TopicEvidence, clouds: &[&TopicEvidence], 
     out.fail(finding(bag, subject, imu, cloud, &frame));
 }
 
-fn finding(bag: &BagEvidence, subject: String, imu: &TopicEvidence, cloud: &TopicEvidence, frame: &FrameId) -> Finding {
-    let words = [imu.words(), cloud.words()].concat();
-    let place = |topic: &TopicEvidence| Place::of(bag.source, topic.stamps.first.as_ref());
+fn finding(bag: &BagEvidence, subject: String, imu: &Said<'_>, cloud: &TopicEvidence, frame: &FrameId) -> Finding {
+    let words = [imu.topic.words(), cloud.words()].concat();
+    let place = |first: Option<&MessageRef>| Place::of(bag.source, first);
     let known = tables::lidar_imu(&words);
     let lever = known.and_then(|known| known.facts.lever_mm);
     let (what, help) = match (known, lever) {
@@ -100,10 +101,10 @@ fn finding(bag: &BagEvidence, subject: String, imu: &TopicEvidence, cloud: &Topi
     };
     let message = format!(
         "the Imu on `{}` names `{frame}`, the frame of the cloud on `{}`: {what}",
-        imu.topic, cloud.topic
+        imu.topic.topic, cloud.topic
     );
-    let finding = Finding::warning(subject, message, place(imu))
-        .related(place(cloud), "the cloud")
+    let finding = Finding::warning(subject, message, place(imu.first))
+        .related(place(cloud.stamps.first.as_ref()), "the cloud")
         .help(help);
     let finding = if known.is_some() {
         finding.likely()

@@ -45,6 +45,13 @@ fn judge_up(imu: &Imu, sensor: &Sensor, driver: Known<InsDriver>, limits: &Limit
     }
     match sensor.up_rad() {
         Ok(angle) if angle.to_degrees() <= limits.max_tilt_deg => {
+            if let Some(unseen) = sensor.unseen {
+                let why = format!(
+                    "gravity points up, as it does where {}: a turn is needed to tell (QUAT01, AXES04)",
+                    unseen.text
+                );
+                return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            }
             let measured = Measured::new(
                 "angle of the mean acceleration to z of the world",
                 angle.to_degrees(),

@@ -49,7 +49,11 @@ impl Rule for LeftHandedSimulator {
                 .zip(sensors.of_bag(index))
                 .filter(|(_, sensor)| sensor.stands() == Some(Base::Up));
             let imus: Vec<&Imu> = upright.map(|(imu, _)| imu).collect();
-            for poses in bag.poses.iter().filter(|poses| poses.is_of_world()) {
+            for poses in bag
+                .poses
+                .iter()
+                .filter(|poses| poses.is_of_world() && !poses.is_earth_centred())
+            {
                 let track = poses.track();
                 let told = by_satellites(bag, &track, &tracks)
                     .into_iter()

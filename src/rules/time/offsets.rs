@@ -70,6 +70,7 @@ fn offset(first: &Signal, second: &Signal, limits: &Limits) -> Result<Offset, Wi
     let turned = by(By::YawRate, &first.yaw_rate, &second.yaw_rate);
     let ran = by(By::Speed, &first.speed, &second.speed);
     let best = match (turned, ran) {
+        (Err(varies @ Without::Varies(_)), _) | (_, Err(varies @ Without::Varies(_))) => Err(varies),
         (Ok(turned), Ok(ran)) => Ok(if ran.1 < turned.1 { ran } else { turned }),
         (Ok(one), Err(Without::Silent(..))) | (Err(Without::Silent(..)), Ok(one)) => Ok(one),
         (Err(Without::Silent(a, why)), Err(Without::Silent(b, other))) => Err(if b > a {
@@ -77,7 +78,6 @@ fn offset(first: &Signal, second: &Signal, limits: &Limits) -> Result<Offset, Wi
         } else {
             Without::Silent(a, why)
         }),
-        (Err(varies), _) | (_, Err(varies)) => Err(varies),
     };
     best.map(|(by, sigma_s, peak)| Offset {
         by,
@@ -156,6 +156,18 @@ fn told(first: &Runs, second: &Runs, by: By, is_fix: bool, limits: &Limits) -> R
             by.words()
         )));
     }
+    if peak.rho < limits.sure_correlation {
+        let why = format!(
+            "correlation {:.2}: where so much is noise it may move the lag, {} are needed",
+            peak.rho, limits.sure_correlation
+        );
+        return silent(peak.rho, &why);
+    }
+    // Speeds are of courses over two seconds: what disturbs them lasts as long as they do.
+    let sigma_s = match by {
+        By::YawRate => sigma_s,
+        By::Speed => peak.cautious_sigma_s.unwrap_or(f64::INFINITY),
+    };
     Ok((by, sigma_s, peak))
 }
 

@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use crate::rules::axes::sensors::{Sensor, Sensors};
 use crate::rules::motion::{BagMotion, Motion};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
@@ -29,6 +30,7 @@ pub struct Limits {
     pub(super) max_lag_s: f64,
     pub(super) min_correlation: f64,
     pub(super) min_correlation_fix: f64,
+    pub(super) sure_correlation: f64,
     pub(super) min_z: f64,
     pub(super) min_part_z: f64,
     pub(super) min_n_eff: f64,
@@ -43,13 +45,28 @@ impl Rule for SensorTimeOffset {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        for (bag, motion) in world.bags.iter().zip(&Motion::of(world).bags) {
-            judge_bag(world, bag, motion, limits, out);
+        let sensors = Sensors::of(world);
+        for (index, (bag, motion)) in world.bags.iter().zip(&Motion::of(world).bags).enumerate() {
+            judge_bag(world, bag, motion, sensors.of_bag(index), limits, out);
         }
     }
 }
 
-fn judge_bag(world: &World, bag: &BagEvidence, motion: &BagMotion, limits: &Limits, out: &mut Judge) {
+/// The rule that reports the orientation of a signal, where one does: of a wrong one the lag is no lag.
+fn owner(signal: &Signal, motion: &BagMotion, sensors: &[Sensor]) -> Option<&'static str> {
+    let mut known = motion.imus.iter().zip(sensors);
+    let (_, sensor) = known.find(|(imu, _)| signal.kind == Kind::Orientation && imu.stream.subject == signal.stream)?;
+    sensor.diagnosis.owner
+}
+
+fn judge_bag(
+    world: &World,
+    bag: &BagEvidence,
+    motion: &BagMotion,
+    sensors: &[Sensor],
+    limits: &Limits,
+    out: &mut Judge,
+) {
     let signals = signals(motion);
     let (first, others) = match reference(world, &signals, limits) {
         Ok(found) => found,
@@ -64,6 +81,11 @@ fn judge_bag(world: &World, bag: &BagEvidence, motion: &BagMotion, limits: &Limi
     let mut off: Vec<Finding> = Vec::new();
     for (second, found) in others {
         let subject = second.subject.clone();
+        if let Some(owner) = owner(second, motion, sensors) {
+            let why = format!("the orientation is wrong, as {owner} reports: its lag says nothing");
+            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            continue;
+        }
         match found {
             Err(Without::Silent(_, why)) => {
                 let why = format!("against {}, {why}", words(first));
@@ -73,9 +95,9 @@ fn judge_bag(world: &World, bag: &BagEvidence, motion: &BagMotion, limits: &Limi
             Ok(offset) => {
                 let limit_s = limit_s(first, second, limits);
                 let measured = measured(first, &offset, limit_s);
-                let beyond_s = offset.in_stamps_s.abs() - limits.sigmas * offset.sigma_s - limit_s;
-                let give_s = limits.sigmas * offset.sigma_s;
-                if beyond_s <= 0.0 && (give_s > limit_s || offset.in_stamps_s.abs() > limit_s) {
+                let (size_s, give_s) = (offset.in_stamps_s.abs(), limits.sigmas * offset.sigma_s);
+                let beyond_s = size_s - give_s - limit_s;
+                if beyond_s <= 0.0 && size_s + give_s > limit_s {
                     let why = format!(
                         "an offset of {:+.3} s against {}, give or take {give_s:.3} s: whether it is within the {limit_s:.3} s that are \
                          sound cannot be told",

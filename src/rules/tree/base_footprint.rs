@@ -18,6 +18,8 @@ pub struct BaseFootprint;
 pub struct Limits {
     /// Tilt against a level frame that 95 of 100 samples may have, degrees.
     pub max_tilt_deg: f64,
+    /// Tilt that 95 of 100 samples exceed where something stands on its head, degrees.
+    pub upside_down_deg: f64,
     /// Yaw between `base_footprint` and `base_link`, degrees.
     pub max_yaw_deg: f64,
     /// How far `base_link` may lie below, metres.
@@ -117,7 +119,17 @@ fn judge_tilt(
         .samples(degrees.len() as u64);
     if deg > limits.max_tilt_deg {
         let (parent, child) = (&path.edge.parent, &path.edge.child);
-        let finding = if child == footprint {
+        let is_on_its_head = quantile(&degrees, 0.05).is_some_and(|least| least > limits.upside_down_deg);
+        let finding = if is_on_its_head {
+            let message = format!(
+                "`{child}` stands on its head in `{parent}` ({deg:.1} deg in 95 of 100 samples): z of one of them points down, as of a \
+                 body of forward, right, down, or of a world of north, east, down. These data cannot tell which"
+            );
+            Finding::warning(subject(footprint), message, place.clone()).help(format!(
+                "tell `{parent}` -> `{child}` of a body forward, left, up in a world whose z is up (REP-103): `R_flu = R_frd * F`, or \
+                 `R_enu = P * R_ned` and (y, x, -z) of the position"
+            ))
+        } else if child == footprint {
             let message = format!(
                 "`{footprint}` is tilted against `{parent}`: {deg:.1} deg in 95 of 100 samples, {most:.1} deg at most"
             );

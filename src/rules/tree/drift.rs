@@ -39,11 +39,11 @@ impl Drift {
 
     /// Whether it is one; `None` where it is too uncertain to say.
     pub(super) fn is_told(&self, limits: &Limits) -> Option<bool> {
-        let least_m = self.least_m(limits);
-        if self.by_m <= least_m {
-            (self.sigma_m <= least_m).then_some(false)
+        let (least_m, margin_m) = (self.least_m(limits), limits.margin * self.sigma_m);
+        if self.by_m + margin_m <= least_m {
+            Some(false)
         } else {
-            (self.by_m > limits.sigmas * self.sigma_m).then_some(true)
+            (self.by_m > limits.sigmas * self.sigma_m && self.by_m - margin_m > least_m).then_some(true)
         }
     }
 
@@ -111,7 +111,12 @@ struct Laid {
     middle: Vector2<f64>,
     turn: Rotation2<f64>,
     image: Vector2<f64>,
+    /// What is left, root mean square, metres.
     rms_m: f64,
+    /// What is left once the odometry's scale is taken off, too: the noise of both.
+    noise_m: f64,
+    /// How many metres of the other track one of the odometry is.
+    scale: f64,
     /// Standard deviation of the turn, radians.
     turn_sigma_rad: f64,
 }
@@ -123,18 +128,22 @@ impl Laid {
         let mean = |points: &[Vector2<f64>]| points.iter().sum::<Vector2<f64>>() / count;
         let (middle, image) = (mean(&from), mean(&to));
         // The best turn is that of the best similarity: the scale takes no part in it.
-        let turn = Rotation2::new(fit_similarities(&from, &to)?.proper.angle_rad);
+        let best = fit_similarities(&from, &to)?.proper;
+        let turn = Rotation2::new(best.angle_rad);
         let rest = |(from, to): &(Vector2<f64>, Vector2<f64>)| (turn * (from - middle) - (to - image)).norm_squared();
         let rms_m = (both.iter().map(rest).sum::<f64>() / count).sqrt();
         let spread = spread(&from)?;
         // Errors of a receiver last for minutes: more points do not make them smaller.
-        let turn_sigma_rad = sigma_m.max(rms_m) / spread.major_sd_m.hypot(spread.minor_sd_m);
-        let is_finite = rms_m.is_finite() && turn_sigma_rad.is_finite();
+        let noise_m = best.rms_m;
+        let turn_sigma_rad = sigma_m.max(noise_m) / spread.major_sd_m.hypot(spread.minor_sd_m);
+        let is_finite = rms_m.is_finite() && noise_m.is_finite() && turn_sigma_rad.is_finite();
         is_finite.then_some(Self {
             middle,
             turn,
             image,
             rms_m,
+            noise_m,
+            scale: best.scale,
             turn_sigma_rad,
         })
     }
@@ -165,10 +174,18 @@ fn of(odometry: &Track, other: &Track, sigma_m: f64, limits: &Limits) -> Result<
     if first.rms_m.max(last.rms_m) > limits.max_residual * way_m {
         return Err("the odometry cannot be laid over it even for a third of the drive".to_owned());
     }
+    let strays = |laid: &Laid| (laid.scale - 1.0).abs() > limits.max_scale;
+    if let Some(part) = [&first, &last].into_iter().find(|part| strays(part)) {
+        return Err(format!(
+            "for a third of the drive it is {:.2} times as long as the odometry: that is no drift, they do not follow one way",
+            part.scale
+        ));
+    }
     let by_m = (first.apply(last.middle) - last.image).norm();
     let far_m = (last.middle - first.middle).norm();
-    let sigma_m = (sigma_m.max(first.rms_m))
-        .hypot(sigma_m.max(last.rms_m))
+    // A wrong scale is part of the drift, and moves neither the turn nor the middle of a third: it is no noise of theirs.
+    let sigma_m = (sigma_m.max(first.noise_m))
+        .hypot(sigma_m.max(last.noise_m))
         .hypot(first.turn_sigma_rad * far_m);
     Ok(Drift {
         against: other.subject.clone(),

@@ -32,6 +32,9 @@ pub struct Limits {
     pub(super) least_sigma_m: f64,
     /// Deviations that a drift must exceed.
     pub(super) sigmas: f64,
+    /// Deviations between the least drift that counts and one that is told.
+    pub(super) margin: f64,
+    pub(super) max_scale: f64,
     /// Points of each third.
     pub(super) min_points: usize,
     /// Residual of a third, over the way, above which the two tracks are not of one platform.

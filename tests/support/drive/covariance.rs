@@ -62,11 +62,11 @@ pub fn apply6(covariance: &mut [f64; 36], error: Error) -> bool {
             let swapped = Matrix6::from_fn(|row, column| matrix[((row + 3) % 6, (column + 3) % 6)]);
             *covariance = row_major(&swapped);
         }
-        Error::CovarianceDegrees | Error::CovarianceCentimetres => {
-            let units = if error == Error::CovarianceDegrees {
-                [1.0, 1.0_f64.to_degrees()]
-            } else {
-                [100.0, 1.0]
+        Error::CovarianceDegrees | Error::CovarianceCentimetres | Error::CovarianceMillimetres => {
+            let units = match error {
+                Error::CovarianceDegrees => [1.0, 1.0_f64.to_degrees()],
+                Error::CovarianceCentimetres => [100.0, 1.0],
+                _ => [1000.0, 1.0],
             };
             let unit = |axis: usize| units[axis / 3];
             let scaled = Matrix6::from_fn(|row, column| matrix[(row, column)] * unit(row) * unit(column));

@@ -74,6 +74,8 @@ pub enum Error {
     Utm,
     /// Positions in the Earth's frame.
     Ecef,
+    /// Latitude, longitude in degrees as x and y, and the altitude as z.
+    LatLonDegrees,
     /// The altitude over that of the origin as z: the Earth taken for flat in height alone.
     AltitudeAsZ,
 
@@ -113,6 +115,8 @@ pub enum Error {
     CovarianceDegrees,
     /// Positions in square centimetres.
     CovarianceCentimetres,
+    /// Positions in square millimetres.
+    CovarianceMillimetres,
     /// Left in the body's axes.
     CovarianceNotRotated,
     /// Left in ENU, though the pose is given in another frame.

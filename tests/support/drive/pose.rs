@@ -104,37 +104,43 @@ impl Drive {
     /// `earth_from_map`.
     pub fn earth_rows(&self, stream: &Stream) -> Vec<PoseRow> {
         let datum = stream.datum.unwrap_or(self.description.place);
-        let (latitude, longitude) = (datum.latitude.to_radians(), datum.longitude.to_radians());
-        let mut turned = datum.earth_from_enu();
-        for error in &stream.errors {
-            turned = match error {
-                Error::Transposed => turned.inverse(),
-                Error::NedRows => turned * ned_from_enu(),
-                Error::SphericalLatitude => {
-                    let across = datum.ecef().xy().norm();
-                    let latitude = (datum.ecef().z / across).atan().to_degrees();
-                    Place { latitude, ..datum }.earth_from_enu()
-                }
-                Error::ActiveRotations => {
-                    let about = |axis, angle| Rotation3::from_axis_angle(&axis, angle);
-                    let quarter = std::f64::consts::FRAC_PI_2;
-                    let tilt = about(Vector3::x_axis(), quarter - latitude);
-                    (tilt * about(Vector3::z_axis(), quarter + longitude)).inverse()
-                }
-                Error::LatLonSwapped => Place {
-                    latitude: datum.longitude,
-                    longitude: datum.latitude,
-                    ..datum
-                }
-                .earth_from_enu(),
-                _ => errors::refuse("earth", *error),
-            };
-        }
+        let turned = earth_from_enu(datum, &stream.errors);
         let earth_from_enu = Isometry3::from_parts(Translation3::from(datum.ecef()), turned.into());
         let earth_from_map = earth_from_enu * stream.world_from_enu.inverse();
         let row = |t_s: &f64| PoseRow::new(*t_s, earth_from_map, &[0.0; 36]);
         stream.times_s.iter().map(row).collect()
     }
+}
+
+/// `earth_from_enu` at a place, with errors.
+pub fn earth_from_enu(datum: Place, errors: &[Error]) -> Rotation3<f64> {
+    let (latitude, longitude) = (datum.latitude.to_radians(), datum.longitude.to_radians());
+    let mut turned = datum.earth_from_enu();
+    for error in errors {
+        turned = match error {
+            Error::Transposed => turned.inverse(),
+            Error::NedRows => turned * ned_from_enu(),
+            Error::SphericalLatitude => {
+                let across = datum.ecef().xy().norm();
+                let latitude = (datum.ecef().z / across).atan().to_degrees();
+                Place { latitude, ..datum }.earth_from_enu()
+            }
+            Error::ActiveRotations => {
+                let about = |axis, angle| Rotation3::from_axis_angle(&axis, angle);
+                let quarter = std::f64::consts::FRAC_PI_2;
+                let tilt = about(Vector3::x_axis(), quarter - latitude);
+                (tilt * about(Vector3::z_axis(), quarter + longitude)).inverse()
+            }
+            Error::LatLonSwapped => Place {
+                latitude: datum.longitude,
+                longitude: datum.latitude,
+                ..datum
+            }
+            .earth_from_enu(),
+            _ => errors::refuse("earth", *error),
+        };
+    }
+    turned
 }
 
 /// Applies an error of positions alone; false where it is none.
@@ -188,6 +194,7 @@ impl PoseRow {
                 let ((e0, n0), (e1, n1)) = (aside(-50.0), aside(50.0));
                 self.orientation = slots(turn((n1 - n0).atan2(e1 - e0)) * rotation(self.orientation));
             }
+            Error::LatLonDegrees => self.position = [there.latitude, there.longitude, there.altitude],
             Error::AltitudeAsZ => self.position[2] = there.altitude - datum.altitude,
             Error::Ecef => {
                 self.change_world(&datum.earth_from_enu());

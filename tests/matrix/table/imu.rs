@@ -1,0 +1,261 @@
+//! Errors of inertial sensors.
+
+use nalgebra::{Rotation3, Vector3};
+
+use crate::errors::{Change, Error, GRAVITY, Needs};
+use crate::support::drive::errors::{Error as Known, Oriented, frd_from_flu, ned_from_enu, rotation, slots};
+use crate::support::drive::rows::ImuRow;
+
+macro_rules! imu {
+    ($name:literal, $needs:ident, [$($known:ident),*], $words:expr, $texts:expr, $seen_by:expr) => {
+        error!($name, Change::Imu(Needs::$needs, |row| { $(row.apply(Known::$known, GRAVITY);)* }), $words, $texts, $seen_by)
+    };
+}
+
+pub static ERRORS: &[Error] = &[
+    imu!(
+        "NED/FRD",
+        Nothing,
+        [NedFrd],
+        ["ned-frd"],
+        ["all of it is told in NED/FRD"],
+        ["AXES01", "AXES03", "AXES05"]
+    ),
+    imu!(
+        "NED orientation",
+        Orientation,
+        [NedOrientation],
+        ["ned-orientation"],
+        ["the orientation alone is told in NED/FRD"],
+        ["QUAT01", "AXES04"]
+    ),
+    imu!(
+        "NED world",
+        Orientation,
+        [NedWorld],
+        ["ned-world"],
+        ["the world of the orientation is north, east, down"],
+        ["AXES03", "AXES04"]
+    ),
+    imu!(
+        "conjugate",
+        Orientation,
+        [Conjugate],
+        ["inverse"],
+        ["the orientation is the inverse one"],
+        ["QUAT01", "AXES04"]
+    ),
+    imu!(
+        "wxyz",
+        Orientation,
+        [Wxyz],
+        ["wxyz"],
+        ["stand as w, x, y, z"],
+        ["QUAT01"]
+    ),
+    imu!(
+        "wxyz, conjugate",
+        Orientation,
+        [Conjugate, Wxyz],
+        ["wxyz-inverse"],
+        ["stand as w, x, y, z, of the inverse"],
+        ["QUAT01"]
+    ),
+    imu!(
+        "compass yaw",
+        Orientation,
+        [CompassYaw],
+        ["compass-yaw"],
+        ["the yaw is a compass heading"],
+        ["QUAT01", "AXES04"]
+    ),
+    imu!(
+        "zero north",
+        Orientation,
+        [ZeroNorth],
+        [],
+        ["a yaw that is zero in the north"],
+        ["AXES04"]
+    ),
+    imu!(
+        "y forward",
+        Nothing,
+        [YForward],
+        ["turned-mount"],
+        ["its y axis points forward", "whose y axis points forward"],
+        ["AXES06"]
+    ),
+    imu!(
+        "mounted at 90",
+        Nothing,
+        [Yaw90],
+        ["turned-mount"],
+        ["mounted turned about z", "a sensor turned to the left"],
+        ["AXES06"]
+    ),
+    imu!(
+        "mounted at 180",
+        Nothing,
+        [Backward],
+        ["turned-mount"],
+        ["mounted turned about z", "a sensor mounted backwards"],
+        ["AXES06"]
+    ),
+    imu!(
+        "upside down",
+        Nothing,
+        [Inverted],
+        ["upside-down"],
+        ["the sensor is mounted upside down"],
+        ["AXES01", "AXES05"]
+    ),
+    error!(
+        "on its side",
+        Change::Imu(Needs::Nothing, |row| row.change_body(&on_side())),
+        ["on-its-side"],
+        ["the sensor is mounted on its side"],
+        ["AXES01"]
+    ),
+    imu!(
+        "Euler XYZ",
+        Orientation,
+        [EulerXyz],
+        ["rx-ry-rz", "xyz"],
+        [
+            "follows its gyro about one axis",
+            "put together as Rx Ry Rz",
+            "Rx(roll) Ry(pitch) Rz(yaw)"
+        ],
+        ["QUAT03"]
+    ),
+    imu!(
+        "left-handed",
+        Nothing,
+        [LeftHanded],
+        ["mirrored"],
+        ["all of it is told in left-handed axes"],
+        ["AXES05", "AXES04"]
+    ),
+    imu!(
+        "gyro, accel FRD",
+        Nothing,
+        [Frd],
+        ["sensor-frd"],
+        ["gyro and accelerometer are told in FRD"],
+        ["QUAT01", "AXES01", "AXES05"]
+    ),
+    error!(
+        "gyro FRD",
+        Change::Imu(Needs::Gyro, |row| row.gyro = [row.gyro[0], -row.gyro[1], -row.gyro[2]]),
+        ["gyro-frd"],
+        ["the gyro alone is told in FRD"],
+        ["QUAT01", "AXES05"]
+    ),
+    imu!(
+        "gyro negated",
+        Gyro,
+        [GyroNegated],
+        ["gyro-negated"],
+        ["the gyro's rates have the other sign"],
+        ["QUAT01", "AXES05"]
+    ),
+    imu!(
+        "gyro deg/s",
+        Gyro,
+        [DegS],
+        [],
+        ["the gyro is in deg/s"],
+        ["AXES02 angular", "QUAT01"]
+    ),
+    imu!(
+        "accel in g",
+        Gravity,
+        [G],
+        [],
+        ["in units of gravity (g)"],
+        ["AXES02 acceleration"]
+    ),
+    imu!(
+        "accel cm/s2",
+        Gravity,
+        [CmS2],
+        [],
+        ["as in cm/s2"],
+        ["AXES02 acceleration"]
+    ),
+    imu!(
+        "accel negated",
+        Gravity,
+        [GravitySign],
+        ["gravity-sign"],
+        ["the accelerometer has the other sign"],
+        ["AXES01", "AXES03"]
+    ),
+    error!(
+        "gravity removed",
+        Change::Imu(Needs::Gravity, gravity_removed),
+        [],
+        ["where gravity was taken off"],
+        ["AXES02 acceleration"]
+    ),
+    error!(
+        "body alone FRD",
+        Change::Imu(Needs::Orientation, |row| row.orientation =
+            slots(rotation(row.orientation) * frd_from_flu())),
+        ["frd-body"],
+        ["the body of the orientation alone is"],
+        ["QUAT01", "AXES03"]
+    ),
+    error!(
+        "sides changed",
+        Change::Imu(Needs::Orientation, |row| row.orientation = slots(
+            frd_from_flu() * ned_from_enu() * rotation(row.orientation) * frd_from_flu() * ned_from_enu()
+        )),
+        ["z90", "z-90", "euler-zxy-yaw-pitch-roll"],
+        ["stands on the", "a sensor mounted backwards"],
+        ["AXES04"]
+    ),
+    error!(
+        "stamps +0.3 s",
+        Change::Stamps(0.3),
+        [],
+        ["ahead of the log clock", "the motion"],
+        ["TIME02", "TIME09"]
+    ),
+    error!(
+        "stamps -0.3 s",
+        Change::Stamps(-0.3),
+        [],
+        ["behind the log clock", "the motion"],
+        ["TIME09"]
+    ),
+    error!(
+        "stamps +18 s",
+        Change::Stamps(18.0),
+        [],
+        ["18 ", "ahead of the log clock"],
+        ["TIME01", "TIME02"]
+    ),
+    error!(
+        "covariance deg2",
+        Change::Imu(Needs::Covariance, |row| row.apply(Known::CovarianceDegrees, GRAVITY)),
+        ["degrees"],
+        [],
+        ["COV05"]
+    ),
+];
+
+fn on_side() -> Rotation3<f64> {
+    Rotation3::from_axis_angle(&Vector3::x_axis(), std::f64::consts::FRAC_PI_2)
+}
+
+/// Takes off gravity where the orientation says that it is; without one along the sensor's z.
+fn gravity_removed(row: &mut ImuRow) {
+    if Vector3::from([row.orientation[0], row.orientation[1], row.orientation[2]]).norm() + row.orientation[3].abs()
+        > 0.5
+    {
+        row.apply(Known::GravityRemoved, GRAVITY);
+    } else {
+        row.acceleration[2] -= GRAVITY;
+    }
+}

@@ -1,0 +1,30 @@
+//! The tables of errors, by the streams that they are put into.
+
+macro_rules! error {
+    ($name:literal, $change:expr, $words:expr, $texts:expr, $seen_by:expr) => {
+        Error {
+            name: $name,
+            change: $change,
+            words: &$words,
+            texts: &$texts,
+            seen_by: &$seen_by,
+        }
+    };
+}
+
+mod fixes;
+mod imu;
+mod poses;
+mod staged;
+
+use crate::errors::Error;
+
+/// What a finding on a sensor says of the track that it is held against.
+const MIRRORED: &str = "the track that it is held against is a mirror image";
+
+/// Every error: of inertial sensors, of poses, of fixes, and of what is staged beside them.
+pub fn all() -> impl Iterator<Item = &'static Error> {
+    [imu::ERRORS, poses::ERRORS, fixes::ERRORS, staged::ERRORS]
+        .into_iter()
+        .flatten()
+}

@@ -1,0 +1,102 @@
+//! Errors of what no recording at hand says by itself: it is first staged, rightly, beside the evidence, then wrong.
+
+use crate::errors::{Change, Error};
+use crate::stages::{self, CARLA, CLOUD, CORRECTION, EARTH, HEADING, XSENS};
+use crate::support::drive::errors::Error as Known;
+
+macro_rules! earth {
+    ($name:literal, $known:ident, $word:literal) => {
+        error!(
+            $name,
+            Change::Staged(&EARTH, |world, stream| stages::tell_earth(
+                world,
+                stream,
+                Some(Known::$known)
+            )),
+            [$word],
+            [],
+            ["GEO02"]
+        )
+    };
+}
+
+pub static ERRORS: &[Error] = &[
+    earth!("earth>map transposed", Transposed, "transposed"),
+    earth!("earth>map in NED", NedRows, "ned-enu"),
+    earth!("earth>map of a sphere", SphericalLatitude, "spherical-latitude"),
+    earth!("earth>map active", ActiveRotations, "active-rotations"),
+    earth!("earth>map lat/lon", LatLonSwapped, "lat-lon-swapped"),
+    error!(
+        "origin 20 km away",
+        Change::Staged(&EARTH, |world, stream| stages::move_earth(world, stream, 0.18)),
+        ["far-from-origin"],
+        [],
+        ["GEO05"]
+    ),
+    error!(
+        "datum 10 m off",
+        Change::Staged(&EARTH, |world, _| stages::move_datum(world, |[lat, lon]| [
+            lat + 1e-4,
+            lon
+        ])),
+        ["origin-changed"],
+        ["two origins"],
+        ["GEO07"]
+    ),
+    error!(
+        "datum lat/lon",
+        Change::Staged(&EARTH, |world, _| stages::move_datum(world, |[lat, lon]| [lon, lat])),
+        ["origin-changed", "lat-lon-swapped"],
+        ["two origins"],
+        ["GEO07"]
+    ),
+    error!(
+        "in the cloud's frame",
+        Change::Staged(&CLOUD, stages::share_frame),
+        [],
+        ["the frame of the cloud on"],
+        ["SENSOR05"]
+    ),
+    error!(
+        "zero north, of an Xsens",
+        Change::Staged(&XSENS, stages::zero_north),
+        ["driver-setting"],
+        [],
+        ["SENSOR06 zero"]
+    ),
+    error!(
+        "heading is a compass's",
+        Change::Staged(&HEADING, stages::compass_heading),
+        ["compass-yaw", "clockwise-yaw"],
+        [],
+        ["SENSOR08"]
+    ),
+    error!(
+        "left-handed, of CARLA",
+        Change::Staged(&CARLA, stages::left_handed),
+        ["left-handed"],
+        [],
+        ["SENSOR09"]
+    ),
+    error!(
+        "map>odom missing",
+        Change::Staged(&CORRECTION, stages::remove_correction),
+        [],
+        ["no transform ties it to"],
+        ["TREE16"]
+    ),
+    error!(
+        "map>odom held",
+        Change::Staged(&CORRECTION, stages::hold_correction),
+        [],
+        ["which nothing corrects"],
+        ["TREE16"]
+    ),
+    error!(
+        "map told in odom",
+        Change::Staged(&CORRECTION, stages::map_in_odom),
+        [],
+        ["is called a map, and is told in"],
+        ["TREE16"]
+    ),
+];
