@@ -3,12 +3,14 @@
 //! Owns their reading. Must not know rules or worlds. A table that does not read is a fault of ours: the tests hold
 //! every one, and without it a table is empty and answers nothing.
 
+mod clouds;
 mod named;
 
 use std::sync::OnceLock;
 
 use serde::Deserialize;
 
+pub use clouds::{CloudDriver, CountsFrom, PointTime, Sweep, cloud_driver};
 pub use named::{InsDriver, Known, LidarImu, Offset, Simulator, ins_driver, lidar_imu, simulator};
 
 /// A day of the calendar, as seconds since 1970-01-01T00:00:00 UTC (leap seconds not counted: Unix time).

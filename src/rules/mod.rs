@@ -11,6 +11,7 @@ pub mod cross;
 mod declared;
 pub mod geo;
 mod judge;
+mod lidar;
 mod literal;
 mod motion;
 pub mod name;
@@ -19,6 +20,7 @@ mod near;
 mod optical;
 mod pairs;
 mod places;
+pub mod prec;
 mod promised;
 pub mod quat;
 mod relate;
@@ -197,6 +199,9 @@ pub static RULES: &[Entry] = &[
     entry::<time::stamp_vs_log::StampVsLog>(),
     entry::<time::stamp_monotonic::StampMonotonic>(),
     entry::<time::clock_domain::ClockDomain>(),
+    entry::<time::point_time_missing::PointTimeMissing>(),
+    entry::<time::point_time_unit::PointTimeUnit>(),
+    entry::<time::point_time_reference::PointTimeReference>(),
     entry::<time::sensor_time_offset::SensorTimeOffset>(),
     entry::<time::tf_vs_sensor_time::TfVsSensorTime>(),
     entry::<time::leap_table_expiry::LeapTableExpiry>(),
@@ -234,4 +239,7 @@ pub static RULES: &[Entry] = &[
     entry::<urdf::ignored_name::IgnoredName>(),
     entry::<urdf::unknown_joint_type::UnknownJointType>(),
     entry::<urdf::consumer_disagrees::ConsumerDisagrees>(),
+    entry::<prec::float32_ulp::Float32Ulp>(),
+    entry::<prec::point_time_precision::PointTimePrecision>(),
+    entry::<prec::local_origin::LocalOrigin>(),
 ];

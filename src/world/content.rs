@@ -8,6 +8,7 @@ use crate::source::MessageRef;
 
 use super::camera::{CalibrationEvidence, ImageEvidence};
 use super::claim::Pose;
+use super::cloud::CloudEvidence;
 use super::motion::MotionEvidence;
 
 /// A pose at a message.
@@ -193,6 +194,9 @@ pub struct ContentEvidence {
     /// Images.
     #[serde(default)]
     pub images: Option<ImageEvidence>,
+    /// Clouds of points.
+    #[serde(default)]
+    pub clouds: Option<CloudEvidence>,
     /// What it says of motion, row by row.
     #[serde(default)]
     pub motion: MotionEvidence,

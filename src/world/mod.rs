@@ -7,6 +7,7 @@ pub mod bag;
 pub mod camera;
 pub mod chain;
 pub mod claim;
+pub mod cloud;
 pub mod content;
 pub mod conventions;
 mod derived;

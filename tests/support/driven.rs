@@ -3,8 +3,10 @@
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use serde::Deserialize;
 
+use super::clouds::Lidar;
 use super::contents::{pose_fields, twist_fields};
 use super::drive::errors::rotation;
+use super::drive::lidar::Ray;
 use super::drive::nmea::compass;
 use super::drive::rows::{FixRow, ImuRow, OdometryRow, PoseRow, VelocityRow};
 use super::drive::{Drive, Stream};
@@ -36,6 +38,8 @@ pub enum FromDrive {
     Odometry,
     /// `geometry_msgs/msg/PoseStamped`, or `PoseWithCovarianceStamped`; as an edge, `map_from_base`.
     Pose,
+    /// A cloud, as the topic's `lidar` says.
+    Lidar,
     /// The edge `map_from_odom`.
     MapOdom,
     /// The edge `earth_from_map`.
@@ -70,6 +74,7 @@ pub enum Rows {
     Pose(Vec<PoseRow>),
     Odometry(Vec<OdometryRow>),
     Sentences(Vec<Vec<String>>),
+    Scans(Vec<Vec<Ray>>),
 }
 
 impl FromDrive {
@@ -85,6 +90,7 @@ impl FromDrive {
             Self::Nmea => "nmea_msgs/msg/Sentence",
             Self::Odometry => "nav_msgs/msg/Odometry",
             Self::Pose => "geometry_msgs/msg/PoseStamped",
+            Self::Lidar => "sensor_msgs/msg/PointCloud2",
             Self::MapOdom | Self::Earth => panic!("{self:?} is an edge of TF, not a topic"),
         }
     }
@@ -128,6 +134,13 @@ impl Topic {
                 FromDrive::Nmea => Rows::Sentences(drive.sentences(&stream, &self.sentences, start_s)),
                 FromDrive::Odometry => Rows::Odometry(drive.odometry_rows(&stream)),
                 FromDrive::Pose => Rows::Pose(drive.pose_rows(&stream)),
+                FromDrive::Lidar => {
+                    let lidar = self.lidar();
+                    let (scanner, scene) = (lidar.scanner(), drive.scene(lidar.surroundings));
+                    let starts = ticks.iter().map(|tick| tick - lidar.before_stamp_s());
+                    let scan = |start_s| drive.scan(&scene, &scanner, &stream.base_from_sensor, start_s);
+                    Rows::Scans(starts.map(scan).collect())
+                }
                 FromDrive::MapOdom | FromDrive::Earth => panic!("{kind:?} is an edge of TF, not a topic"),
             }
         });
@@ -139,6 +152,11 @@ impl Topic {
             rows,
             edges: self.transforms.iter().map(edge).collect(),
         }
+    }
+
+    fn lidar(&self) -> &Lidar {
+        let lidar = self.lidar.as_ref();
+        lidar.unwrap_or_else(|| panic!("`{}` is a lidar, and does not say which", self.name))
     }
 
     fn stream(&self, ticks: &[f64]) -> Stream {
@@ -243,6 +261,7 @@ impl Rows {
                 fields.push(Field::F64s(row.twist_covariance.into()));
                 fields
             }
+            Self::Scans(scans) => topic.lidar().fields(&scans[number], header.stamp_ns),
             Self::Sentences(rows) => {
                 let body = |(k, text): (usize, &'a String)| {
                     let stamp_ns = header.stamp_ns + sentence_ns(k);

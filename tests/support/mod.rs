@@ -16,6 +16,7 @@
 )]
 
 pub mod camera;
+pub mod clouds;
 pub mod contents;
 pub mod damage;
 pub mod drive;

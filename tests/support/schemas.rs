@@ -319,6 +319,29 @@ bool is_dense
 ",
     ),
     (
+        "livox_ros_driver2/msg/CustomMsg",
+        "
+std_msgs/Header header
+uint64 timebase
+uint32 point_num
+uint8 lidar_id
+uint8[3] rsvd
+CustomPoint[] points
+",
+    ),
+    (
+        "livox_ros_driver2/msg/CustomPoint",
+        "
+uint32 offset_time
+float32 x
+float32 y
+float32 z
+uint8 reflectivity
+uint8 tag
+uint8 line
+",
+    ),
+    (
         "sensor_msgs/msg/LaserScan",
         "
 # Single scan from a planar laser range-finder

@@ -3,6 +3,7 @@
 use serde::Deserialize;
 
 use super::camera::Camera;
+use super::clouds::Lidar;
 use super::drive::nmea::Kind;
 use super::drive::rows::PoseRow;
 use super::drive::{Error, Place};
@@ -124,6 +125,7 @@ pub struct Topic {
     pub(super) north_velocity: f64,
     pub(super) nan_from_s: Option<f64>,
     pub(super) camera: Option<Camera>,
+    pub(super) lidar: Option<Lidar>,
 }
 
 /// `offered_qos_profiles`.
@@ -230,6 +232,7 @@ impl Topic {
             "tf" | "tf_static" => "tf2_msgs/msg/TFMessage",
             _ if !self.transforms.is_empty() => "tf2_msgs/msg/TFMessage",
             _ if self.text.is_some() => "std_msgs/msg/String",
+            _ if self.lidar.is_some() => self.lidar.as_ref().unwrap().message_type(),
             _ if self.from_drive.is_some() => self.from_drive.unwrap().message_type(),
             _ => panic!("`{}` needs a type", self.name),
         };

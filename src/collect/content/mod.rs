@@ -1,6 +1,7 @@
 //! What the messages of one topic say beyond their header, while it is being collected.
 
 mod camera;
+mod cloud;
 mod covariance;
 mod fixes;
 mod imu;
@@ -18,6 +19,7 @@ use super::point::{On, Point};
 use super::series::Room;
 use super::thin::Share;
 use camera::{Calibrations, Images};
+use cloud::Clouds;
 use covariance::Covariances;
 use fixes::Fixes;
 use imu::Inertial;
@@ -38,6 +40,7 @@ pub(super) struct Contents {
     three: BTreeMap<&'static str, Box<Three>>,
     calibrations: Option<Box<Calibrations>>,
     images: Option<Box<Images>>,
+    clouds: Option<Box<Clouds>>,
     motion: Motion,
 }
 
@@ -52,6 +55,7 @@ impl Contents {
             three: BTreeMap::new(),
             calibrations: None,
             images: None,
+            clouds: None,
             motion: Motion::new(room),
         }
     }
@@ -87,6 +91,7 @@ impl Contents {
                 .images
                 .get_or_insert_with(|| Box::new(Images::new()))
                 .push(point, image),
+            Body::Cloud(cloud) => self.clouds.get_or_insert_default().push(point, cloud),
             Body::Nothing
             | Body::ChildFrame(_)
             | Body::Transforms(_)
@@ -177,6 +182,7 @@ impl Contents {
             odometry: self.odometry.map(|odometry| odometry.finish(on)),
             calibrations: self.calibrations.map(|calibrations| calibrations.finish(on)),
             images: self.images.map(|images| images.finish(on)),
+            clouds: self.clouds.map(|clouds| clouds.finish(on)),
             motion: self.motion.finish(),
         }
     }

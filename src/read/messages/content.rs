@@ -3,6 +3,7 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use super::cloud::Cloud;
 use super::header::Header;
 use super::tf::Transform;
 
@@ -76,6 +77,8 @@ pub enum Body<'m> {
     Twist(Box<Twist>),
     /// The calibration of a camera.
     CameraInfo(Box<CameraInfo<'m>>),
+    /// A cloud of points.
+    Cloud(Box<Cloud<'m>>),
     /// An image, its bytes aside.
     Image(Image<'m>),
     /// The text of a robot description.

@@ -3,6 +3,7 @@
 //! Owns the bytes of single messages. Must not know recordings, nor keep anything.
 
 mod bodies;
+pub mod cloud;
 pub mod content;
 mod cursor;
 pub mod decoder;

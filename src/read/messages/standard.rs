@@ -6,7 +6,7 @@ use std::borrow::Cow;
 
 use super::content::{Body, Content, Member};
 use super::header::Header;
-use super::{Cursor, DecodeError, bodies, nmea, sensing, tf};
+use super::{Cursor, DecodeError, bodies, cloud, nmea, sensing, tf};
 
 /// A standard type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -26,6 +26,8 @@ pub(super) enum Standard {
     Vector,
     CameraInfo,
     Image,
+    Cloud,
+    LivoxCloud,
     Nmea,
     NmeaText,
     Description,
@@ -66,6 +68,7 @@ impl Standard {
             "geometry_msgs/Vector3Stamped" => Self::Vector,
             "geographic_msgs/GeoPointStamped" => Self::GeoPoint,
             "geographic_msgs/GeoPoseStamped" => Self::GeoPose,
+            "livox_ros_driver2/CustomMsg" | "livox_ros_driver/CustomMsg" => Self::LivoxCloud,
             "nav_msgs/Path" => Self::Path,
             "nmea_msgs/Sentence" => Self::Nmea,
             "rosgraph_msgs/Clock" => Self::Clock,
@@ -91,6 +94,7 @@ impl Standard {
             "geometry_msgs/QuaternionStamped" => Self::Orientation,
             "sensor_msgs/CameraInfo" => Self::CameraInfo,
             "sensor_msgs/Image" => Self::Image,
+            "sensor_msgs/PointCloud2" => Self::Cloud,
             _ => return None,
         })
     }
@@ -144,6 +148,8 @@ impl Standard {
             Self::Nmea => nmea::body(cursor),
             Self::CameraInfo => sensing::camera_info(cursor),
             Self::Image => sensing::image(cursor),
+            Self::Cloud => cloud::point_cloud(cursor),
+            Self::LivoxCloud => cloud::livox(cursor),
             Self::Tf | Self::Transform | Self::NmeaText | Self::Description | Self::Clock => Ok(Body::Nothing),
         }
     }

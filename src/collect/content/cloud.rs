@@ -1,0 +1,243 @@
+//! Clouds of one topic.
+
+use std::collections::BTreeSet;
+
+use crate::read::messages::cloud::{Cloud, Column, Datatype};
+use crate::source::MessageRef;
+use crate::world::cloud::{
+    CloudEvidence, CloudLayout, CloudPoint, CloudSample, MAX_DISTINCT, MAX_LAYOUTS, MAX_POINTS, MAX_SAMPLES,
+    PointField, PointTimes,
+};
+
+use super::super::point::{On, Point};
+
+/// Names of the times of points, as drivers write them.
+const TIMES: &[&str] = &[
+    "t",
+    "time",
+    "timestamp",
+    "time_stamp",
+    "offset_time",
+    "time_offset",
+    "t_us",
+    "timeoffset",
+    "stamp",
+    "ts",
+];
+
+/// A cloud that is kept.
+struct Kept {
+    point: Point,
+    sample: Sampled,
+}
+
+/// What is kept of a cloud, without its place.
+struct Sampled {
+    size: [u32; 2],
+    returns: u64,
+    looked_at: u64,
+    points: Vec<CloudPoint>,
+    times: Option<PointTimes>,
+    farthest: f64,
+}
+
+/// Takes in clouds in recording order.
+#[derive(Default)]
+pub(super) struct Clouds {
+    count: u64,
+    layouts: Vec<(Point, u64, Vec<PointField>, bool)>,
+    others: u64,
+    cut: u64,
+    first_cut: Option<Point>,
+    /// Every `stride`-th cloud, the stride doubled where there is no more room.
+    kept: Vec<Kept>,
+    stride: u64,
+    farthest: Option<(Point, f64)>,
+}
+
+impl Clouds {
+    pub(super) fn push(&mut self, point: Point, cloud: &Cloud<'_>) {
+        let index = self.count;
+        self.count += 1;
+        self.layout(point, cloud);
+        if is_cut(cloud) {
+            self.cut += 1;
+            self.first_cut.get_or_insert(point);
+        }
+        self.stride = self.stride.max(1);
+        if !index.is_multiple_of(self.stride) {
+            return;
+        }
+        if self.kept.len() == MAX_SAMPLES {
+            let mut number = 0;
+            self.kept.retain(|_| {
+                number += 1;
+                number % 2 == 1
+            });
+            self.stride *= 2;
+            if !index.is_multiple_of(self.stride) {
+                return;
+            }
+        }
+        let Some(sample) = sampled(cloud) else { return };
+        if self.farthest.is_none_or(|(_, farthest)| sample.farthest > farthest) {
+            self.farthest = Some((point, sample.farthest));
+        }
+        self.kept.push(Kept { point, sample });
+    }
+
+    fn layout(&mut self, point: Point, cloud: &Cloud<'_>) {
+        let is_it = |fields: &[PointField]| {
+            fields.len() == cloud.fields.len()
+                && fields.iter().zip(&cloud.fields).all(|(known, field)| {
+                    known.name == field.name && known.count == field.count && known.datatype == word(field.datatype)
+                })
+        };
+        let mut known = self.layouts.iter_mut();
+        if let Some((_, count, ..)) =
+            known.find(|(.., fields, is_bigendian)| *is_bigendian == cloud.is_bigendian && is_it(fields))
+        {
+            *count += 1;
+        } else if self.layouts.len() < MAX_LAYOUTS {
+            let fields = cloud.fields.iter().map(|field| PointField {
+                name: field.name.clone().into_owned(),
+                datatype: word(field.datatype),
+                count: field.count,
+            });
+            self.layouts.push((point, 1, fields.collect(), cloud.is_bigendian));
+        } else {
+            self.others += 1;
+        }
+    }
+
+    pub(super) fn finish(self, on: On<'_>) -> CloudEvidence {
+        let layout = |(point, count, fields, is_bigendian): (Point, u64, Vec<PointField>, bool)| CloudLayout {
+            at: point.on(on),
+            count,
+            fields,
+            is_bigendian,
+        };
+        let sample = |kept: Kept| {
+            let at: MessageRef = kept.point.on(on);
+            let Sampled {
+                size,
+                returns,
+                looked_at,
+                points,
+                times,
+                ..
+            } = kept.sample;
+            CloudSample {
+                at,
+                size,
+                returns,
+                looked_at,
+                points,
+                times,
+            }
+        };
+        CloudEvidence {
+            count: self.count,
+            layouts: self.layouts.into_iter().map(layout).collect(),
+            others: self.others,
+            cut: self.cut,
+            first_cut: self.first_cut.map(|point| point.on(on)),
+            samples: self.kept.into_iter().map(sample).collect(),
+            farthest: self.farthest.map(|(point, farthest)| (point.on(on), farthest)),
+        }
+    }
+}
+
+fn word(datatype: u8) -> String {
+    Datatype::of(datatype).map_or_else(|| datatype.to_string(), |datatype| datatype.word().to_owned())
+}
+
+/// Whether the data end before the last point.
+fn is_cut(cloud: &Cloud<'_>) -> bool {
+    let last = cloud.height.checked_sub(1).zip(cloud.width.checked_sub(1));
+    last.is_some_and(|(row, column)| cloud.point(row, column).is_none())
+}
+
+/// Steps over rows and columns that leave at most `MAX_POINTS` points: columns first, for rows are few and apart.
+fn strides(cloud: &Cloud<'_>) -> (u32, u32) {
+    let most = MAX_POINTS as u64;
+    let rows = u64::from(cloud.height).min(64);
+    let row_step = u64::from(cloud.height).div_ceil(rows.max(1));
+    let column_step = (u64::from(cloud.width) * rows).div_ceil(most);
+    let step = |step: u64| u32::try_from(step).unwrap_or(u32::MAX).max(1);
+    (step(row_step), step(column_step))
+}
+
+/// What is kept of a cloud; `None` where its points have no coordinates.
+fn sampled(cloud: &Cloud<'_>) -> Option<Sampled> {
+    let axes: [Column; 3] = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
+    let time = TIMES.iter().find_map(|name| Some((*name, cloud.column(name)?)));
+    let (row_step, column_step) = strides(cloud);
+    let (mut points, mut times) = (Vec::new(), Vec::new());
+    let (mut looked_at, mut farthest) = (0, 0.0_f64);
+    let rows = (0..cloud.height).step_by(usize::try_from(row_step).unwrap_or(usize::MAX));
+    for row in rows {
+        let columns = (0..cloud.width).step_by(usize::try_from(column_step).unwrap_or(usize::MAX));
+        for column in columns {
+            let Some(bytes) = cloud.point(row, column) else { break };
+            looked_at += 1;
+            let [Some(x), Some(y), Some(z)] = axes.map(|axis| axis.of(bytes)) else {
+                break;
+            };
+            let xyz = [x, y, z];
+            if !xyz.iter().all(|value| value.is_finite()) || xyz.iter().all(|value| *value == 0.0) {
+                continue;
+            }
+            farthest = xyz.iter().fold(farthest, |most, value| most.max(value.abs()));
+            let time = time.and_then(|(_, column)| column.of(bytes)).unwrap_or(f64::NAN);
+            times.push(time);
+            points.push(CloudPoint {
+                xyz,
+                cell: [row, column],
+                time,
+            });
+        }
+    }
+    let times = time.and_then(|(name, _)| {
+        Some(PointTimes {
+            field: name.to_owned(),
+            datatype: word(cloud.field(name)?.datatype),
+            timebase_ns: cloud.timebase_ns,
+            ..statistics(times)?
+        })
+    });
+    Some(Sampled {
+        size: [cloud.height, cloud.width],
+        returns: points.len() as u64,
+        looked_at,
+        points,
+        times,
+        farthest,
+    })
+}
+
+/// Range, quantiles and variety of the finite ones.
+fn statistics(mut times: Vec<f64>) -> Option<PointTimes> {
+    times.retain(|time| time.is_finite());
+    times.sort_by(f64::total_cmp);
+    let (first, last) = (*times.first()?, *times.last()?);
+    let at = |permille: usize| {
+        let index = (times.len() - 1) * permille / 1000;
+        times.get(index).copied().unwrap_or(first)
+    };
+    let mut distinct = BTreeSet::new();
+    for time in &times {
+        distinct.insert(time.to_bits());
+        if distinct.len() >= MAX_DISTINCT as usize {
+            break;
+        }
+    }
+    Some(PointTimes {
+        field: String::new(),
+        datatype: String::new(),
+        range: [first, last],
+        quantiles: [at(1), at(999)],
+        distinct: u32::try_from(distinct.len()).unwrap_or(MAX_DISTINCT),
+        timebase_ns: None,
+    })
+}
