@@ -24,6 +24,7 @@ pub mod rotation;
 pub mod sides;
 pub mod similarity2;
 pub mod stats;
+pub mod support;
 pub mod turns;
 pub mod utm;
 

@@ -127,7 +127,7 @@ impl Fastest {
             .iter()
             .filter(|stream| !names::is_wish(&stream.topic) && is_long(stream.seconds()));
         let tracks = poses
-            .map(Stream::track)
+            .map(Stream::<PoseRow>::track)
             .chain(motion.fixes.iter().map(|stream| stream.track()));
         let speeds = tracks.map(|track| {
             let courses = track.courses(0.0);
