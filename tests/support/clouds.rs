@@ -72,6 +72,8 @@ pub enum Driver {
     /// Its `PointCloud2`, with nanoseconds in a float64.
     LivoxPoints,
     Nebula,
+    /// A lidar that no table knows, with the time of each point in seconds.
+    Unknown,
 }
 
 /// What the times of the points are.
@@ -275,6 +277,7 @@ impl Lidar {
             Driver::Hesai | Driver::Robosense => ("timestamp", Number::F64(absolute_s)),
             Driver::LivoxPoints => ("timestamp", Number::F64(stamp_ns as f64 + after_s * 1e9)),
             Driver::Nebula => ("time_stamp", nanoseconds),
+            Driver::Unknown => ("time_offset", Number::F32(after_s as f32)),
         };
         let time = (self.times != Times::Missing).then_some(time);
         match self.driver {
@@ -298,6 +301,7 @@ impl Lidar {
                 point.push(("line", Number::U8(u8::try_from(*ring).unwrap())));
                 point.extend(time);
             }
+            Driver::Unknown => point.extend(time),
             _ => {
                 let azimuth = TAU / 2.0 - TAU * f64::from(*column) / f64::from(self.columns);
                 point.push(("return_type", Number::U8(0)));

@@ -6,4 +6,5 @@ pub mod imu_shares_lidar_frame;
 pub mod ins_profile;
 pub mod left_handed_simulator;
 pub mod mavros_frames;
+pub mod ouster_frame;
 mod yaw_zero;

@@ -10,6 +10,7 @@ mod naming;
 mod offsets;
 pub mod point_time_missing;
 pub mod point_time_reference;
+pub mod point_time_sweep;
 pub mod point_time_unit;
 mod reference;
 pub mod sensor_time_offset;
