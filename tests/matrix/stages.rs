@@ -1,6 +1,6 @@
 //! What no recording at hand says by itself, staged beside its evidence: rightly, and then wrong.
 //!
-//! The numbers are the recording's own: its first fix is the origin, its sensor's orientation the heading.
+//! The numbers are the recording's own: its origin lies beside its first fix, its sensor's orientation is the heading.
 
 use frames_lint::source::{MessageRef, Place as At};
 use frames_lint::world::bag::{HeaderFrame, TfEdge, TfSample, TopicEvidence};
@@ -24,12 +24,12 @@ pub struct Stage {
     pub put: fn(&mut World, &Stream) -> bool,
 }
 
-/// A map and a datum whose origin is the first fix.
+/// A map and a datum whose origin was surveyed beside the first fix.
 pub static EARTH: Stage = Stage {
     kind: Kind::Fixes,
     words: &["`map`", "datum", "origin"],
     put: |world, stream| {
-        let Some(first) = first_fix(world, stream) else {
+        let Some(first) = surveyed(world, stream) else {
             return false;
         };
         let bag = &mut world.bags[stream.bag];
@@ -138,13 +138,13 @@ pub static CORRECTION: Stage = Stage {
 
 /// Tells where the map lies on the Earth, with an error.
 pub fn tell_earth(world: &mut World, stream: &Stream, error: Option<Known>) {
-    let first = first_fix(world, stream).unwrap();
+    let first = surveyed(world, stream).unwrap();
     set_earth(world, stream, on_earth(first, error));
 }
 
 /// Moves the map's origin to the south, with its right rotation there; the datum with it.
 pub fn move_earth(world: &mut World, stream: &Stream, degrees: f64) {
-    let first = first_fix(world, stream).unwrap();
+    let first = surveyed(world, stream).unwrap();
     let away = Place {
         latitude: first.latitude - degrees,
         ..first
@@ -266,7 +266,8 @@ fn on_earth(place: Place, error: Option<Known>) -> Pose {
     }
 }
 
-fn first_fix(world: &mut World, stream: &Stream) -> Option<Place> {
+/// A point 33 m to the north of the first fix: the first fix itself would be an origin of its own kind (GEO07).
+fn surveyed(world: &mut World, stream: &Stream) -> Option<Place> {
     let mut first = None;
     stream.contents(world, |content| {
         let rows = content.motion.fixes.iter().flat_map(Series::rows);
@@ -283,7 +284,10 @@ fn first_fix(world: &mut World, stream: &Stream) -> Option<Place> {
             .find(|place| place.latitude != 0.0 && place.ecef().norm().is_finite())
         });
     });
-    first
+    first.map(|first| Place {
+        latitude: first.latitude + 3e-4,
+        ..first
+    })
 }
 
 fn has_orientation(world: &World, stream: &Stream) -> bool {

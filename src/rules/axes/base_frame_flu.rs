@@ -87,7 +87,7 @@ fn judge_seen(base: &Base, subject: String, seen: &Seen, limits: &Limits, out: &
     }
     match seen.forward {
         Some(forward) if forward.index == 0 && !forward.is_negative => out.pass(subject, measured),
-        Some(forward) if forward.index == 0 && seen.twist_agrees != Some(false) => {
+        Some(_) if seen.is_backward() => {
             let message = format!(
                 "`{}` goes backwards all the way ({:.0} m along -x): a drive in reverse, or its x axis points to the rear",
                 base.frame, seen.way_m

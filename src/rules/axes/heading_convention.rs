@@ -103,7 +103,8 @@ fn judge_zero(imu: &Imu, subject: String, decided: &Decided, sensor: &Sensor, li
     let Some(finding) = offset_finding(imu, &subject, decided, limits) else {
         return out.pass(subject, [decided.offset()]);
     };
-    if !is_upright(imu) {
+    // What nothing ties to a base may hang as it likes.
+    if imu.mount.is_some() && !is_upright(imu) {
         let why = format!(
             "{offset} from the course, by an orientation on its side or on its head: that is no matter of its zero"
         );

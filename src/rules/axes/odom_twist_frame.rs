@@ -188,7 +188,8 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
         let mirrored = twists.residual(Reading::RightHand);
         if mirrored < SIDE_BETTER * best.1 {
             let why = format!(
-                "with y negated the velocity fits the motion better (residuals {mirrored:.3} and {:.3}), but it goes too little to the                  side to tell",
+                "with y negated the velocity fits the motion better (residuals {mirrored:.3} and {:.3}), but it goes too little to the \
+                 side to tell",
                 best.1
             );
             return little(why, out);
