@@ -5,6 +5,7 @@
 
 mod clouds;
 mod named;
+mod ouster;
 
 use std::sync::OnceLock;
 
@@ -12,6 +13,7 @@ use serde::Deserialize;
 
 pub use clouds::{CloudDriver, CountsFrom, PointTime, Sweep, cloud_driver};
 pub use named::{InsDriver, Known, LidarImu, Offset, Simulator, ins_driver, lidar_imu, simulator};
+pub use ouster::{OusterPart, OusterPlace, ouster_places};
 
 /// A day of the calendar, as seconds since 1970-01-01T00:00:00 UTC (leap seconds not counted: Unix time).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]

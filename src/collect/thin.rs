@@ -3,6 +3,7 @@
 //! Owns thinning. Must not know what is sampled.
 
 use crate::world::bag::MAX_EXAMPLES;
+use crate::world::cloud::{MAX_POINTS, MAX_RUNS, MAX_SAMPLES};
 
 /// How many samples one subject (a topic, an edge) may keep. The first subjects of a recording get full series; a
 /// recording with thousands of them, real or hostile, gets short ones, so that memory stays bounded.
@@ -24,6 +25,10 @@ pub(super) struct Share {
     pub(super) names: usize,
     /// Examples of each fault.
     pub(super) examples: usize,
+    /// Clouds of which points are kept, and points of each.
+    pub(super) clouds: [usize; 2],
+    /// Runs of neighbouring clouds that are kept as slices.
+    pub(super) runs: usize,
 }
 
 impl Share {
@@ -39,6 +44,12 @@ impl Share {
             200..2_000 => (64, 2, 2),
             _ => (8, 1, 1),
         };
+        // No recording has so many lidars.
+        let (clouds, runs) = match rank {
+            0..64 => ([MAX_SAMPLES, MAX_POINTS], MAX_RUNS),
+            64..256 => ([MAX_SAMPLES, 256], 0),
+            _ => ([1, 16], 0),
+        };
         Self {
             stamps,
             steps,
@@ -48,6 +59,8 @@ impl Share {
             matrices,
             names,
             examples,
+            clouds,
+            runs,
         }
     }
 }

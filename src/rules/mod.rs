@@ -10,6 +10,8 @@ pub mod cov;
 pub mod cross;
 mod declared;
 pub mod geo;
+mod ground;
+mod hand_eye;
 mod judge;
 mod lidar;
 mod literal;
@@ -25,6 +27,7 @@ mod promised;
 pub mod quat;
 mod relate;
 pub mod rot;
+mod scan_motion;
 pub mod sensor;
 mod spelling;
 mod suffix;
@@ -182,6 +185,10 @@ pub static RULES: &[Entry] = &[
     entry::<axes::accel_vs_speed::AccelVsSpeed>(),
     entry::<axes::gnss_vs_odom_handedness::GnssVsOdomHandedness>(),
     entry::<axes::odom_twist_frame::OdomTwistFrame>(),
+    entry::<axes::ground_z::GroundZ>(),
+    entry::<axes::up_axis_flip::UpAxisFlip>(),
+    entry::<axes::cloud_mirror::CloudMirror>(),
+    entry::<axes::lidar_forward_axis::LidarForwardAxis>(),
     entry::<axes::base_frame_flu::BaseFrameFlu>(),
     entry::<axes::map_z_up::MapZUp>(),
     entry::<quat::quaternion_convention::QuaternionConvention>(),
@@ -207,11 +214,13 @@ pub static RULES: &[Entry] = &[
     entry::<time::tf_vs_sensor_time::TfVsSensorTime>(),
     entry::<time::leap_table_expiry::LeapTableExpiry>(),
     entry::<sensor::ouster_frame::OusterFrame>(),
+    entry::<sensor::ouster_tf_metadata::OusterTfMetadata>(),
     entry::<sensor::imu_shares_lidar_frame::ImuSharesLidarFrame>(),
     entry::<sensor::ins_profile::InsProfile>(),
     entry::<sensor::mavros_frames::MavrosFrames>(),
     entry::<sensor::compass_in_quaternion::CompassInQuaternion>(),
     entry::<sensor::left_handed_simulator::LeftHandedSimulator>(),
+    entry::<camera::optical_rotation::OpticalRotation>(),
     entry::<camera::camera_info_k_size::CameraInfoKSize>(),
     entry::<camera::camera_info_distortion::CameraInfoDistortion>(),
     entry::<camera::camera_info_r_p::CameraInfoRP>(),
@@ -227,6 +236,9 @@ pub static RULES: &[Entry] = &[
     entry::<auth::calibration_missing_default::CalibrationMissingDefault>(),
     entry::<cross::extrinsic_consistency::ExtrinsicConsistency>(),
     entry::<cross::extrinsic_relation::ExtrinsicRelation>(),
+    entry::<cross::calibration_loop::CalibrationLoop>(),
+    entry::<cross::extrinsic_direction::ExtrinsicDirection>(),
+    entry::<cross::hand_eye_calibration::HandEyeCalibration>(),
     entry::<cross::urdf_tf_topology::UrdfTfTopology>(),
     entry::<urdf::mesh_scale::MeshScale>(),
     entry::<urdf::self_joint::SelfJoint>(),

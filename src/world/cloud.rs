@@ -53,6 +53,27 @@ pub struct CloudSample {
     pub times: Option<PointTimes>,
 }
 
+/// The points of one cloud near the plane of its x and y: the nearest in each of [`SLICE_BINS`] directions, of those above that plane
+/// and of those beneath it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CloudSlice {
+    /// Stamp of its header, nanoseconds; none where that is zero.
+    pub stamp_ns: Option<i64>,
+    /// Log time, nanoseconds.
+    pub log_ns: i64,
+    /// x, y, z as published, counter-clockwise from -x: finite.
+    pub points: Vec<[f64; 3]>,
+}
+
+/// Directions of a slice.
+pub const SLICE_BINS: u32 = 720;
+/// Tangent of the elevation up to which points belong to a slice: 4 degrees.
+pub const SLICE_SLOPE: f64 = 0.0699;
+/// Clouds of a run.
+pub const RUN_CLOUDS: usize = 6;
+/// Runs of one topic that are kept.
+pub const MAX_RUNS: usize = 40;
+
 /// A point with a return.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CloudPoint {
@@ -103,6 +124,8 @@ pub struct CloudEvidence {
     pub first_cut: Option<MessageRef>,
     /// Evenly thinned clouds, the first among them.
     pub samples: Vec<CloudSample>,
+    /// Evenly thinned runs of clouds that follow each other.
+    pub runs: Vec<Vec<CloudSlice>>,
     /// The cloud with the largest coordinate, of those looked at, and that coordinate, metres as published.
     pub farthest: Option<(MessageRef, f64)>,
 }

@@ -5,11 +5,12 @@ use std::collections::BTreeSet;
 use crate::read::messages::cloud::{Cloud, Column, Datatype};
 use crate::source::MessageRef;
 use crate::world::cloud::{
-    CloudEvidence, CloudLayout, CloudPoint, CloudSample, MAX_DISTINCT, MAX_LAYOUTS, MAX_POINTS, MAX_SAMPLES,
-    PointField, PointTimes,
+    CloudEvidence, CloudLayout, CloudPoint, CloudSample, MAX_DISTINCT, MAX_LAYOUTS, PointField, PointTimes,
 };
 
 use super::super::point::{On, Point};
+use super::super::thin::Share;
+use super::slices::Slices;
 
 /// Names of the times of points, as drivers write them.
 const TIMES: &[&str] = &[
@@ -42,8 +43,8 @@ struct Sampled {
 }
 
 /// Takes in clouds in recording order.
-#[derive(Default)]
 pub(super) struct Clouds {
+    share: Share,
     count: u64,
     layouts: Vec<(Point, u64, Vec<PointField>, bool)>,
     others: u64,
@@ -53,9 +54,30 @@ pub(super) struct Clouds {
     kept: Vec<Kept>,
     stride: u64,
     farthest: Option<(Point, f64)>,
+    slices: Slices,
 }
 
 impl Clouds {
+    pub(super) fn new(share: Share) -> Self {
+        Self {
+            share,
+            count: 0,
+            layouts: Vec::new(),
+            others: 0,
+            cut: 0,
+            first_cut: None,
+            kept: Vec::new(),
+            stride: 1,
+            farthest: None,
+            slices: Slices::new(share.runs),
+        }
+    }
+
+    /// Clouds were left out here.
+    pub(super) fn seam(&mut self) {
+        self.slices.seam();
+    }
+
     pub(super) fn push(&mut self, point: Point, cloud: &Cloud<'_>) {
         let index = self.count;
         self.count += 1;
@@ -64,11 +86,12 @@ impl Clouds {
             self.cut += 1;
             self.first_cut.get_or_insert(point);
         }
-        self.stride = self.stride.max(1);
+        self.slices.push(point, cloud);
+        let [most, points] = self.share.clouds;
         if !index.is_multiple_of(self.stride) {
             return;
         }
-        if self.kept.len() == MAX_SAMPLES {
+        if self.kept.len() >= most {
             let mut number = 0;
             self.kept.retain(|_| {
                 number += 1;
@@ -79,7 +102,7 @@ impl Clouds {
                 return;
             }
         }
-        let Some(sample) = sampled(cloud) else { return };
+        let Some(sample) = sampled(cloud, points) else { return };
         if self.farthest.is_none_or(|(_, farthest)| sample.farthest > farthest) {
             self.farthest = Some((point, sample.farthest));
         }
@@ -143,6 +166,7 @@ impl Clouds {
             cut: self.cut,
             first_cut: self.first_cut.map(|point| point.on(on)),
             samples: self.kept.into_iter().map(sample).collect(),
+            runs: self.slices.finish(),
             farthest: self.farthest.map(|(point, farthest)| (point.on(on), farthest)),
         }
     }
@@ -158,21 +182,34 @@ fn is_cut(cloud: &Cloud<'_>) -> bool {
     last.is_some_and(|(row, column)| cloud.point(row, column).is_none())
 }
 
-/// Steps over rows and columns that leave at most `MAX_POINTS` points: columns first, for rows are few and apart.
-fn strides(cloud: &Cloud<'_>) -> (u32, u32) {
-    let most = MAX_POINTS as u64;
+/// Steps over rows and columns that leave about so many points: columns first, for rows are few and apart. Beams take turns in a
+/// cloud of one row: a step that shares no factor with their number meets them all.
+fn strides(cloud: &Cloud<'_>, most: usize) -> (u32, u32) {
     let rows = u64::from(cloud.height).min(64);
     let row_step = u64::from(cloud.height).div_ceil(rows.max(1));
-    let column_step = (u64::from(cloud.width) * rows).div_ceil(most);
+    let column_step = (u64::from(cloud.width) * rows).div_ceil(most.max(1) as u64);
     let step = |step: u64| u32::try_from(step).unwrap_or(u32::MAX).max(1);
-    (step(row_step), step(column_step))
+    let columns = match step(column_step) {
+        one_row if cloud.height == 1 && one_row > 1 => prime(one_row.max(7)),
+        columns => columns,
+    };
+    (step(row_step), columns)
+}
+
+/// The least prime from a number on; the number where there is none.
+fn prime(from: u32) -> u32 {
+    let is_prime = |number: &u32| {
+        let mut factors = (2..).take_while(|factor| u64::from(*factor) * u64::from(*factor) <= u64::from(*number));
+        factors.all(|factor| number % factor != 0)
+    };
+    (from..=u32::MAX).find(is_prime).unwrap_or(from)
 }
 
 /// What is kept of a cloud; `None` where its points have no coordinates.
-fn sampled(cloud: &Cloud<'_>) -> Option<Sampled> {
+fn sampled(cloud: &Cloud<'_>, most: usize) -> Option<Sampled> {
     let axes: [Column; 3] = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
     let time = TIMES.iter().find_map(|name| Some((*name, cloud.column(name)?)));
-    let (row_step, column_step) = strides(cloud);
+    let (row_step, column_step) = strides(cloud, most);
     let (mut points, mut times) = (Vec::new(), Vec::new());
     let (mut looked_at, mut farthest) = (0, 0.0_f64);
     let rows = (0..cloud.height).step_by(usize::try_from(row_step).unwrap_or(usize::MAX));
@@ -240,4 +277,28 @@ fn statistics(mut times: Vec<f64>) -> Option<PointTimes> {
         distinct: u32::try_from(distinct.len()).unwrap_or(MAX_DISTINCT),
         timebase_ns: None,
     })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_step_is_a_prime_that_meets_every_beam() {
+        assert_eq!([2, 7, 8, 9, 62, 90].map(prime), [2, 7, 11, 11, 67, 97]);
+        assert_eq!(prime(u32::MAX), u32::MAX);
+        let cloud = |height, width| Cloud {
+            height,
+            width,
+            fields: Vec::new(),
+            is_bigendian: false,
+            point_step: 1,
+            row_step: width,
+            data: &[],
+            timebase_ns: None,
+        };
+        assert_eq!(strides(&cloud(1, 262_144), 4096), (1, 67));
+        assert_eq!(strides(&cloud(1, 4096), 4096), (1, 1));
+        assert_eq!(strides(&cloud(128, 2048), 4096), (2, 32));
+    }
 }

@@ -8,6 +8,7 @@ mod imu;
 pub(super) mod motion;
 mod odometry;
 mod path;
+mod slices;
 pub(super) mod steps;
 
 use std::collections::BTreeMap;
@@ -68,6 +69,9 @@ impl Contents {
         if let Some(odometry) = &mut self.odometry {
             odometry.seam();
         }
+        if let Some(clouds) = &mut self.clouds {
+            clouds.seam();
+        }
         self.motion.seam();
     }
 
@@ -91,7 +95,12 @@ impl Contents {
                 .images
                 .get_or_insert_with(|| Box::new(Images::new()))
                 .push(point, image),
-            Body::Cloud(cloud) => self.clouds.get_or_insert_default().push(point, cloud),
+            Body::Cloud(cloud) => {
+                let share = self.share;
+                self.clouds
+                    .get_or_insert_with(|| Box::new(Clouds::new(share)))
+                    .push(point, cloud);
+            }
             Body::Nothing
             | Body::ChildFrame(_)
             | Body::Transforms(_)

@@ -5,13 +5,12 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use crate::math::support::{Options, Support, support};
+use crate::rules::ground::{self, Ground, IsGround, Planes, SIDES};
 use crate::rules::lidar::Clouds;
 use crate::rules::motion::{Motion, mount};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
-use crate::world::cloud::CloudSample;
+use crate::world::{FrameId, World};
 
 /// AXES10.
 pub struct UpAxisFlip;
@@ -31,25 +30,36 @@ pub struct Limits {
     least_m: f64,
     max_off_deg: f64,
     ceiling_cells: usize,
+    min_gravity: f64,
 }
 
-/// The axes of a cloud, and what they are called.
-const AXES: [([f64; 3], &str); 6] = [
-    ([0.0, 0.0, 1.0], "z"),
-    ([0.0, 0.0, -1.0], "-z"),
-    ([1.0, 0.0, 0.0], "x"),
-    ([-1.0, 0.0, 0.0], "-x"),
-    ([0.0, 1.0, 0.0], "y"),
-    ([0.0, -1.0, 0.0], "-y"),
-];
+impl Limits {
+    /// What a ground is.
+    pub(crate) fn is_ground(&self) -> IsGround {
+        IsGround {
+            min_on: self.min_on,
+            min_above: self.min_above,
+            max_below: self.max_below,
+            max_at_horizon: self.max_at_horizon,
+            least_m: self.least_m,
+            min_score: self.min_score,
+            min_ratio: self.min_ratio,
+        }
+    }
 
-/// Which axis points up in one cloud.
-struct Up {
-    axis: usize,
-    score: f64,
-    next: f64,
-    /// Whether something like a ceiling lies opposite.
-    is_indoors: bool,
+    /// The side that enough of the clouds agree on; else why there is none.
+    pub(crate) fn agreed(&self, clouds: &Clouds, grounds: &[Ground]) -> Result<usize, String> {
+        let (side, count) = ground::most(grounds).unwrap_or_default();
+        if count >= self.min_clouds && count as f64 >= self.min_agreement * grounds.len() as f64 {
+            return Ok(side);
+        }
+        Err(format!(
+            "{} of {} sampled clouds show a ground, {count} of them on one side; {} are needed",
+            grounds.len(),
+            clouds.evidence.samples.len(),
+            self.min_clouds
+        ))
+    }
 }
 
 impl Rule for UpAxisFlip {
@@ -59,57 +69,66 @@ impl Rule for UpAxisFlip {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        let motion = Motion::of(world);
+        let (motion, planes) = (Motion::of(world), Planes::of(world));
         for clouds in Clouds::all(world) {
-            judge_clouds(world, &motion, &clouds, limits, out);
+            let subject = clouds.subject("up");
+            if !clouds.is_of_a_lidar() {
+                let why = "nothing says that these are the points of a lidar as it measured them";
+                out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                continue;
+            }
+            let grounds = planes.grounds(&clouds, &limits.is_ground());
+            match limits.agreed(&clouds, &grounds) {
+                Ok(side) => judge_side(world, &motion, &clouds, (side, &grounds), limits, out),
+                Err(why) => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+            }
         }
     }
 }
 
-fn judge_clouds(world: &World, motion: &Arc<Motion>, clouds: &Clouds, limits: &Limits, out: &mut Judge) {
-    let subject = clouds.subject("up");
-    if !clouds.is_of_a_lidar() {
-        let why = "nothing says that these are the points of a lidar as it measured them";
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-    }
-    let ups: Vec<Up> = clouds.evidence.samples.iter().filter_map(|sample| up(sample, limits)).collect();
-    let count = |axis: usize| ups.iter().filter(|up| up.axis == axis).count();
-    let most = (0..AXES.len()).max_by_key(|axis| (count(*axis), AXES.len() - axis)).unwrap_or(0);
-    let of_most = || ups.iter().filter(|up| up.axis == most);
-    if count(most) < limits.min_clouds || (count(most) as f64) < limits.min_agreement * ups.len() as f64 {
-        let why = format!(
-            "in {} of {} sampled clouds a ground shows, {} of them on one side; {} are needed",
-            ups.len(),
-            clouds.evidence.samples.len(),
-            count(most),
-            limits.min_clouds
-        );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
-    }
-    let Some((axis, word)) = AXES.get(most) else { return };
+fn judge_side(
+    world: &World,
+    motion: &Arc<Motion>,
+    clouds: &Clouds,
+    (side, grounds): (usize, &[Ground]),
+    limits: &Limits,
+    out: &mut Judge,
+) {
+    let Some((axis, word)) = SIDES.get(side) else { return };
     let axis = Vector3::from(*axis);
-    let mount = clouds.frame().and_then(|frame| mount(world, &frame));
-    let in_base = mount.as_ref().map_or(axis, |mount| mount.base_from_sensor.rotation * axis);
+    let subject = clouds.subject("up");
+    let frame = clouds.frame();
+    let mount = frame.as_ref().and_then(|frame| mount(world, frame));
+    let in_base = mount
+        .as_ref()
+        .map_or(axis, |mount| mount.base_from_sensor.rotation * axis);
     let off_deg = in_base.angle(&Vector3::z()).to_degrees();
+    let of_side = || grounds.iter().filter(|ground| ground.side == side);
+    let least = of_side().map(|ground| ground.score).fold(f64::INFINITY, f64::min);
+    let next = of_side().map(|ground| ground.next).fold(0.0, f64::max);
     let measured = [
-        Measured::new("angle from z of the base", off_deg, "deg").limit(limits.max_off_deg),
-        Measured::new("cells on the ground, weighed", of_most().map(|up| up.score).fold(f64::INFINITY, f64::min), "1")
+        Measured::new(format!("angle of {word} from up"), off_deg, "deg").limit(limits.max_off_deg),
+        Measured::new("cells on the ground, less for what lies beneath", least, "1")
             .limit(limits.min_score)
-            .samples(count(most) as u64),
-        Measured::new("the same of the next axis", of_most().map(|up| up.next).fold(0.0, f64::max), "1"),
+            .samples(of_side().count() as u64),
+        Measured::new("the same of the next side", next, "1"),
     ];
     if off_deg <= limits.max_off_deg {
         return out.pass(subject, measured);
     }
-    let is_indoors = of_most().any(|up| up.is_indoors);
-    let has_gravity = motion.bags.get(clouds.index).is_some_and(|bag| !bag.imus.is_empty());
+    let is_indoors = of_side().any(|ground| ground.ceiling_cells >= limits.ceiling_cells);
+    let has_gravity = gravity_of_the_device(motion, clouds, frame.as_ref())
+        .is_some_and(|up| up.dot(&axis) >= limits.min_gravity);
     let (relation, what, help) = named(word);
-    let told = mount.as_ref().map_or_else(
-        || "and nothing ties its frame to a base".to_owned(),
-        |mount| format!("`{}_from_{}` turns that {off_deg:.0} deg away from up", mount.base, clouds.frame().map_or_else(String::new, |frame| frame.as_str().to_owned())),
-    );
+    let told = match (&mount, &frame) {
+        (Some(mount), _) if mount.is_base => format!("and `{}` has z up by its name", mount.base),
+        (Some(mount), Some(frame)) => {
+            format!("and `{}_from_{frame}` turns that {off_deg:.0} deg away from up", mount.base)
+        }
+        _ => "and nothing ties its frame to a base".to_owned(),
+    };
     let message = format!(
-        "the ground in the cloud on `{}` lies opposite to its {word}: {what}, {told}",
+        "the ground in the cloud on `{}` lies opposite to its {word} axis: {what}, {told}",
         clouds.topic.topic
     );
     let finding = if mount.is_some() {
@@ -117,7 +136,7 @@ fn judge_clouds(world: &World, motion: &Arc<Motion>, clouds: &Clouds, limits: &L
     } else {
         Finding::warning(subject, message, clouds.place())
     };
-    // A ceiling looks like a ground from below, and nothing else says which of the two it is.
+    // A ceiling looks like a ground from below, and only gravity says which of the two it is.
     let finding = if mount.is_none() || is_indoors && !has_gravity {
         finding.hint()
     } else {
@@ -127,9 +146,22 @@ fn judge_clouds(world: &World, motion: &Arc<Motion>, clouds: &Clouds, limits: &L
     out.fail(measured.into_iter().fold(finding, Finding::measured));
 }
 
-/// What a cloud with this axis up may be.
-fn named(axis: &str) -> (&'static str, &'static str, &'static str) {
-    match axis {
+/// Up in the axes of the cloud, by an inertial sensor that tells in these very axes.
+fn gravity_of_the_device(motion: &Motion, clouds: &Clouds, frame: Option<&FrameId>) -> Option<Vector3<f64>> {
+    let imus = &motion.bags.get(clouds.index)?.imus;
+    let imu = imus.iter().find(|imu| imu.stream.frame.as_ref() == frame)?;
+    let force: Vector3<f64> = imu
+        .stream
+        .rows()
+        .map(|timed| Vector3::from(timed.row.linear_acceleration))
+        .filter(|force| force.iter().all(|value| value.is_finite()))
+        .sum();
+    force.try_normalize(1e-9)
+}
+
+/// What a cloud with this side up may be.
+fn named(side: &str) -> (&'static str, &'static str, &'static str) {
+    match side {
         "z" => (
             "mount",
             "the cloud itself has z up",
@@ -156,39 +188,4 @@ fn named(axis: &str) -> (&'static str, &'static str, &'static str) {
             "compare the mounting with its transform: the sensor lies on its side",
         ),
     }
-}
-
-/// The axis that points up in a cloud; `None` where no plane is surely the ground.
-fn up(sample: &CloudSample, limits: &Limits) -> Option<Up> {
-    let points: Vec<Vector3<f64>> = sample.points.iter().map(|point| Vector3::from(point.xyz)).collect();
-    let found = AXES.map(|(axis, _)| support(&points, &Vector3::from(axis), &Options::default()));
-    let scores = found.map(|found| found.map_or(0.0, |found| score(&found, limits)));
-    let best = (0..AXES.len()).max_by(|a, b| {
-        let of = |index: &usize| scores.get(*index).copied().unwrap_or(0.0);
-        of(a).total_cmp(&of(b)).then(b.cmp(a))
-    })?;
-    let ground = (*found.get(best)?)?;
-    let best_score = *scores.get(best)?;
-    let next = scores
-        .iter()
-        .enumerate()
-        .filter(|(index, _)| *index != best)
-        .map(|(_, score)| *score)
-        .fold(0.0, f64::max);
-    let is_ground = ground.on >= limits.min_on
-        && ground.above >= limits.min_above
-        && ground.height_m >= limits.least_m
-        && ground.at_horizon <= limits.max_at_horizon;
-    let opposite = found.get(best ^ 1).copied().flatten();
-    (is_ground && best_score >= limits.min_score && best_score >= limits.min_ratio * next).then_some(Up {
-        axis: best,
-        score: best_score,
-        next,
-        is_indoors: opposite.is_some_and(|opposite| opposite.cells >= limits.ceiling_cells),
-    })
-}
-
-/// The cells on a plane, less where points lie beneath it.
-fn score(found: &Support, limits: &Limits) -> f64 {
-    found.cells as f64 * (1.0 - found.below / limits.max_below).max(0.0)
 }

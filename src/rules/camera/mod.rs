@@ -10,6 +10,7 @@ use super::Judge;
 pub mod camera_info_distortion;
 pub mod camera_info_k_size;
 pub mod camera_info_r_p;
+pub mod optical_rotation;
 pub mod stereo_baseline;
 
 /// A calibration of a recording's camera.

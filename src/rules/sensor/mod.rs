@@ -7,4 +7,5 @@ pub mod ins_profile;
 pub mod left_handed_simulator;
 pub mod mavros_frames;
 pub mod ouster_frame;
+pub mod ouster_tf_metadata;
 mod yaw_zero;

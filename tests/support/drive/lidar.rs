@@ -80,9 +80,9 @@ impl Drive {
     pub fn scan(&self, scene: &Scene, scanner: &Scanner, base_from_sensor: &Isometry3<f64>, start_s: f64) -> Vec<Ray> {
         let mut random = Random::at(self.description.seed, "lidar", start_s);
         let mut rays = Vec::new();
-        let lean = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), scene.lean_rad());
         for column in 0..scanner.columns {
             let after_s = scanner.period_s * f64::from(column) / f64::from(scanner.columns);
+            let lean = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), scene.lean_rad(start_s + after_s));
             let state = self.truth.moment(start_s + after_s);
             let position = self.truth.position(start_s + after_s);
             // The ground is where the wheels are, and leans as they do.

@@ -22,7 +22,7 @@ pub enum Surroundings {
     Warehouse,
     /// A ceiling at 2.4 m, and pillars.
     Garage,
-    /// As the street, on ground that leans by five degrees to the side of the vehicle.
+    /// As the street, on ground beside the way that leans by up to five degrees, to the one side and to the other.
     Slope,
 }
 
@@ -150,10 +150,10 @@ impl Scene {
         }
     }
 
-    /// How far the ground leans to the side of the vehicle, radians.
-    pub fn lean_rad(&self) -> f64 {
+    /// How far the ground leans to the side of the vehicle at a time, radians.
+    pub fn lean_rad(&self, t_s: f64) -> f64 {
         match self.surroundings {
-            Surroundings::Slope => 5_f64.to_radians(),
+            Surroundings::Slope => 5_f64.to_radians() * (std::f64::consts::TAU * t_s / 9.0).sin(),
             _ => 0.0,
         }
     }

@@ -1,0 +1,165 @@
+//! CROSS04: a mounting that is told the wrong way round, by the motion on both of its sides.
+
+use nalgebra::Isometry3;
+use serde::Deserialize;
+
+use crate::math::stats::median;
+use crate::rules::hand_eye::{HandEye, half_turn};
+use crate::rules::lidar::Clouds;
+use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+
+/// CROSS04.
+pub struct ExtrinsicDirection;
+
+/// Limits of CROSS04.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    min_way_m: f64,
+    min_turn_deg: f64,
+    min_pairs: usize,
+    max_sigma_m: f64,
+    min_apart_m: f64,
+    min_apart_deg: f64,
+    ratio: f64,
+    min_excess_m: f64,
+    max_residual_m: f64,
+}
+
+/// What the mounting may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reading {
+    AsTold,
+    Inverse,
+    Turned,
+    InverseTurned,
+}
+
+/// What was seen.
+pub(crate) struct Seen {
+    known: HandEye,
+    pairs: usize,
+    /// Each reading with its residual, the best first.
+    residuals: Vec<(Reading, f64)>,
+    decided: Option<Reading>,
+}
+
+impl Seen {
+    /// Whether the inverse explains the motion, and what was told does not.
+    pub(crate) fn is_inverse(&self) -> bool {
+        self.decided == Some(Reading::Inverse)
+    }
+
+    fn of(&self, reading: Reading) -> f64 {
+        let mut known = self.residuals.iter();
+        known.find(|(other, _)| *other == reading).map_or(f64::NAN, |(_, residual)| *residual)
+    }
+}
+
+impl Rule for ExtrinsicDirection {
+    const PAGE: &'static str = include_str!("../../../rules/cross/extrinsic-direction.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for clouds in Clouds::all(world) {
+            match look(world, &clouds, limits) {
+                Ok(seen) => judge_seen(&clouds, &seen, limits, out),
+                Err((reason, why)) => out.not_evaluated(clouds.subject("direction of the mounting"), reason, why),
+            }
+        }
+    }
+}
+
+/// Which reading of a mounting brings the two motions together.
+pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Seen, (NotEvaluated, String)> {
+    let known = HandEye::of(world, clouds, |moved| {
+        moved.way_m() >= limits.min_way_m || moved.turned_rad().abs().to_degrees() >= limits.min_turn_deg
+    })?;
+    let inverse = known.told.inverse();
+    let apart = known.told.inv_mul(&inverse);
+    if apart.translation.vector.norm() < limits.min_apart_m && apart.rotation.angle().to_degrees() < limits.min_apart_deg {
+        let why = format!("`{}_from_{}` and its inverse are the same, about", known.body, known.lidar);
+        return Err((NotEvaluated::NotApplicable, why));
+    }
+    let sure: Vec<_> = known.pairs.iter().filter(|pair| pair.sigma_m <= limits.max_sigma_m).collect();
+    if sure.len() < limits.min_pairs {
+        let why = format!(
+            "{} pairs of scans moved enough and matched well beside {}; {} are needed",
+            sure.len(),
+            known.poses.0,
+            limits.min_pairs
+        );
+        return Err((NotEvaluated::TooLittleEvidence, why));
+    }
+    let residual = |mounting: &Isometry3<f64>| {
+        let all: Vec<f64> = sure.iter().map(|pair| pair.residual_m(mounting)).collect();
+        median(&all).unwrap_or(f64::INFINITY)
+    };
+    let readings = [
+        (Reading::AsTold, known.told),
+        (Reading::Inverse, inverse),
+        (Reading::Turned, known.told * half_turn()),
+        (Reading::InverseTurned, inverse * half_turn()),
+    ];
+    let mut residuals: Vec<(Reading, f64)> = readings
+        .iter()
+        .map(|(reading, mounting)| (*reading, residual(mounting)))
+        .collect();
+    residuals.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let decided = match *residuals.as_slice() {
+        [(best, least), (_, next), ..]
+            if least <= limits.max_residual_m && next >= limits.ratio * least && next - least >= limits.min_excess_m =>
+        {
+            Some(best)
+        }
+        _ => None,
+    };
+    Ok(Seen {
+        pairs: sure.len(),
+        known,
+        residuals,
+        decided,
+    })
+}
+
+fn judge_seen(clouds: &Clouds, seen: &Seen, limits: &Limits, out: &mut Judge) {
+    let subject = clouds.subject("direction of the mounting");
+    let (told, inverse) = (seen.of(Reading::AsTold), seen.of(Reading::Inverse));
+    let measured = [
+        Measured::new("residual of the motions, as told", told, "m")
+            .limit(limits.max_residual_m)
+            .samples(seen.pairs as u64),
+        Measured::new("residual of the inverse", inverse, "m"),
+    ];
+    let name = format!("{}_from_{}", seen.known.body, seen.known.lidar);
+    match seen.decided {
+        Some(Reading::AsTold) => out.pass(subject, measured),
+        Some(Reading::Inverse) => {
+            let message = format!(
+                "`{name}` is told the wrong way round: its inverse brings the scans on `{}` and {} together to {inverse:.2} m, the transform as it is \
+                 to {told:.2} m",
+                clouds.topic.topic, seen.known.poses.0
+            );
+            let finding = Finding::error(subject, message, clouds.place())
+                .likely()
+                .relation("inverse")
+                .related(seen.known.poses.1.clone(), "where it went")
+                .help("publish the inverse: TF's transform of a child is its pose in the parent, `parent_from_child`");
+            out.fail(measured.into_iter().fold(finding, Finding::measured));
+        }
+        Some(_) => {
+            let why = format!("`{name}` fits the motion once it is turned by 180 deg about z, which AXES12 judges");
+            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        }
+        None => {
+            let why = format!(
+                "the motions are brought together to {told:.2} m by `{name}` and to {inverse:.2} m by its inverse: that does not tell them apart"
+            );
+            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        }
+    }
+}

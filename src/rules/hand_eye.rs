@@ -1,0 +1,118 @@
+//! A lidar's own motion beside that of the platform it is on: pairs of motions that the mounting must bring together.
+//!
+//! Owns which poses are held against which lidar, and the pairs. Must not judge.
+
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+
+use crate::rules::lidar::Clouds;
+use crate::rules::motion::{Motion, Stream, Turned};
+use crate::rules::scan_motion::{Moved, ScanMotion, Steps, in_space};
+use crate::source::Place;
+use crate::verdict::NotEvaluated;
+use crate::world::motion::PoseRow;
+use crate::world::{FrameId, World};
+
+/// Longest step between two poses, seconds.
+const MAX_STEP_S: f64 = 0.6;
+
+/// A lidar whose motion is known twice.
+pub(crate) struct HandEye {
+    /// The frame that the poses move.
+    pub(crate) body: FrameId,
+    /// The frame of the cloud.
+    pub(crate) lidar: FrameId,
+    /// `body_from_lidar`, as the transforms say.
+    pub(crate) told: Isometry3<f64>,
+    /// What reports call the poses, and where they are.
+    pub(crate) poses: (String, Place),
+    /// Pairs of motions.
+    pub(crate) pairs: Vec<Pair>,
+}
+
+/// The same motion, twice: the later in the axes of the earlier.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Pair {
+    /// Of the body, by its poses.
+    pub(crate) body: Isometry3<f64>,
+    /// Of the lidar, in its own axes, by its scans.
+    pub(crate) lidar: Isometry3<f64>,
+    /// Standard error of the scans' match, metres.
+    pub(crate) sigma_m: f64,
+}
+
+impl Pair {
+    /// How far the lidar went, and how far it turned: metres and radians.
+    pub(crate) fn size(&self) -> (f64, f64) {
+        (self.lidar.translation.vector.norm(), self.lidar.rotation.angle())
+    }
+
+    /// What is left where `body_from_lidar` brings the two together, metres: two metres a radian besides.
+    pub(crate) fn residual_m(&self, body_from_lidar: &Isometry3<f64>) -> f64 {
+        let left = (self.body * body_from_lidar).inv_mul(&(body_from_lidar * self.lidar));
+        left.translation.vector.norm() + 2.0 * left.rotation.angle()
+    }
+}
+
+impl HandEye {
+    /// The pairs of a lidar, of steps put together until they are enough; or why there are none.
+    pub(crate) fn of(
+        world: &World,
+        clouds: &Clouds,
+        is_enough: impl Fn(&Moved) -> bool + Copy,
+    ) -> Result<Self, (NotEvaluated, String)> {
+        if !clouds.is_of_a_lidar() {
+            let why = "nothing says that these are the points of a lidar as it measured them".to_owned();
+            return Err((NotEvaluated::NotApplicable, why));
+        }
+        let missing = |why: &str| (NotEvaluated::MissingInput, why.to_owned());
+        let (motion, scans) = (Motion::of(world), ScanMotion::of(world));
+        let lidar = clouds.frame().ok_or_else(|| missing("the clouds name no frame"))?;
+        let no_poses = || missing("no poses of a frame that is tied to it say how the platform moved");
+        let steps = scans.steps(clouds).ok_or_else(no_poses)?;
+        if steps.is_up.is_none() {
+            let why = "no ground shows that the plane of its x and y is level".to_owned();
+            return Err((NotEvaluated::TooLittleEvidence, why));
+        }
+        let poses = motion.bags.get(clouds.index).map_or(&[][..], |bag| &bag.poses);
+        let tied = poses.iter().filter(|poses| poses.is_way()).filter_map(|poses| {
+            let body = poses.child.clone()?;
+            let (told, _) = world.graph().chain(&body, &lidar, |edge| edge.is_rigid)?;
+            Some((poses, body, told))
+        });
+        let of = |(poses, body, told): (&Stream<PoseRow>, FrameId, Isometry3<f64>)| Self {
+            pairs: pairs(steps, poses, is_enough),
+            poses: (poses.subject.clone(), poses.place()),
+            body,
+            lidar: lidar.clone(),
+            told,
+        };
+        let best = tied.map(of).reduce(|best, other| if other.pairs.len() > best.pairs.len() { other } else { best });
+        best.ok_or_else(no_poses)
+    }
+}
+
+/// The motions of both between the clouds that were matched.
+fn pairs(steps: &Steps, poses: &Stream<PoseRow>, is_enough: impl Fn(&Moved) -> bool) -> Vec<Pair> {
+    let (turned, track) = (Turned::of(poses), poses.track());
+    let at = |t_s: f64| pose_at(&turned, &track.at(t_s)?, t_s);
+    let pair = |moved: Moved| {
+        let times = [moved.from, moved.to].map(|moment| moment.on(poses.stamp_offset_s));
+        let [Some(from), Some(to)] = times.map(at) else { return None };
+        Some(Pair {
+            body: from.inv_mul(&to),
+            lidar: in_space(&moved.motion),
+            sigma_m: moved.sigma[1],
+        })
+    };
+    steps.chained(is_enough).into_iter().filter_map(pair).collect()
+}
+
+fn pose_at(turned: &Turned, place: &Vector3<f64>, t_s: f64) -> Option<Isometry3<f64>> {
+    let rotation: UnitQuaternion<f64> = turned.at(t_s, MAX_STEP_S)?;
+    Some(Isometry3::from_parts(Translation3::from(*place), rotation))
+}
+
+/// Half a turn about z of the lidar: Ouster's other frame.
+pub(crate) fn half_turn() -> Isometry3<f64> {
+    Isometry3::rotation(Vector3::z() * std::f64::consts::PI)
+}
