@@ -29,6 +29,7 @@ pub struct Limits {
     min_vertical: f64,
     min_t: f64,
     min_rotation_deg: f64,
+    min_turning_s: f64,
     gain_share: f64,
     min_correlation: f64,
 }
@@ -159,6 +160,13 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
         let why = format!(
             "the orientation turns by {turned_deg:.0} deg in windows with a rate, {} deg are needed",
             limits.min_rotation_deg
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    if turns.covered_s < limits.min_turning_s {
+        let why = format!(
+            "{:.1} s of orientation and rate: what a scale looks like in so short a time may be noise, {} s are needed",
+            turns.covered_s, limits.min_turning_s
         );
         return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
     }

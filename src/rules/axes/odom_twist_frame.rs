@@ -257,6 +257,14 @@ fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out
             turning.correlation
         );
         out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
+    } else if turning.slope > 0.0 && turning.slope < 1.0 && turning.upper() * (1.0 + limits.turn_agrees) > 1.0 {
+        // Noise of the pose makes the slope smaller than the scale is; the slope the other way round bounds it from above.
+        let why = format!(
+            "the yaw rate is {:.2} to {:.2} times what its own pose turns, by which of the two is noise",
+            turning.slope,
+            turning.upper()
+        );
+        out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
     } else {
         let (words, help) = if near(-1.0) && is_confirmed {
             (

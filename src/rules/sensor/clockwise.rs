@@ -29,6 +29,24 @@ impl Found {
         measured
     }
 
+    /// Why a yaw that grows clockwise is none that is known: its zero is neither in the north nor in the east. What is no more than
+    /// that may be chance, and no fault has a name for it.
+    pub(super) fn stray(&self, limits: &Limits) -> Option<String> {
+        let zero = self.zero_rad.map(f64::to_degrees);
+        let is_known = |zero: f64| zero.abs() <= limits.max_offset_deg || (zero + 90.0).abs() <= limits.max_offset_deg;
+        if zero.is_some_and(is_known) {
+            return None;
+        }
+        let zero = zero.map_or_else(
+            || "has no steady zero".to_owned(),
+            |zero| format!("has its zero {zero:.0} deg from north"),
+        );
+        Some(format!(
+            "the yaw grows clockwise with {}, and {zero}: no heading is told so",
+            self.other
+        ))
+    }
+
     /// What a yaw that grows clockwise is.
     pub(super) fn finding<R: Row>(
         &self,

@@ -123,7 +123,10 @@ impl Against<'_> {
         let seen = format!("the yaw grows with the {}", found.other);
         match sensor.diagnosis.reported_elsewhere("SENSOR08", &seen) {
             Some(why) => out.not_evaluated(subject, NotEvaluated::NotApplicable, why),
-            None => out.fail(found.finding(&imu.stream, &subject, self.turns, self.limits)),
+            None => match found.stray(self.limits) {
+                Some(why) => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+                None => out.fail(found.finding(&imu.stream, &subject, self.turns, self.limits)),
+            },
         }
     }
 
@@ -140,7 +143,10 @@ impl Against<'_> {
         }
         let yaws = Yaws::of(stream, &straight);
         match by_track(&yaws, &stream.track(), true, self.turns) {
-            Some(found) if found.is_clockwise => out.fail(found.finding(stream, &subject, self.turns, self.limits)),
+            Some(found) if found.is_clockwise => match found.stray(self.limits) {
+                Some(why) => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+                None => out.fail(found.finding(stream, &subject, self.turns, self.limits)),
+            },
             Some(found) => out.pass(subject, found.measured(self.turns)),
             None => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, self.undecided()),
         }
