@@ -194,7 +194,7 @@ fn judge_votes<R, S>(
     if !is_mirrored {
         return out.pass(subject, measured);
     }
-    let (from, to) = votes.span_s.unwrap_or_default();
+    let (from, to) = votes.span_s();
     let message = format!(
         "the track on {} is the mirror image of the satellites' on {}: laid over it from {from:.0} to {to:.0} s it is {rms_mirrored:.2} m \
          off mirrored, {rms_turned:.2} m turned",

@@ -26,8 +26,6 @@ pub(super) struct Votes {
     pub(super) longest_m: f64,
     /// Largest standard deviation of the odometry across its main direction in any window, metres.
     pub(super) widest_m: f64,
-    /// First and last time that voted, seconds after the recording's start.
-    pub(super) span_s: Option<(f64, f64)>,
     /// When the windows that voted began and ended, seconds after the recording's start.
     voted_s: Vec<(f64, f64)>,
 }
@@ -96,6 +94,12 @@ impl Votes {
         median(&better)
     }
 
+    /// First and last time that voted, seconds after the recording's start; zeros where none did.
+    pub(super) fn span_s(&self) -> (f64, f64) {
+        let ends = self.voted_s.first().zip(self.voted_s.last());
+        ends.map_or((0.0, 0.0), |((from_s, _), (_, to_s))| (*from_s, *to_s))
+    }
+
     /// Share of the windows that voted for what most of them say.
     pub(super) fn agreement(&self) -> f64 {
         let [turned, mirrored] = self.says;
@@ -113,7 +117,9 @@ impl Votes {
         let odometry: Vec<_> = window.iter().map(|both| both.odometry).collect();
         let satellites: Vec<_> = window.iter().map(|both| both.satellites).collect();
         let way_m = path_length(&odometry);
-        let (Some(by_satellites), Some(spread), Some(fits)) = (
+        let (Some(first), Some(last), Some(by_satellites), Some(spread), Some(fits)) = (
+            window.first(),
+            window.last(),
             spread(&satellites),
             spread(&odometry),
             fit_similarities(&odometry, &satellites),
@@ -123,11 +129,7 @@ impl Votes {
         self.longest_m = self.longest_m.max(way_m);
         self.widest_m = self.widest_m.max(spread.minor_sd_m);
         // Odometry's heading drifts, and bends a straight way, the more the longer.
-        let lasts_s = window
-            .first()
-            .zip(window.last())
-            .map_or(0.0, |(first, last)| last.t_s - first.t_s);
-        let drift_m = limits.drift_deg_s.to_radians() * lasts_s * way_m;
+        let drift_m = limits.drift_deg_s.to_radians() * (last.t_s - first.t_s) * way_m;
         let is_told = |minor_m: f64| minor_m >= min_minor_m.max(drift_m);
         if !is_told(spread.minor_sd_m) || !is_told(by_satellites.minor_sd_m) || window.len() < limits.min_points {
             return false;
@@ -141,11 +143,7 @@ impl Votes {
             let [of_turned, of_mirrored] = rms;
             of_turned.push(turned);
             of_mirrored.push(mirrored);
-            if let (Some(first), Some(last)) = (window.first(), window.last()) {
-                let begin = self.span_s.map_or(first.t_s, |(begin, _)| begin);
-                self.span_s = Some((begin, last.t_s));
-                self.voted_s.push((first.t_s, last.t_s));
-            }
+            self.voted_s.push((first.t_s, last.t_s));
         }
         true
     }

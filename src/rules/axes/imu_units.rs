@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 
 use crate::math::readings::Reading;
+use crate::math::regress::bound_that_reaches_one;
 use crate::math::stats::median;
 use crate::rules::motion::{Imu, Motion, Timed};
 use crate::rules::{Evidence, Judge, Need, Rule};
@@ -193,9 +194,7 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
     if near(1.0) {
         return out.pass(subject, [measured]);
     }
-    // Noise of the gyro makes the slope smaller than the scale is; the slope of the gyro on the orientation bounds it from above.
-    let upper = gain / score.gain_correlation.powi(2);
-    if gain < 1.0 && upper * (1.0 + limits.gain_share) > 1.0 {
+    if let Some(upper) = bound_that_reaches_one(gain, score.gain_correlation, limits.gain_share) {
         let why = format!(
             "the orientation turns {gain:.2} to {upper:.2} times as far as its gyro says, by which of the two is noise"
         );

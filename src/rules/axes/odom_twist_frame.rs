@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use crate::math::regress::bound_that_reaches_one;
 use crate::rules::motion::{Motion, Stream};
 use crate::rules::quat::level_order::is_reordered;
 use crate::rules::{Evidence, Judge, Need, Rule, limits_of};
@@ -257,12 +258,10 @@ fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out
             turning.correlation
         );
         out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
-    } else if turning.slope > 0.0 && turning.slope < 1.0 && turning.upper() * (1.0 + limits.turn_agrees) > 1.0 {
-        // Noise of the pose makes the slope smaller than the scale is; the slope the other way round bounds it from above.
+    } else if let Some(upper) = bound_that_reaches_one(turning.slope, turning.correlation, limits.turn_agrees) {
         let why = format!(
-            "the yaw rate is {:.2} to {:.2} times what its own pose turns, by which of the two is noise",
-            turning.slope,
-            turning.upper()
+            "the yaw rate is {:.2} to {upper:.2} times what its own pose turns, by which of the two is noise",
+            turning.slope
         );
         out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
     } else {

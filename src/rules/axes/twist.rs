@@ -151,13 +151,6 @@ pub(super) struct Turning {
     pub(super) correlation: f64,
 }
 
-impl Turning {
-    /// The slope were all that the two do not share noise of the pose.
-    pub(super) fn upper(&self) -> f64 {
-        self.slope / self.correlation.powi(2).max(f64::MIN_POSITIVE)
-    }
-}
-
 impl Twists {
     pub(super) fn of(stream: &Stream<PoseRow>, limits: &Limits) -> Self {
         let mut sums = [0.0; READINGS.len()];

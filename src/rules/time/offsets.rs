@@ -116,14 +116,16 @@ fn told(first: &Runs, second: &Runs, by: By, is_fix: bool, limits: &Limits) -> R
         let why = format!("both are there for {recorded_s:.1} s; {} are needed", limits.min_s);
         return silent(peak.rho, &why);
     }
-    let turning_rad_s = [first, second].map(deviation).into_iter().fold(f64::INFINITY, f64::min);
-    if by == By::YawRate && turning_rad_s < limits.min_turning_rad_s {
-        let why = format!(
-            "it turns by {:.1} deg/s, standard deviation: what a straight drive sways by is as much noise; {:.1} are needed",
-            turning_rad_s.to_degrees(),
-            limits.min_turning_rad_s.to_degrees()
-        );
-        return silent(peak.rho, &why);
+    if by == By::YawRate {
+        let turning_rad_s = deviation(first).min(deviation(second));
+        if turning_rad_s < limits.min_turning_rad_s {
+            let why = format!(
+                "it turns by {:.1} deg/s, standard deviation: what a straight drive sways by is as much noise; {:.1} are needed",
+                turning_rad_s.to_degrees(),
+                limits.min_turning_rad_s.to_degrees()
+            );
+            return silent(peak.rho, &why);
+        }
     }
     let sigma_s = peak.sigma_s.unwrap_or(f64::INFINITY);
     let min_rho = if is_fix {
