@@ -103,6 +103,14 @@ pub fn median_slope(pairs: &[(f64, f64)]) -> Option<f64> {
     median(&slopes)
 }
 
+/// Upper bound of a slope whose x is noisy too, where that bound reaches 1 to within `share` and the slope itself does not: noise of
+/// x shrinks a slope, and the regression of x on y, `slope / correlation^2`, bounds it from above (Frisch's bounds). `None` where
+/// the slope is not between 0 and 1, or its bound is beneath 1 as well: then noise does not explain that it is not 1.
+pub fn bound_that_reaches_one(slope: f64, correlation: f64, share: f64) -> Option<f64> {
+    let upper = slope / correlation.powi(2);
+    (slope > 0.0 && slope < 1.0 && upper * (1.0 + share) > 1.0).then_some(upper)
+}
+
 fn finite(pairs: &[(f64, f64)]) -> Vec<(f64, f64)> {
     let sound = pairs.iter().copied().filter(|(x, y)| x.is_finite() && y.is_finite());
     sound.collect()

@@ -1,7 +1,7 @@
 //! Slopes against the certified values of NIST. Only compiled for tests.
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
 
-use super::regress::{Through, fit, fit_huber, median_slope};
+use super::regress::{Through, bound_that_reaches_one, fit, fit_huber, median_slope};
 use super::tests_support::Rng;
 
 /// NIST StRD, Norris: linear regression, 36 observations, certified values.
@@ -126,4 +126,24 @@ fn what_has_no_slope_has_none() {
     }
     assert_eq!(median_slope(&[(1.0, 1.0), (1.0, 2.0)]), None);
     assert_eq!(median_slope(&[(1.0, 1.0), (3.0, 2.0)]), Some(0.5));
+}
+
+#[test]
+fn noise_of_x_is_told_from_another_scale() {
+    let mut rng = Rng::new(53);
+    // x is measured with noise of the same deviation as itself: the slope is half of what it is, and the correlation 1 / sqrt(2).
+    for (scale, expected) in [(1.0, Some(1.0)), (0.6, None), (2.4, None)] {
+        let pairs: Vec<_> = (0..20_000)
+            .map(|_| (rng.normal(), rng.normal()))
+            .map(|(truth, noise)| (truth + noise, scale * truth))
+            .collect();
+        let slope = fit(&pairs, Through::Anywhere, 20_000.0).unwrap().slope;
+        assert!((slope - 0.5 * scale).abs() < 0.02, "{slope}");
+        let bound = bound_that_reaches_one(slope, 0.5f64.sqrt(), 0.05);
+        match expected {
+            Some(truth) => assert!((bound.unwrap() - truth).abs() < 0.04, "{bound:?}"),
+            None => assert_eq!(bound, None, "{scale}"),
+        }
+    }
+    assert_eq!(bound_that_reaches_one(-0.9, 0.9, 0.05), None);
 }

@@ -21,6 +21,7 @@ pub struct Limits {
     pub(super) min_step_m: f64,
     pub(super) max_turn_deg: f64,
     pub(super) min_way_m: f64,
+    pub(super) min_windows: f64,
     pub(super) min_concentration: f64,
     pub(super) max_angle_deg: f64,
 }

@@ -241,6 +241,13 @@ fn look(
         );
         return Err((NotEvaluated::TooLittleEvidence, why));
     }
+    if rows < limits.min_windows {
+        let why = format!(
+            "it goes straight in {rows} windows of {} s; {} are needed",
+            limits.window_s, limits.min_windows
+        );
+        return Err((NotEvaluated::TooLittleEvidence, why));
+    }
     let concentration = forward.norm() / way_m;
     let steady = |sum: Vector3<f64>, of: f64| {
         Axis::near(&sum, limits.max_angle_deg).filter(|_| sum.norm() >= limits.min_concentration * of)

@@ -210,6 +210,8 @@ pub(super) const CAUSES: &[Cause] = &[
         help: "convert the orientation: `R_enu_flu = P * R_ned_frd * F`",
         owner: "QUAT01",
         is_of_driver: true,
+        // Of a body that leans, roll and pitch with the other sign lean it twice as far.
+        world: &[World::Up, World::Elsewhere],
         turn: &[Turn::Frd, Turn::Reversed],
         heading: &[Heading::Against],
         ..HEALTHY

@@ -38,6 +38,10 @@ impl Diagnosis {
             let owner = rest.owner.or(tilted.then_some("QUAT03"));
             return Self { owner, ..rest };
         }
+        if seen.turn == Some(Turn::Partly) {
+            // About one axis it does not follow, which QUAT01 tells; about the others it says nothing that would be a cause.
+            seen.turn = None;
+        }
         let told_in = told_in.clone();
         if HEALTHY.fits(seen) {
             return Self {

@@ -30,6 +30,7 @@ pub struct Limits {
     pub(super) min_ratio: f64,
     pub(super) max_residual: f64,
     pub(super) min_agreement: f64,
+    pub(super) drift_deg_s: f64,
 }
 
 impl Rule for GnssVsOdomHandedness {
@@ -103,12 +104,15 @@ fn swapped<'t>(
     minor_m: f64,
     limits: &Limits,
 ) -> Option<Finding> {
-    // As told the tracks must not fit turned, and mirrored clearly worse than the exchanged ones do.
-    let as_told_m = votes.better_m.filter(|_| votes.majority(limits) != Some(false))?;
+    // As told the tracks must not fit turned, and mirrored, in the same windows, clearly worse than the exchanged ones do.
+    if votes.windows == 0 || votes.majority(limits) == Some(false) {
+        return None;
+    }
     let votes = Votes::of(exchanged()?, &poses.track(), minor_m, limits);
     if votes.majority(limits) != Some(false) {
         return None;
     }
+    let as_told_m = votes.better_m(&fixes.track(), &poses.track())?;
     let ([rms_m, _], [all, _]) = (votes.rms_m, votes.says);
     // A straight way that is mirrored is nearly as straight once stretched: that takes the square of what tells a mirror.
     if rms_m * limits.min_ratio.powi(2) > as_told_m {
@@ -190,7 +194,7 @@ fn judge_votes<R, S>(
     if !is_mirrored {
         return out.pass(subject, measured);
     }
-    let (from, to) = votes.span_s.unwrap_or_default();
+    let (from, to) = votes.span_s();
     let message = format!(
         "the track on {} is the mirror image of the satellites' on {}: laid over it from {from:.0} to {to:.0} s it is {rms_mirrored:.2} m \
          off mirrored, {rms_turned:.2} m turned",

@@ -22,24 +22,16 @@ pub(super) struct Votes {
     pub(super) says: [usize; 2],
     /// Root mean squares of the fit turned and of the fit mirrored over the windows that voted: the medians, metres.
     pub(super) rms_m: [f64; 2],
-    /// Root mean square of the better fit over all windows that turned enough: the median, metres.
-    pub(super) better_m: Option<f64>,
     /// Longest way along a window, metres.
     pub(super) longest_m: f64,
     /// Largest standard deviation of the odometry across its main direction in any window, metres.
     pub(super) widest_m: f64,
-    /// First and last time that voted, seconds after the recording's start.
-    pub(super) span_s: Option<(f64, f64)>,
+    /// When the windows that voted began and ended, seconds after the recording's start.
+    voted_s: Vec<(f64, f64)>,
 }
 
-/// Root mean squares of fits, window by window, metres.
-#[derive(Default)]
-struct Fits {
-    /// Turned and mirrored, of the windows that voted.
-    voted: [Vec<f64>; 2],
-    /// The better one, of all that turned enough.
-    better: Vec<f64>,
-}
+/// Root mean squares of the fits turned and mirrored, of the windows that voted, metres.
+type Fits = [Vec<f64>; 2];
 
 /// One place by both tracks.
 struct Both {
@@ -82,9 +74,30 @@ impl Votes {
             }
             found.look(&window, min_minor_m, &mut rms, limits);
         }
-        found.rms_m = rms.voted.map(|values| median(&values).unwrap_or(f64::NAN));
-        found.better_m = median(&rms.better);
+        found.rms_m = rms.map(|values| median(&values).unwrap_or(f64::NAN));
         found
+    }
+
+    /// Root mean square of the better fit of two other tracks in the windows that voted: the median, metres.
+    pub(super) fn better_m(&self, satellites: &Track, odometry: &Track) -> Option<f64> {
+        let mut at = odometry.follow();
+        let mut better = Vec::new();
+        for (from_s, to_s) in &self.voted_s {
+            let places = satellites.stretches.iter().flatten();
+            let (of_odometry, of_satellites): (Vec<_>, Vec<_>) = places
+                .filter(|(t_s, _)| (*from_s..=*to_s).contains(t_s))
+                .filter_map(|(t_s, place)| Some((at(*t_s)?.xy(), place.xy())))
+                .unzip();
+            let fits = fit_similarities(&of_odometry, &of_satellites)?;
+            better.push(fits.proper.rms_m.min(fits.improper.rms_m));
+        }
+        median(&better)
+    }
+
+    /// First and last time that voted, seconds after the recording's start; zeros where none did.
+    pub(super) fn span_s(&self) -> (f64, f64) {
+        let ends = self.voted_s.first().zip(self.voted_s.last());
+        ends.map_or((0.0, 0.0), |((from_s, _), (_, to_s))| (*from_s, *to_s))
     }
 
     /// Share of the windows that voted for what most of them say.
@@ -104,7 +117,9 @@ impl Votes {
         let odometry: Vec<_> = window.iter().map(|both| both.odometry).collect();
         let satellites: Vec<_> = window.iter().map(|both| both.satellites).collect();
         let way_m = path_length(&odometry);
-        let (Some(by_satellites), Some(spread), Some(fits)) = (
+        let (Some(first), Some(last), Some(by_satellites), Some(spread), Some(fits)) = (
+            window.first(),
+            window.last(),
             spread(&satellites),
             spread(&odometry),
             fit_similarities(&odometry, &satellites),
@@ -113,24 +128,22 @@ impl Votes {
         };
         self.longest_m = self.longest_m.max(way_m);
         self.widest_m = self.widest_m.max(spread.minor_sd_m);
-        let is_told = |minor_m: f64| minor_m >= min_minor_m;
+        // Odometry's heading drifts, and bends a straight way, the more the longer.
+        let drift_m = limits.drift_deg_s.to_radians() * (last.t_s - first.t_s) * way_m;
+        let is_told = |minor_m: f64| minor_m >= min_minor_m.max(drift_m);
         if !is_told(spread.minor_sd_m) || !is_told(by_satellites.minor_sd_m) || window.len() < limits.min_points {
             return false;
         }
         self.windows += 1;
         let (turned, mirrored) = (fits.proper.rms_m, fits.improper.rms_m);
         let (best, other) = (turned.min(mirrored), turned.max(mirrored));
-        rms.better.push(best);
         if best <= limits.max_residual * way_m && other >= limits.min_ratio * best {
             let [for_turned, for_mirrored] = &mut self.says;
             *(if turned < mirrored { for_turned } else { for_mirrored }) += 1;
-            let [of_turned, of_mirrored] = &mut rms.voted;
+            let [of_turned, of_mirrored] = rms;
             of_turned.push(turned);
             of_mirrored.push(mirrored);
-            if let (Some(first), Some(last)) = (window.first(), window.last()) {
-                let begin = self.span_s.map_or(first.t_s, |(begin, _)| begin);
-                self.span_s = Some((begin, last.t_s));
-            }
+            self.voted_s.push((first.t_s, last.t_s));
         }
         true
     }

@@ -114,6 +114,11 @@ impl Heading {
         self.span_s = times().reduce(f64::min).zip(times().reduce(f64::max));
     }
 
+    /// From the first to the last course that voted, seconds.
+    pub(crate) fn span_s(&self) -> f64 {
+        self.span_s.map_or(0.0, |(from_s, to_s)| to_s - from_s)
+    }
+
     /// The sense that has more votes.
     pub(crate) fn winner(&self) -> Sense {
         let [left, right] = self.votes;

@@ -30,6 +30,7 @@ pub struct Limits {
     pub(super) window_s: f64,
     pub(super) window_turn_deg: f64,
     pub(crate) min_turn_deg: f64,
+    pub(crate) min_span_s: f64,
     pub(super) min_way_m: f64,
     pub(crate) min_resultant: f64,
     pub(crate) variance_ratio: f64,
@@ -227,7 +228,8 @@ pub(super) fn look(imu: &Imu, tracks: &[Arc<Track>], limits: &Limits) -> Look<De
     let tried = tracks.iter().map(|track| (track, limits.min_speed_m_s));
     for (track, speed_m_s) in tried.chain(slow.map(|track| (track, limits.odometry_speed_m_s))) {
         let heading = Heading::of(&yaws, &track.courses(speed_m_s), limits);
-        if heading.agreement().is_some_and(|share| share >= limits.min_agreement) {
+        let is_agreed = heading.agreement().is_some_and(|share| share >= limits.min_agreement);
+        if is_agreed && heading.span_s() >= limits.min_span_s {
             return Ok(Decided {
                 track: track.subject.clone(),
                 track_at: track.place.clone(),
@@ -265,6 +267,13 @@ fn undecided(headings: &[Heading], limits: &Limits) -> String {
         let [more_left, more_right] = heading.votes;
         [left + more_left, right + more_right]
     });
+    let longest = headings.iter().map(Heading::span_s).fold(0.0, f64::max);
+    if longest > 0.0 && longest < limits.min_span_s {
+        return format!(
+            "{longest:.1} s of a turn, {} s are needed: a gust or a slip lasts as long",
+            limits.min_span_s
+        );
+    }
     format!(
         "the yaw follows the course clearly neither way: of {windows} windows with a turn {left} say counter-clockwise, {right} \
          clockwise"

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 
 use crate::math::readings::Reading;
+use crate::math::regress::bound_that_reaches_one;
 use crate::math::stats::median;
 use crate::rules::motion::{Imu, Motion, Timed};
 use crate::rules::{Evidence, Judge, Need, Rule};
@@ -29,6 +30,7 @@ pub struct Limits {
     min_vertical: f64,
     min_t: f64,
     min_rotation_deg: f64,
+    min_turning_s: f64,
     gain_share: f64,
     min_correlation: f64,
 }
@@ -162,6 +164,13 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
         );
         return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
     }
+    if turns.covered_s < limits.min_turning_s {
+        let why = format!(
+            "{:.1} s of orientation and rate: what a scale looks like in so short a time may be noise, {} s are needed",
+            turns.covered_s, limits.min_turning_s
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
     if score.gain_correlation.abs() < limits.min_correlation {
         let why = format!(
             "the orientation does not follow the rate under any reading (correlation {:.2} as {})",
@@ -185,9 +194,7 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
     if near(1.0) {
         return out.pass(subject, [measured]);
     }
-    // Noise of the gyro makes the slope smaller than the scale is; the slope of the gyro on the orientation bounds it from above.
-    let upper = gain / score.gain_correlation.powi(2);
-    if gain < 1.0 && upper * (1.0 + limits.gain_share) > 1.0 {
+    if let Some(upper) = bound_that_reaches_one(gain, score.gain_correlation, limits.gain_share) {
         let why = format!(
             "the orientation turns {gain:.2} to {upper:.2} times as far as its gyro says, by which of the two is noise"
         );

@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use crate::math::regress::bound_that_reaches_one;
 use crate::rules::motion::{Motion, Stream};
 use crate::rules::quat::level_order::is_reordered;
 use crate::rules::{Evidence, Judge, Need, Rule, limits_of};
@@ -255,6 +256,12 @@ fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out
         let why = format!(
             "the yaw rate does not follow the turning of the pose (correlation {:.2})",
             turning.correlation
+        );
+        out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
+    } else if let Some(upper) = bound_that_reaches_one(turning.slope, turning.correlation, limits.turn_agrees) {
+        let why = format!(
+            "the yaw rate is {:.2} to {upper:.2} times what its own pose turns, by which of the two is noise",
+            turning.slope
         );
         out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
     } else {

@@ -26,6 +26,7 @@ pub struct Limits {
     note_departure_m: f64,
     max_tilt_deg: f64,
     elsewhere_m: f64,
+    unstated_m: f64,
     max_height_m: f64,
     sigmas: f64,
     share: f64,
@@ -157,9 +158,10 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
 fn judge_track(subject: &str, place: &Place, origin: &Geodetic, overlay: &Overlay, limits: &Limits, out: &mut Judge) {
     let far = overlay.both.iter().map(|both| origin.enu_of(&both.fix).xy().norm());
     let distance_m = far.fold(0.0, f64::max);
-    if distance_m > limits.elsewhere_m {
+    if distance_m > limits.unstated_m {
         let why = format!(
-            "its zero lies {:.0} km from the fixes: these are no coordinates in a plane (GEO03)",
+            "its zero lies {:.0} km from the fixes, and nothing states it as an origin: these are rather coordinates in a square of a \
+             grid (GEO03)",
             distance_m / 1e3
         );
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);

@@ -33,6 +33,7 @@ pub struct Limits {
     pub(super) slow_gap: f64,
     pub(super) slow_s: f64,
     pub(super) slow_sure: f64,
+    pub(super) slow_short: f64,
     pub(super) unrelated_correlation: f64,
     pub(super) standing: f64,
     pub(super) noise: f64,
@@ -42,6 +43,8 @@ pub struct Limits {
     pub(super) axis_agrees: f64,
     pub(super) axis_right: f64,
     pub(super) axis_noise: f64,
+    pub(super) axis_share: f64,
+    pub(super) axis_sigmas: f64,
 }
 
 /// What was seen.
@@ -201,7 +204,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         let class = ways.by_gap(limits)?;
         let is_weak = ways.covers_little(limits) && ways.explains(class).powi(2) > limits.slow_sure;
         // As much noise as turning in short windows: what two or three long ones make of it may be chance.
-        if is_weak && fast.explains(class) > 1.0 {
+        if is_weak && fast.explains(class) > limits.slow_short {
             return None;
         }
         // What noise hides in short windows is no proof against an axis.

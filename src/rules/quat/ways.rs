@@ -253,14 +253,23 @@ impl<'a> Ways<'a> {
             return Ok(None);
         };
         let window_s = self.turns.covered_s / self.turns.windows.max(1) as f64;
+        // Turning about one axis leaks into the others: scale, misalignment and the ends of windows.
+        let largest = self.turns.axis_rms_rad_s.into_iter().fold(0.0, f64::max);
         let axes = score.axis_correlation.iter().zip(self.turns.axis_rms_rad_s).enumerate();
         let turning = axes.filter(|(_, (_, rms))| {
-            rms.to_degrees() >= limits.axis_deg_s && rms * window_s >= limits.axis_noise * noise_rad
+            rms.to_degrees() >= limits.axis_deg_s
+                && rms * window_s >= limits.axis_noise * noise_rad
+                && *rms >= limits.axis_share * largest
         });
         let mut unclear = false;
+        // What so many windows may leave of a correlation by chance.
+        let sure = |value: f64| {
+            let degrees = (self.turns.active as f64 - 3.0).max(0.1);
+            (value.clamp(-0.999, 0.999).atanh() + limits.axis_sigmas / degrees.sqrt()).tanh() < limits.axis_agrees
+        };
         for (axis, (correlation, _)) in turning {
             match correlation {
-                Some(value) if *value < limits.axis_wrong => return Ok(Some(axis)),
+                Some(value) if *value < limits.axis_wrong && sure(*value) => return Ok(Some(axis)),
                 Some(value) if *value < limits.axis_agrees => unclear = true,
                 _ => {}
             }

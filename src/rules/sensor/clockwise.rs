@@ -8,6 +8,14 @@ use crate::world::motion::Row;
 use super::compass_in_quaternion::Limits;
 use super::yaw_zero::Found;
 
+/// Where the zero of a yaw is that grows clockwise, degrees from north where that is worth telling.
+enum Zero {
+    North(f64),
+    East,
+    Elsewhere(f64),
+    Unsteady,
+}
+
 impl Found {
     /// The numbers.
     pub(super) fn measured(&self, turns: &heading_convention::Limits) -> Vec<Measured> {
@@ -29,6 +37,30 @@ impl Found {
         measured
     }
 
+    /// Where the zero of a yaw is that grows clockwise.
+    fn zero(&self, limits: &Limits) -> Zero {
+        match self.zero_rad.map(f64::to_degrees) {
+            Some(deg) if deg.abs() <= limits.max_offset_deg => Zero::North(deg),
+            Some(deg) if (deg + 90.0).abs() <= limits.max_offset_deg => Zero::East,
+            Some(deg) => Zero::Elsewhere(deg),
+            None => Zero::Unsteady,
+        }
+    }
+
+    /// Why a yaw that grows clockwise is none that is known: its zero is neither in the north nor in the east. What is no more than
+    /// that may be chance, and no fault has a name for it.
+    pub(super) fn stray(&self, limits: &Limits) -> Option<String> {
+        let zero = match self.zero(limits) {
+            Zero::North(_) | Zero::East => return None,
+            Zero::Elsewhere(deg) => format!("has its zero {deg:.0} deg from north"),
+            Zero::Unsteady => "has no steady zero".to_owned(),
+        };
+        Some(format!(
+            "the yaw grows clockwise with {}, and {zero}: no heading is told so",
+            self.other
+        ))
+    }
+
     /// What a yaw that grows clockwise is.
     pub(super) fn finding<R: Row>(
         &self,
@@ -37,19 +69,18 @@ impl Found {
         turns: &heading_convention::Limits,
         limits: &Limits,
     ) -> Finding {
-        let zero = self.zero_rad.map(f64::to_degrees);
-        let (relation, what) = match zero {
-            Some(zero) if zero.abs() <= limits.max_offset_deg => (
+        let (relation, what) = match self.zero(limits) {
+            Zero::North(deg) => (
                 "compass-yaw",
-                format!("it is a compass heading, clockwise from north, off by {zero:.1} deg"),
+                format!("it is a compass heading, clockwise from north, off by {deg:.1} deg"),
             ),
-            Some(zero) if (zero + 90.0).abs() <= limits.max_offset_deg => (
+            Zero::East => (
                 "clockwise-yaw",
                 "it counts from east as REP-103 does, but clockwise: the quaternion is the inverse one, or its yaw is negated"
                     .to_owned(),
             ),
-            Some(zero) => ("clockwise-yaw", format!("its zero is {zero:.0} deg from north")),
-            None => ("clockwise-yaw", "where its zero is cannot be told from that".to_owned()),
+            Zero::Elsewhere(deg) => ("clockwise-yaw", format!("its zero is {deg:.0} deg from north")),
+            Zero::Unsteady => ("clockwise-yaw", "where its zero is cannot be told from that".to_owned()),
         };
         let message = format!(
             "the yaw of `{}` grows clockwise with {}: {what} ({} samples)",

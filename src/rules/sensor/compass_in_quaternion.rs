@@ -11,7 +11,7 @@ use crate::rules::motion::{Compass, Imu, Motion, Stream, Tracks, Yaws, mount};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::NotEvaluated;
 use crate::world::World;
-use crate::world::motion::{OrientationRow, PoseRow};
+use crate::world::motion::{OrientationRow, PoseRow, Row};
 
 use super::yaw_zero::{Found, by_compass, by_track};
 
@@ -123,7 +123,7 @@ impl Against<'_> {
         let seen = format!("the yaw grows with the {}", found.other);
         match sensor.diagnosis.reported_elsewhere("SENSOR08", &seen) {
             Some(why) => out.not_evaluated(subject, NotEvaluated::NotApplicable, why),
-            None => out.fail(found.finding(&imu.stream, &subject, self.turns, self.limits)),
+            None => self.fail_known(&imu.stream, subject, &found, out),
         }
     }
 
@@ -140,9 +140,17 @@ impl Against<'_> {
         }
         let yaws = Yaws::of(stream, &straight);
         match by_track(&yaws, &stream.track(), true, self.turns) {
-            Some(found) if found.is_clockwise => out.fail(found.finding(stream, &subject, self.turns, self.limits)),
+            Some(found) if found.is_clockwise => self.fail_known(stream, subject, &found, out),
             Some(found) => out.pass(subject, found.measured(self.turns)),
             None => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, self.undecided()),
+        }
+    }
+
+    /// A yaw that grows clockwise, where its zero is one that is known.
+    fn fail_known<R: Row>(&self, stream: &Stream<R>, subject: String, found: &Found, out: &mut Judge) {
+        match found.stray(self.limits) {
+            Some(why) => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+            None => out.fail(found.finding(stream, &subject, self.turns, self.limits)),
         }
     }
 

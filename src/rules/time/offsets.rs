@@ -111,6 +111,22 @@ fn told(first: &Runs, second: &Runs, by: By, is_fix: bool, limits: &Limits) -> R
         return silent(0.0, "nothing changes while both are recorded");
     };
     let peak = found.whole;
+    let recorded_s = peak.pairs as f64 * options.grid_s;
+    if recorded_s < limits.min_s {
+        let why = format!("both are there for {recorded_s:.1} s; {} are needed", limits.min_s);
+        return silent(peak.rho, &why);
+    }
+    if by == By::YawRate {
+        let turning_rad_s = deviation(first).min(deviation(second));
+        if turning_rad_s < limits.min_turning_rad_s {
+            let why = format!(
+                "it turns by {:.1} deg/s, standard deviation: what a straight drive sways by is as much noise; {:.1} are needed",
+                turning_rad_s.to_degrees(),
+                limits.min_turning_rad_s.to_degrees()
+            );
+            return silent(peak.rho, &why);
+        }
+    }
     let sigma_s = peak.sigma_s.unwrap_or(f64::INFINITY);
     let min_rho = if is_fix {
         limits.min_correlation_fix
@@ -169,6 +185,19 @@ fn told(first: &Runs, second: &Runs, by: By, is_fix: bool, limits: &Limits) -> R
         By::Speed => peak.cautious_sigma_s.unwrap_or(f64::INFINITY),
     };
     Ok((by, sigma_s, peak))
+}
+
+/// Standard deviation of the values of a signal.
+fn deviation(runs: &Runs) -> f64 {
+    let values = || {
+        runs.iter()
+            .flatten()
+            .map(|(_, value)| *value)
+            .filter(|value| value.is_finite())
+    };
+    let count = values().count().max(1) as f64;
+    let mean = values().sum::<f64>() / count;
+    (values().map(|value| (value - mean).powi(2)).sum::<f64>() / count).sqrt()
 }
 
 /// The lag; of signals with opposite signs, too: which sign is right is for others to say.

@@ -28,6 +28,8 @@ pub struct Limits {
     pub(super) sigmas: f64,
     pub(super) steady_s: f64,
     pub(super) max_lag_s: f64,
+    pub(super) min_s: f64,
+    pub(super) min_turning_rad_s: f64,
     pub(super) min_correlation: f64,
     pub(super) min_correlation_fix: f64,
     pub(super) sure_correlation: f64,
