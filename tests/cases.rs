@@ -136,7 +136,10 @@ fn compare(run: &Run, folder: &Path, code: &str, expected: &[String], faults: &m
             Some(at) => {
                 left.remove(at);
             }
-            None => faults.push(format!("{code} {title}: expected `{wanted}`, and no finding is that")),
+            None => faults.push(format!(
+                "{code} {title}: expected `{wanted}`, and no finding is that: {}",
+                reasons(run, code)
+            )),
         }
     }
     for finding in left {
@@ -161,6 +164,13 @@ fn rows(run: &Run, code: &str, outcome: Outcome) -> usize {
         .count()
 }
 
+/// What the rule said where it judged nothing.
+fn reasons(run: &Run, code: &str) -> String {
+    let rows = run.verdict.rows.iter().filter(|row| row.rule == code);
+    let said: Vec<&str> = rows.filter_map(|row| row.reason.as_deref()).collect();
+    said.join("; ")
+}
+
 fn check_bad(front: &Front, case: &Case<'_>, faults: &mut Vec<String>) {
     let expected = expectations(case);
     if expected.is_empty() {
@@ -179,8 +189,9 @@ fn check_good(front: &Front, case: &Case<'_>, faults: &mut Vec<String>) {
     faults.extend(input_problems(&run, code, &case.title));
     if rows(&run, code, Outcome::Pass) == 0 {
         faults.push(format!(
-            "{code} {}: a good case must pass, and nothing passed",
-            case.title
+            "{code} {}: a good case must pass, and nothing passed: {}",
+            case.title,
+            reasons(&run, code)
         ));
     }
     for finding in &run.verdict.findings {

@@ -58,8 +58,9 @@ pub(crate) struct Ground {
     pub(crate) next: f64,
     /// The plane.
     pub(crate) plane: Support,
-    /// Cells on a plane on the opposite side: a ceiling.
-    pub(crate) ceiling_cells: usize,
+    /// Cells on a ceiling: a plane on the opposite side with hardly anything beyond it, or with as many points as a ground has. Any
+    /// level plane passes through the walls of a street.
+    pub(crate) ceiling_cells: f64,
 }
 
 /// The planes of all clouds, by recording and topic.
@@ -139,12 +140,13 @@ pub(crate) fn ground(sides: &Sides, is: &IsGround) -> Option<Ground> {
         && of(side) >= is.min_score
         && of(side) >= is.min_ratio * of(next);
     let opposite = sides.get(side ^ 1).copied().flatten();
+    let whole = opposite.filter(|opposite| opposite.on >= is.min_on);
     is_ground.then_some(Ground {
         side,
         score: of(side),
         next: of(next),
         plane,
-        ceiling_cells: opposite.map_or(0, |opposite| opposite.cells),
+        ceiling_cells: whole.map_or(of(side ^ 1), |whole| whole.cells as f64),
     })
 }
 

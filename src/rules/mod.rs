@@ -238,7 +238,7 @@ pub static RULES: &[Entry] = &[
     entry::<cross::extrinsic_relation::ExtrinsicRelation>(),
     entry::<cross::calibration_loop::CalibrationLoop>(),
     entry::<cross::extrinsic_direction::ExtrinsicDirection>(),
-    entry::<cross::hand_eye_calibration::HandEyeCalibration>(),
+    entry::<cross::hand_eye::HandEyeCalibration>(),
     entry::<cross::urdf_tf_topology::UrdfTfTopology>(),
     entry::<urdf::mesh_scale::MeshScale>(),
     entry::<urdf::self_joint::SelfJoint>(),

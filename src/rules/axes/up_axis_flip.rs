@@ -29,7 +29,7 @@ pub struct Limits {
     max_at_horizon: f64,
     least_m: f64,
     max_off_deg: f64,
-    ceiling_cells: usize,
+    ceiling_cells: f64,
     min_gravity: f64,
 }
 

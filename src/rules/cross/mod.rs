@@ -7,6 +7,6 @@ pub mod extrinsic_consistency;
 pub mod extrinsic_direction;
 pub mod extrinsic_relation;
 mod fold;
-pub mod hand_eye_calibration;
+pub mod hand_eye;
 pub(crate) mod statements;
 pub mod urdf_tf_topology;
