@@ -54,11 +54,11 @@ impl Pair {
 }
 
 impl HandEye {
-    /// The pairs of a lidar, of steps put together until they are enough; or why there are none.
+    /// The pairs of a lidar, of the motions that are picked of its steps; or why there are none.
     pub(crate) fn of(
         world: &World,
         clouds: &Clouds,
-        is_enough: impl Fn(&Moved) -> bool + Copy,
+        pick: impl Fn(&Steps) -> Vec<Moved>,
     ) -> Result<Self, (NotEvaluated, String)> {
         if !clouds.is_of_a_lidar() {
             let why = "nothing says that these are the points of a lidar as it measured them".to_owned();
@@ -79,8 +79,9 @@ impl HandEye {
             let (told, _) = world.graph().chain(&body, &lidar, |edge| edge.is_rigid)?;
             Some((poses, body, told))
         });
+        let moved = pick(steps);
         let of = |(poses, body, told): (&Stream<PoseRow>, FrameId, Isometry3<f64>)| Self {
-            pairs: pairs(steps, poses, is_enough),
+            pairs: pairs(&moved, poses),
             poses: (poses.subject.clone(), poses.place()),
             body,
             lidar: lidar.clone(),
@@ -98,10 +99,10 @@ impl HandEye {
 }
 
 /// The motions of both between the clouds that were matched.
-fn pairs(steps: &Steps, poses: &Stream<PoseRow>, is_enough: impl Fn(&Moved) -> bool) -> Vec<Pair> {
+fn pairs(moved: &[Moved], poses: &Stream<PoseRow>) -> Vec<Pair> {
     let (turned, track) = (Turned::of(poses), poses.track());
     let at = |t_s: f64| pose_at(&turned, &track.at(t_s)?, t_s);
-    let pair = |moved: Moved| {
+    let pair = |moved: &Moved| {
         let times = [moved.from, moved.to].map(|moment| moment.on(poses.stamp_offset_s));
         let [Some(from), Some(to)] = times.map(at) else {
             return None;
@@ -112,7 +113,7 @@ fn pairs(steps: &Steps, poses: &Stream<PoseRow>, is_enough: impl Fn(&Moved) -> b
             sigma_m: moved.sigma[1],
         })
     };
-    steps.chained(is_enough).into_iter().filter_map(pair).collect()
+    moved.iter().filter_map(pair).collect()
 }
 
 fn pose_at(turned: &Turned, place: &Vector3<f64>, t_s: f64) -> Option<Isometry3<f64>> {

@@ -117,6 +117,13 @@ impl Steps {
         }
         chained
     }
+
+    /// All steps of each run put together.
+    pub(crate) fn whole(&self) -> Vec<Moved> {
+        let runs = self.runs.iter();
+        runs.filter_map(|run| run.iter().copied().reduce(|whole, step| whole.then(&step)))
+            .collect()
+    }
 }
 
 /// The steps of every lidar.

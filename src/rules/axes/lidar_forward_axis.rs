@@ -46,7 +46,9 @@ impl Rule for LidarForwardAxis {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         for clouds in Clouds::all(world) {
-            let known = HandEye::of(world, &clouds, |moved| moved.way_m() >= limits.min_way_m);
+            let known = HandEye::of(world, &clouds, |steps| {
+                steps.chained(|moved| moved.way_m() >= limits.min_way_m)
+            });
             match known.and_then(|known| Ok((yaw(&known, limits)?, known))) {
                 Ok((yaw, known)) => judge_yaw(world, &clouds, &known, &yaw, limits, out),
                 Err((reason, why)) => out.not_evaluated(clouds.subject("forward"), reason, why),

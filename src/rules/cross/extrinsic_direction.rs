@@ -4,8 +4,9 @@ use nalgebra::Isometry3;
 use serde::Deserialize;
 
 use crate::math::stats::median;
-use crate::rules::hand_eye::{HandEye, half_turn};
+use crate::rules::hand_eye::{HandEye, Pair, half_turn};
 use crate::rules::lidar::Clouds;
+use crate::rules::scan_motion::Steps;
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
@@ -78,9 +79,7 @@ impl Rule for ExtrinsicDirection {
 
 /// Which reading of a mounting brings the two motions together.
 pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Seen, (NotEvaluated, String)> {
-    let known = HandEye::of(world, clouds, |moved| {
-        moved.way_m() >= limits.min_way_m || moved.turned_rad().abs().to_degrees() >= limits.min_turn_deg
-    })?;
+    let known = HandEye::of(world, clouds, Steps::whole)?;
     let inverse = known.told.inverse();
     let apart = known.told.inv_mul(&inverse);
     if apart.translation.vector.norm() < limits.min_apart_m
@@ -92,11 +91,17 @@ pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Se
         );
         return Err((NotEvaluated::NotApplicable, why));
     }
-    let sure: Vec<_> = known
+    let is_turned = |pair: &&Pair| pair.size().1.to_degrees() >= limits.min_turn_deg;
+    let mut sure: Vec<&Pair> = known
         .pairs
         .iter()
-        .filter(|pair| pair.sigma_m <= limits.max_sigma_m)
+        .filter(|pair| pair.sigma_m <= limits.max_sigma_m && (is_turned(pair) || pair.size().0 >= limits.min_way_m))
         .collect();
+    // Straight on every lever arm is as good.
+    let turned: Vec<&Pair> = sure.iter().copied().filter(is_turned).collect();
+    if turned.len() >= limits.min_pairs {
+        sure = turned;
+    }
     if sure.len() < limits.min_pairs {
         let why = format!(
             "{} pairs of scans moved enough and matched well beside {}; {} are needed",

@@ -38,8 +38,10 @@ impl Rule for HandEyeCalibration {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         for clouds in Clouds::all(world) {
-            let known = HandEye::of(world, &clouds, |moved| {
-                moved.way_m() >= limits.min_way_m || moved.turned_rad().abs().to_degrees() >= limits.min_turn_deg
+            let known = HandEye::of(world, &clouds, |steps| {
+                steps.chained(|moved| {
+                    moved.way_m() >= limits.min_way_m || moved.turned_rad().abs().to_degrees() >= limits.min_turn_deg
+                })
             });
             match known.and_then(|known| Ok((solved(&known, limits)?, known))) {
                 Ok((mounted, known)) => judge_mounted(&clouds, &known, &mounted, limits, out),
