@@ -15,6 +15,9 @@ const UNITS_S: [(f64, &str); 4] = [
     (1e-9, "nanoseconds"),
 ];
 
+/// No scan takes longer, seconds: of clouds that were thrown away nine hundred times out of a thousand the times would fit another unit.
+const LONGEST_S: f64 = 20.0;
+
 /// Fields that only the points of a lidar have.
 const OF_A_LIDAR: [&str; 10] = [
     "ring",
@@ -132,7 +135,7 @@ impl<'w> Clouds<'w> {
 
     /// The unit in which the times of a cloud span a scan, seconds, and its name; the period must be known.
     pub(crate) fn unit(&self, times: &PointTimes) -> Option<(f64, &'static str)> {
-        let period_s = self.period_s()?;
+        let period_s = self.period_s().filter(|period_s| *period_s <= LONGEST_S)?;
         let [low, high] = times.quantiles;
         let fits = |(unit_s, _): &(f64, &str)| (0.5..=1.1).contains(&((high - low) * unit_s / period_s));
         UNITS_S.into_iter().find(fits)

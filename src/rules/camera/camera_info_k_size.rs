@@ -1,12 +1,14 @@
 //! CAMERA02: intrinsics that do not fit the image.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 use crate::world::camera::ImageForm;
+use crate::world::{BagEvidence, World};
 
 use super::Published;
 
@@ -32,25 +34,46 @@ impl Rule for CameraInfoKSize {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let spaces: Vec<BTreeMap<&str, Space>> = world.bags.iter().map(spaces).collect();
         for published in Published::all(world) {
             judge_k(&published, limits, out);
-            for (topic, form) in images(&published) {
+            let space = spaces.get(published.index).and_then(|of| of.get(published.namespace()));
+            let Some(space) = space.filter(|space| !space.images.is_empty()) else {
+                continue;
+            };
+            if space.calibrations > 1 {
+                let subject = format!("size of the images beside {}", published.subject());
+                let why = "several calibrations share the namespace of these images: nothing says whose they are";
+                out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+                continue;
+            }
+            for (topic, form) in &space.images {
                 judge_size(&published, topic, form, limits, out);
             }
         }
     }
 }
 
-/// Images beside a calibration: those of its namespace share it (image_transport).
-fn images<'w>(published: &Published<'w>) -> Vec<(&'w str, &'w ImageForm)> {
-    let namespace = published.namespace();
-    let topics = published.bag.topics.values();
-    let beside = topics.filter(|topic| topic.topic.rsplit_once('/').is_some_and(|(of, _)| of == namespace));
-    let forms = beside.flat_map(|topic| {
-        let images = topic.content.images.iter().flat_map(|images| &images.forms);
-        images.map(|form| (topic.topic.as_str(), form))
-    });
-    forms.collect()
+/// What a namespace holds: its images share its calibration (image_transport).
+#[derive(Default)]
+struct Space<'w> {
+    /// Topics of calibrations.
+    calibrations: usize,
+    /// Forms of images, each with its topic.
+    images: Vec<(&'w str, &'w ImageForm)>,
+}
+
+/// The namespaces of a recording.
+fn spaces(bag: &BagEvidence) -> BTreeMap<&str, Space<'_>> {
+    let mut spaces: BTreeMap<&str, Space> = BTreeMap::new();
+    for topic in bag.topics.values() {
+        let forms = topic.content.images.iter().flat_map(|images| &images.forms);
+        let namespace = super::namespace(&topic.topic);
+        let space = spaces.entry(namespace).or_default();
+        space.calibrations += usize::from(topic.content.calibrations.is_some());
+        space.images.extend(forms.map(|form| (topic.topic.as_str(), form)));
+    }
+    spaces
 }
 
 fn judge_k(published: &Published, limits: &Limits, out: &mut Judge) {

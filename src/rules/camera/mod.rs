@@ -17,6 +17,8 @@ pub mod stereo_baseline;
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Published<'w> {
     pub(crate) bag: &'w BagEvidence,
+    /// The number of the recording in the world.
+    pub(crate) index: usize,
     pub(crate) topic: &'w str,
     pub(crate) calibration: &'w Calibration,
     /// Its number on the topic, from 1, where there are several.
@@ -26,7 +28,7 @@ pub(crate) struct Published<'w> {
 impl<'w> Published<'w> {
     /// All of them, by topic.
     pub(crate) fn all(world: &'w World) -> impl Iterator<Item = Self> {
-        world.bags.iter().flat_map(|bag| {
+        world.bags.iter().enumerate().flat_map(|(index, bag)| {
             bag.topics.values().flat_map(move |topic| {
                 let calibrations = topic.content.calibrations.iter().flat_map(|all| &all.calibrations);
                 let several = topic
@@ -34,11 +36,12 @@ impl<'w> Published<'w> {
                     .calibrations
                     .as_ref()
                     .is_some_and(|all| all.calibrations.len() > 1);
-                calibrations.enumerate().map(move |(index, calibration)| Self {
+                calibrations.enumerate().map(move |(place, calibration)| Self {
                     bag,
+                    index,
                     topic: &topic.topic,
                     calibration,
-                    number: several.then_some(index + 1),
+                    number: several.then_some(place + 1),
                 })
             })
         })
@@ -85,6 +88,11 @@ impl<'w> Published<'w> {
 
     /// The namespace that the camera's topics share: `/front` of `/front/camera_info`.
     pub(crate) fn namespace(&self) -> &'w str {
-        self.topic.rsplit_once('/').map_or("", |(namespace, _)| namespace)
+        namespace(self.topic)
     }
+}
+
+/// All of a topic but its last part.
+fn namespace(topic: &str) -> &str {
+    topic.rsplit_once('/').map_or("", |(namespace, _)| namespace)
 }

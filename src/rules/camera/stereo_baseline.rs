@@ -1,5 +1,7 @@
 //! CAMERA07: a stereo pair whose baseline is another in TF than in its calibration.
 
+use std::collections::BTreeMap;
+
 use serde::Deserialize;
 
 use crate::rules::{Judge, Need, Rule};
@@ -34,12 +36,14 @@ impl Rule for StereoBaseline {
         let all: Vec<Published> = Published::all(world)
             .filter(|published| !published.is_uncalibrated())
             .collect();
+        let mut first: BTreeMap<(usize, &str), &Published> = BTreeMap::new();
+        for published in &all {
+            first.entry((published.index, published.topic)).or_insert(published);
+        }
         for right in &all {
-            let left = left_topics(right.topic);
-            let of_pair = |left_of: &&Published| {
-                left_of.bag.source == right.bag.source && left.iter().any(|topic| topic == left_of.topic)
-            };
-            if let Some(left) = all.iter().find(of_pair) {
+            let lefts = left_topics(right.topic);
+            let left = lefts.iter().find_map(|topic| first.get(&(right.index, topic.as_str())));
+            if let Some(left) = left {
                 judge_pair(world, left, right, limits, out);
             }
         }

@@ -1,7 +1,6 @@
 //! CROSS03: transforms of one calibration that do not close a loop.
 
-use std::collections::{BTreeMap, BTreeSet};
-use std::ops::Bound::{Excluded, Unbounded};
+use std::collections::BTreeMap;
 
 use nalgebra::Isometry3;
 use serde::Deserialize;
@@ -9,7 +8,7 @@ use serde::Deserialize;
 use crate::math::relation::{Relation, Tolerance, classify};
 use crate::rules::{Judge, Need, Rule};
 use crate::source::SourceId;
-use crate::verdict::{Finding, Measured};
+use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{FrameId, World};
 
 use super::statements::{Statement, statements};
@@ -48,15 +47,25 @@ impl Rule for CalibrationLoop {
             }
         }
         for (source, statements) in by_source {
-            for one in loops(&statements) {
+            let (loops, are_more) = loops(&statements);
+            for one in loops {
                 one.judge(world, source, limits, out);
+            }
+            if are_more {
+                let why = format!("it has more than {MAX_LOOPS} loops of three frames; the others were left out");
+                let subject = format!("more loops in {}", world.path(source));
+                out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
             }
         }
     }
 }
 
-/// Every loop of three frames; of several statements on one pair the first counts (the others are CROSS01's).
-fn loops<'s>(statements: &[&'s Statement]) -> Vec<Loop<'s>> {
+/// Loops of one file that are judged; a file where every frame is tied to every other has as many with forty frames.
+const MAX_LOOPS: usize = 10_000;
+
+/// The loops of three frames, and whether there are more of them; of several statements on one pair the first counts (the others
+/// are CROSS01's).
+fn loops<'s>(statements: &[&'s Statement]) -> (Vec<Loop<'s>>, bool) {
     let mut edges: BTreeMap<(&FrameId, &FrameId), (Isometry3<f64>, &'s Statement)> = BTreeMap::new();
     for statement in statements {
         let (target, source) = (&statement.target, &statement.source_frame);
@@ -65,22 +74,29 @@ fn loops<'s>(statements: &[&'s Statement]) -> Vec<Loop<'s>> {
             edges.insert((source, target), (statement.pose.inverse(), *statement));
         }
     }
-    let frames: BTreeSet<&FrameId> = edges.keys().map(|(target, _)| *target).collect();
+    let mut beside: BTreeMap<&FrameId, Vec<&FrameId>> = BTreeMap::new();
+    for (target, source) in edges.keys() {
+        beside.entry(*target).or_default().push(*source);
+    }
+    let of = |frame: &FrameId| beside.get(frame).map_or(&[][..], Vec::as_slice);
     let mut loops = Vec::new();
-    for a in &frames {
-        for b in frames.range::<&FrameId, _>((Excluded(a), Unbounded)) {
-            let Some(ab) = edges.get(&(*a, *b)) else { continue };
-            for c in frames.range::<&FrameId, _>((Excluded(b), Unbounded)) {
-                if let (Some(bc), Some(ca)) = (edges.get(&(*b, *c)), edges.get(&(*c, *a))) {
-                    loops.push(Loop {
-                        frames: [*a, *b, *c],
-                        edges: [*ab, *bc, *ca],
-                    });
-                }
+    for (&(a, b), ab) in edges.iter().filter(|((a, b), _)| a < b) {
+        // The frame with fewer neighbours is asked: one that all others are tied to would make this quadratic.
+        let fewer = if of(a).len() < of(b).len() { of(a) } else { of(b) };
+        for c in fewer.iter().copied().filter(|c| *c > b) {
+            let (Some(bc), Some(ca)) = (edges.get(&(b, c)), edges.get(&(c, a))) else {
+                continue;
+            };
+            if loops.len() == MAX_LOOPS {
+                return (loops, true);
             }
+            loops.push(Loop {
+                frames: [a, b, c],
+                edges: [*ab, *bc, *ca],
+            });
         }
     }
-    loops
+    (loops, false)
 }
 
 impl Loop<'_> {

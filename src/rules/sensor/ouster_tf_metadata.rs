@@ -22,6 +22,12 @@ pub struct Limits {
     max_known_deg: f64,
 }
 
+/// A place in the Sensor frame, millimetres, and who says it.
+type Known = (Vector3<f64>, String);
+
+/// Sensors whose metadata are asked: no platform has more.
+const MAX_SENSORS: usize = 64;
+
 /// A statement of where a part is in the Sensor frame.
 struct Part {
     of: OusterPart,
@@ -39,8 +45,18 @@ impl Rule for OusterTfMetadata {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         let parts: Vec<Part> = statements(world).into_iter().filter_map(Part::of).collect();
+        let stated = [OusterPart::Lidar, OusterPart::Imu].map(|of| {
+            let of_metadata = parts.iter().filter(|part| part.is_metadata && part.of == of);
+            let places = of_metadata.take(MAX_SENSORS).map(|part| part.place(world));
+            (of, places.collect::<Vec<Known>>())
+        });
         for part in &parts {
-            part.judge(world, &parts, limits, out);
+            let of_part = stated.iter().find(|(of, _)| *of == part.of);
+            // Metadata beside it say it exactly; of several sensors any may be meant.
+            let stated = of_part
+                .filter(|_| !part.is_metadata)
+                .map_or(&[][..], |(_, known)| known.as_slice());
+            part.judge(world, stated, limits, out);
         }
     }
 }
@@ -97,35 +113,32 @@ impl Part {
         }
     }
 
-    fn judge(&self, world: &World, parts: &[Self], limits: &Limits, out: &mut Judge) {
+    /// Where it is, for others to be held against.
+    fn place(&self, world: &World) -> Known {
+        let who = format!(
+            "{} in {}",
+            self.statement.label,
+            world.path(self.statement.place.source)
+        );
+        (self.pose.translation.vector * 1e3, who)
+    }
+
+    fn judge(&self, world: &World, stated: &[Known], limits: &Limits, out: &mut Judge) {
         let statement = &self.statement;
         let path = world.path(statement.place.source);
         let subject = format!(
             "`{}` from `{}` by {} in {path}",
             statement.target, statement.source_frame, statement.who
         );
-        // Metadata beside it say it exactly; of several sensors any may be meant.
-        let stated: Vec<&Self> = parts
-            .iter()
-            .filter(|other| !self.is_metadata && other.is_metadata && other.of == self.of)
-            .collect();
-        let known: Vec<(Vector3<f64>, String)> = if stated.is_empty() {
+        let of_models: Vec<Known>;
+        let known: &[Known] = if stated.is_empty() {
             let rows = ouster_places(self.of);
-            rows.map(|row| (Vector3::from(row.xyz_mm), row.models.clone()))
-                .collect()
+            of_models = rows
+                .map(|row| (Vector3::from(row.xyz_mm), row.models.clone()))
+                .collect();
+            &of_models
         } else {
-            let own = stated.iter().map(|other| {
-                let place = other.pose.translation.vector * 1e3;
-                (
-                    place,
-                    format!(
-                        "{} in {}",
-                        other.statement.label,
-                        world.path(other.statement.place.source)
-                    ),
-                )
-            });
-            own.collect()
+            stated
         };
         let turned_deg = self.turn().angle_to(&self.pose.rotation).to_degrees();
         let place_mm = self.pose.translation.vector * 1e3;
@@ -143,12 +156,12 @@ impl Part {
         if turned_deg <= limits.max_turn_deg && off_mm <= limits.max_off_mm {
             return out.pass(subject, measured);
         }
-        let (relation, what) = self.fault(&known, turned_deg, off_mm, limits);
+        let (relation, what) = self.fault(known, turned_deg, off_mm, limits);
         let message = format!(
             "{subject}: {what}; known is x {:.3}, y {:.3}, z {:.3} mm{} ({who})",
-            known_place(&known, &place_mm).x,
-            known_place(&known, &place_mm).y,
-            known_place(&known, &place_mm).z,
+            known_place(known, &place_mm).x,
+            known_place(known, &place_mm).y,
+            known_place(known, &place_mm).z,
             match self.of {
                 OusterPart::Lidar => ", turned by 180 deg about z",
                 OusterPart::Imu => ", not turned",
@@ -170,13 +183,7 @@ impl Part {
     }
 
     /// What is wrong, and its name.
-    fn fault(
-        &self,
-        known: &[(Vector3<f64>, String)],
-        turned_deg: f64,
-        off_mm: f64,
-        limits: &Limits,
-    ) -> (&'static str, String) {
+    fn fault(&self, known: &[Known], turned_deg: f64, off_mm: f64, limits: &Limits) -> (&'static str, String) {
         let is_place = |mm: Vector3<f64>| known.iter().any(|(place, _)| (place - mm).norm() <= limits.max_off_mm);
         let inverse = self.pose.inverse();
         let is_turned = turned_deg > limits.max_turn_deg;
@@ -203,8 +210,8 @@ impl Part {
     }
 }
 
-fn known_place(known: &[(Vector3<f64>, String)], place_mm: &Vector3<f64>) -> Vector3<f64> {
-    let off = |(place, _): &&(Vector3<f64>, String)| (place - place_mm).norm();
+fn known_place(known: &[Known], place_mm: &Vector3<f64>) -> Vector3<f64> {
+    let off = |(place, _): &&Known| (place - place_mm).norm();
     let nearest = known.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
     nearest.map_or_else(Vector3::zeros, |(place, _)| *place)
 }
