@@ -2,7 +2,7 @@
 
 use crate::rules::names;
 use crate::source::Place;
-use crate::tables::{self, CloudDriver};
+use crate::tables::CloudDriver;
 use crate::world::bag::TopicEvidence;
 use crate::world::cloud::{CloudEvidence, CloudSample, PointTimes};
 use crate::world::{BagEvidence, FrameId, World};
@@ -58,13 +58,13 @@ pub(crate) struct Clouds<'w> {
     pub(crate) topic: &'w TopicEvidence,
     pub(crate) evidence: &'w CloudEvidence,
     /// The driver that its fields tell.
-    pub(crate) driver: Option<&'static CloudDriver>,
+    pub(crate) driver: Option<&'w CloudDriver>,
 }
 
 impl<'w> Clouds<'w> {
     /// Those of a world that have points with x, y and z.
     pub(crate) fn all(world: &'w World) -> impl Iterator<Item = Self> {
-        world.bags.iter().enumerate().flat_map(|(index, bag)| {
+        world.bags.iter().enumerate().flat_map(move |(index, bag)| {
             bag.topics.values().filter_map(move |topic| {
                 let evidence = topic.content.clouds.as_ref()?;
                 let layout = evidence.layouts.first()?;
@@ -78,7 +78,7 @@ impl<'w> Clouds<'w> {
                     index,
                     topic,
                     evidence,
-                    driver: tables::cloud_driver(fields.map(|field| (field.name.as_str(), field.datatype.as_str()))),
+                    driver: world.tables.cloud_driver(fields.map(|field| (field.name.as_str(), field.datatype.as_str()))),
                 })
             })
         })

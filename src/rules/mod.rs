@@ -20,6 +20,7 @@ pub mod name;
 mod names;
 mod near;
 mod optical;
+mod ouster;
 mod pairs;
 mod places;
 pub mod prec;

@@ -1,6 +1,7 @@
 //! Clouds of one topic.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use crate::read::messages::cloud::{Cloud, Column, Datatype};
 use crate::source::MessageRef;
@@ -45,6 +46,8 @@ struct Sampled {
 /// Takes in clouds in recording order.
 pub(super) struct Clouds {
     share: Share,
+    /// Names of times that the user adds, which go before those that are known.
+    time_fields: Arc<[String]>,
     count: u64,
     layouts: Vec<(Point, u64, Vec<PointField>, bool)>,
     others: u64,
@@ -58,9 +61,10 @@ pub(super) struct Clouds {
 }
 
 impl Clouds {
-    pub(super) fn new(share: Share) -> Self {
+    pub(super) fn new(share: Share, time_fields: Arc<[String]>) -> Self {
         Self {
             share,
+            time_fields,
             count: 0,
             layouts: Vec::new(),
             others: 0,
@@ -102,7 +106,7 @@ impl Clouds {
                 return;
             }
         }
-        let Some(sample) = sampled(cloud, points) else { return };
+        let Some(sample) = sampled(cloud, points, &self.time_fields) else { return };
         if self.farthest.is_none_or(|(_, farthest)| sample.farthest > farthest) {
             self.farthest = Some((point, sample.farthest));
         }
@@ -206,9 +210,10 @@ fn prime(from: u32) -> u32 {
 }
 
 /// What is kept of a cloud; `None` where its points have no coordinates.
-fn sampled(cloud: &Cloud<'_>, most: usize) -> Option<Sampled> {
+fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<Sampled> {
     let axes: [Column; 3] = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
-    let time = TIMES.iter().find_map(|name| Some((*name, cloud.column(name)?)));
+    let mut names = time_fields.iter().map(String::as_str).chain(TIMES.iter().copied());
+    let time = names.find_map(|name| Some((name, cloud.column(name)?)));
     let (row_step, column_step) = strides(cloud, most);
     let (mut points, mut times) = (Vec::new(), Vec::new());
     let (mut looked_at, mut farthest) = (0, 0.0_f64);

@@ -128,8 +128,8 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
 fn told<'w>(clouds: &Clouds, sample: &'w CloudSample, times: &PointTimes, limits: &Limits) -> Option<Told<'w>> {
     let (unit_s, _) = clouds.unit(times)?;
     let (period_s, stamp_ns) = (clouds.period_s()?, sample.at.stamp_ns?);
-    let is_absolute = match clouds.driver {
-        Some(driver) => driver.time.counts_from == CountsFrom::Epoch,
+    let is_absolute = match clouds.driver.and_then(|driver| driver.time.as_ref()) {
+        Some(time) => time.counts_from == CountsFrom::Epoch,
         None => times.range[0] * unit_s >= limits.epoch_s,
     };
     let origin_s = match times.timebase_ns {
