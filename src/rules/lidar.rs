@@ -1,8 +1,9 @@
 //! The clouds of a world, each with what its fields say of the sensor. Must not judge.
 
-use crate::rules::names;
+use crate::rules::{Judge, names};
 use crate::source::Place;
-use crate::tables::CloudDriver;
+use crate::tables::{CloudDriver, Lidar};
+use crate::verdict::NotEvaluated;
 use crate::world::bag::TopicEvidence;
 use crate::world::cloud::{CloudEvidence, CloudSample, PointTimes};
 use crate::world::{BagEvidence, FrameId, World};
@@ -82,6 +83,25 @@ impl<'w> Clouds<'w> {
                 })
             })
         })
+    }
+
+    /// Says of recordings that hold packets of lidars, and no clouds of theirs, that those are not read.
+    pub(crate) fn say_packets(world: &World, of: &str, out: &mut Judge) {
+        for (index, bag) in world.bags.iter().enumerate() {
+            if Self::all(world).any(|clouds| clouds.index == index) {
+                continue;
+            }
+            for topic in bag.topics.values().filter(|topic| topic.count > 0) {
+                let plain = topic.message_type.replace("/msg/", "/");
+                let is_it = |lidar: &&Lidar| lidar.packets.contains(&plain);
+                let Some(lidar) = world.tables.lidars().find(is_it) else { continue };
+                let why = format!(
+                    "`{}` holds packets of {}, which are not read: record the clouds of its driver as well",
+                    topic.topic, lidar.name
+                );
+                out.not_evaluated(format!("{of} of topic `{}`", topic.topic), NotEvaluated::MissingInput, why);
+            }
+        }
     }
 
     /// What reports call it.

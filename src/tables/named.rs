@@ -140,6 +140,9 @@ pub struct Lidar {
     /// Keys under which a configuration of its driver holds a transform that the driver itself applies to every point.
     #[serde(default)]
     pub transform_keys: Vec<String>,
+    /// Whether it does so only where that is switched on.
+    #[serde(default)]
+    pub transform_by_setting: bool,
     /// Message types of packets that hold its points unread.
     #[serde(default)]
     pub packets: Vec<String>,
@@ -149,6 +152,13 @@ pub struct Lidar {
     /// Where it is written.
     #[serde(default)]
     pub source: String,
+}
+
+impl Lidar {
+    /// Whether one of these lower-case words names it.
+    pub fn is_named_by(&self, words: &[String]) -> bool {
+        words.iter().any(|word| self.words.contains(word))
+    }
 }
 
 /// The axis that points forward, in axes with z up.

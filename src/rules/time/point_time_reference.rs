@@ -57,6 +57,7 @@ impl Rule for PointTimeReference {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets(world, "times of the points", out);
         for clouds in Clouds::all(world).filter(|clouds| clouds.timed().next().is_some()) {
             judge_clouds(&clouds, limits, out);
         }
