@@ -10,7 +10,7 @@ use serde::Deserialize;
 use serde::de::DeserializeOwned;
 
 /// What a row must be beyond its types.
-pub(super) trait Row: DeserializeOwned {
+pub trait Row: DeserializeOwned {
     /// Where it is written; a user's row need not say it, and gets its own place.
     fn source_mut(&mut self) -> &mut String;
 
