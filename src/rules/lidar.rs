@@ -88,7 +88,7 @@ impl<'w> Clouds<'w> {
     /// Says of recordings that hold packets of lidars, and no clouds of theirs, that those are not read.
     pub(crate) fn say_packets(world: &World, of: &str, out: &mut Judge) {
         for (index, bag) in world.bags.iter().enumerate() {
-            if Self::all(world).any(|clouds| clouds.index == index) {
+            if Clouds::all(world).any(|clouds| clouds.index == index) {
                 continue;
             }
             for topic in bag.topics.values().filter(|topic| topic.count > 0) {

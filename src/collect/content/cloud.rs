@@ -306,4 +306,33 @@ mod tests {
         assert_eq!(strides(&cloud(1, 4096), 4096), (1, 1));
         assert_eq!(strides(&cloud(128, 2048), 4096), (2, 32));
     }
+
+    #[test]
+    fn times_stand_in_the_users_fields_first() {
+        use crate::read::messages::cloud::Field;
+        let field = |(index, name): (u32, &'static str)| Field {
+            name: name.into(),
+            offset: 4 * index,
+            datatype: 7,
+            count: 1,
+        };
+        let fields = (0..).zip(["x", "y", "z", "t", "dt"]).map(field).collect();
+        let data: Vec<u8> = [1.0_f32, 2.0, 3.0, 4.0, 5.0].map(f32::to_le_bytes).concat();
+        let cloud = Cloud {
+            height: 1,
+            width: 1,
+            fields,
+            is_bigendian: false,
+            point_step: 20,
+            row_step: 20,
+            data: &data,
+            timebase_ns: None,
+        };
+        let times = |own: &[String]| {
+            let times = sampled(&cloud, 10, own).and_then(|sample| sample.times);
+            times.map(|times| (times.field, times.range[0]))
+        };
+        assert_eq!(times(&[]), Some(("t".to_owned(), 4.0)));
+        assert_eq!(times(&["dt".to_owned()]), Some(("dt".to_owned(), 5.0)));
+    }
 }
