@@ -87,13 +87,20 @@ impl<'w> Clouds<'w> {
 
     /// Says of recordings that hold packets of lidars, and no clouds of theirs, that those are not read.
     pub(crate) fn say_packets(world: &World, of: &str, out: &mut Judge) {
+        Self::say_packets_of(world, of, |_| true, out);
+    }
+
+    /// The same of certain lidars only.
+    pub(crate) fn say_packets_of(world: &World, of: &str, is_wanted: impl Fn(&Lidar) -> bool, out: &mut Judge) {
         for (index, bag) in world.bags.iter().enumerate() {
             if Clouds::all(world).any(|clouds| clouds.index == index) {
                 continue;
             }
-            for topic in bag.topics.values().filter(|topic| topic.count > 0) {
+            // One type may carry what the beams measured and what the inertial sensor did.
+            let may_be = |topic: &&TopicEvidence| topic.count > 0 && !topic.words().iter().any(|word| word == "imu");
+            for topic in bag.topics.values().filter(may_be) {
                 let plain = topic.message_type.replace("/msg/", "/");
-                let is_it = |lidar: &&Lidar| lidar.packets.contains(&plain);
+                let is_it = |lidar: &&Lidar| lidar.packets.contains(&plain) && is_wanted(lidar);
                 let Some(lidar) = world.tables.lidars().find(is_it) else { continue };
                 let why = format!(
                     "`{}` holds packets of {}, which are not read: record the clouds of its driver as well",

@@ -1,5 +1,7 @@
 //! SENSOR10: calibrations, transforms and data against the conventions of the dataset that the user says they are of.
 
+use std::path::Path;
+
 use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
 
@@ -7,7 +9,7 @@ use crate::rules::cross::statements::{Statement, statements};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::tables::{Axes, Dataset, DatasetFrame};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::{NamedDataset, World};
+use crate::world::{FrameId, NamedDataset, World};
 
 use super::{dataset_data, dataset_records};
 
@@ -37,7 +39,8 @@ impl Rule for DatasetProfile {
         };
         let mut count = 0;
         for statement in statements(world) {
-            let frames = [&statement.target, &statement.source_frame].map(|frame| dataset.row.frame(frame.as_str()));
+            let path = world.path(statement.place.source);
+            let frames = [&statement.target, &statement.source_frame].map(|frame| known(&dataset.row, frame, path));
             if let [Some(target), Some(source)] = frames
                 && statement.has_rotation
             {
@@ -55,6 +58,23 @@ impl Rule for DatasetProfile {
             out.not_evaluated("dataset", NotEvaluated::MissingInput, why);
         }
     }
+}
+
+/// What is known of a frame. `S` is the sensor whose file it is, as in EuRoC's `cam0/sensor.yaml`.
+fn known<'d>(dataset: &'d Dataset, frame: &FrameId, path: &str) -> Option<&'d DatasetFrame> {
+    let name = frame.as_str().to_lowercase();
+    if name != "s" {
+        return dataset.frame(&name);
+    }
+    let path = Path::new(path);
+    let folder = path.parent().and_then(Path::file_name);
+    let places = [folder, path.file_stem()].into_iter().flatten();
+    let mut names = places.flat_map(|place| {
+        let place = FrameId::new(place.to_string_lossy());
+        let whole = place.as_str().to_lowercase();
+        std::iter::once(whole).chain(place.tokens())
+    });
+    names.find_map(|name| dataset.frame(&name))
 }
 
 /// The axes as a rotation: columns are x, y and z in forward, left, up.

@@ -48,6 +48,10 @@ fn judge_record(
         Measured::new(format!("tilt against the nearest sensor of {}, read as {word}", row.name), off, "deg").limit(limits.max_off_deg),
         Measured::new("the same in the other order", other_off, "deg"),
     ];
+    if off <= limits.max_off_deg && other_off <= limits.max_off_deg {
+        let why = format!("it stands as a sensor of {} does in either order of its quaternion", row.name);
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
     if off <= limits.max_off_deg {
         return out.pass(subject, measured);
     }

@@ -48,7 +48,7 @@ impl Rule for ExtrinsicZ180Double {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        Clouds::say_packets(world, "half turns of the mounting", out);
+        Clouds::say_packets_of(world, "half turns of the mounting", |lidar| lidar.name == "Ouster", out);
         for clouds in Clouds::all(world).filter(|clouds| ouster::is_of_an_ouster(world, clouds)) {
             let subject = clouds.subject("half turns of the mounting");
             match look(world, &clouds, limits) {

@@ -29,7 +29,7 @@ impl Rule for NativeYForward {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        Clouds::say_packets(world, "axes", out);
+        Clouds::say_packets_of(world, "axes", has_two_ways, out);
         for clouds in Clouds::all(world) {
             judge_clouds(world, &clouds, limits, out);
         }

@@ -20,7 +20,7 @@ pub(super) fn judge(world: &World, parts: &[Part<'_>], limits: &Limits, out: &mu
 fn judge_origin(world: &World, metadata: &OusterMetadata, parts: &[Part<'_>], limits: &Limits, out: &mut Judge) {
     let subject = format!("`lidar_origin_to_beam_origin_mm` in {}", world.path(metadata.place.source));
     let Some(stated) = &metadata.beam_origin_mm else {
-        let why = "firmware before 2.0 does not say how far from the axis its beams begin";
+        let why = "the metadata do not say how far from the axis the beams begin, as firmware before 2.0 does not";
         return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
     };
     let is_beside = |part: &&Part<'_>| {

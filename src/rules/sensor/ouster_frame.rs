@@ -40,7 +40,7 @@ impl Rule for OusterFrame {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        Clouds::say_packets(world, "frame of the cloud", out);
+        Clouds::say_packets_of(world, "frame of the cloud", |lidar| lidar.name == "Ouster", out);
         for clouds in Clouds::all(world).filter(|clouds| ouster::is_of_an_ouster(world, clouds)) {
             judge_clouds(world, &clouds, limits, out);
         }
