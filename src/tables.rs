@@ -67,7 +67,7 @@ impl Tables {
     ];
 
     /// Adds a row of the user's to a table; `origin` is where it stands.
-    pub fn add(&mut self, table: &str, row: serde_yaml::Value, origin: &str) -> Result<(), RowFault> {
+    pub fn add(&mut self, table: &str, row: &serde_yaml::Value, origin: &str) -> Result<(), RowFault> {
         match table {
             "lidar-clouds" => self.lidar_clouds.add(row, origin),
             "lidars" => self.lidars.add(row, origin),
@@ -359,7 +359,7 @@ mod tests {
             for row in rows {
                 let has = |key: &str| row.get(key).is_some();
                 assert!(has("source") && has("verified"), "{name}: {row:?}");
-                assert_eq!(tables.add(name, row.clone(), "here"), Ok(()), "{name}: {row:?}");
+                assert_eq!(tables.add(name, row, "here"), Ok(()), "{name}: {row:?}");
             }
         }
         assert_eq!(tables.lidar_clouds.own().len() * 2, tables.lidar_clouds.iter().count());
@@ -369,12 +369,12 @@ mod tests {
     fn the_users_rows_win() {
         let mut tables = Tables::default();
         let row = "{name: ours, fields: {time: float32, ring: uint16}, time: {field: time, unit_s: 1e-3, counts_from: header}}";
-        tables.add("lidar-clouds", serde_yaml::from_str(row).unwrap(), "ours.yaml:1").unwrap();
+        tables.add("lidar-clouds", &serde_yaml::from_str(row).unwrap(), "ours.yaml:1").unwrap();
         let fields = [("time", "float32"), ("ring", "uint16")];
         let driver = tables.cloud_driver(fields.into_iter()).unwrap();
         assert_eq!((driver.name.as_str(), driver.source.as_str(), driver.verified), ("ours", "ours.yaml:1", false));
         assert_eq!(tables.own_time_fields().collect::<Vec<_>>(), ["time"]);
-        assert!(tables.add("planets", serde_yaml::Value::Null, "").unwrap_err().message.contains("known tables"));
+        assert!(tables.add("planets", &serde_yaml::Value::Null, "").unwrap_err().message.contains("known tables"));
     }
 
     /// `leap-seconds.list` of NIST: seconds since 1900, and `TAI - UTC` from then on.

@@ -72,7 +72,7 @@ impl Reader<'_> {
                 return Err(self.error(item.span.start, "a row is expected here: keys with values"));
             }
             let line = self.lines.locate(self.text, item.span.start).line;
-            let added = tables.add(table, value(item), &format!("{}:{line}", self.path));
+            let added = tables.add(table, &value(item), &format!("{}:{line}", self.path));
             added.map_err(|fault| self.row_fault(table, item, &fault))?;
         }
         Ok(())

@@ -14,6 +14,7 @@ use crate::world::{FrameId, World};
 
 /// How points are put together.
 #[derive(Clone, Copy, Debug)]
+#[expect(clippy::struct_field_names, reason = "the unit belongs to the name")]
 pub(crate) struct Grid {
     /// Size of a cell, metres.
     pub(crate) cell_m: f64,

@@ -59,24 +59,33 @@ pub(crate) fn is_ouster(tokens: &[String]) -> bool {
     tokens.iter().any(names)
 }
 
-/// What a name means: the Sensor frame, or that of a part.
-fn meant(frame: &FrameId, is_metadata: bool) -> Option<Option<OusterPart>> {
+/// What a name means.
+#[derive(Clone, Copy)]
+enum Meant {
+    /// The Sensor frame.
+    Sensor,
+    /// That of a part.
+    Of(OusterPart),
+}
+
+/// What a frame's name means.
+fn meant(frame: &FrameId, is_metadata: bool) -> Option<Meant> {
     let tokens = frame.tokens();
     if !is_metadata && !is_ouster(&tokens) {
         return None;
     }
     match tokens.last().map(String::as_str)? {
-        "sensor" => Some(None),
-        "lidar" => Some(Some(OusterPart::Lidar)),
-        "imu" => Some(Some(OusterPart::Imu)),
-        "beam" if is_metadata => Some(Some(OusterPart::Beam)),
+        "sensor" => Some(Meant::Sensor),
+        "lidar" => Some(Meant::Of(OusterPart::Lidar)),
+        "imu" => Some(Meant::Of(OusterPart::Imu)),
+        "beam" if is_metadata => Some(Meant::Of(OusterPart::Beam)),
         _ => None,
     }
 }
 
 /// A statement of where a part is: in the Sensor frame, of a beam in the Lidar frame.
 pub(crate) struct Part<'w> {
-    pub(crate) part: OusterPart,
+    pub(crate) kind: OusterPart,
     /// `sensor_from_part`, or `lidar_from_beam`.
     pub(crate) pose: Isometry3<f64>,
     /// The metadata that it is part of.
@@ -98,14 +107,14 @@ impl<'w> Part<'w> {
         }
         let known = [&statement.target, &statement.source_frame].map(|name| meant(name, is_key));
         let (part, pose) = match known {
-            [Some(Some(OusterPart::Lidar)), Some(Some(OusterPart::Beam))] => (OusterPart::Beam, statement.pose),
-            [Some(None), Some(Some(part))] if part != OusterPart::Beam => (part, statement.pose),
-            [Some(Some(part)), Some(None)] if part != OusterPart::Beam => (part, statement.pose.inverse()),
+            [Some(Meant::Of(OusterPart::Lidar)), Some(Meant::Of(OusterPart::Beam))] => (OusterPart::Beam, statement.pose),
+            [Some(Meant::Sensor), Some(Meant::Of(part))] if part != OusterPart::Beam => (part, statement.pose),
+            [Some(Meant::Of(part)), Some(Meant::Sensor)] if part != OusterPart::Beam => (part, statement.pose.inverse()),
             _ => return None,
         };
         let metadata = is_key.then(|| metadata_in(world, statement.place.source)).flatten();
         Some(Self {
-            part,
+            kind: part,
             pose,
             metadata,
             statement,
@@ -114,7 +123,7 @@ impl<'w> Part<'w> {
 
     /// How it should be turned.
     pub(crate) fn turn(&self) -> UnitQuaternion<f64> {
-        match self.part {
+        match self.kind {
             OusterPart::Lidar => UnitQuaternion::from_axis_angle(&Vector3::z_axis(), PI),
             OusterPart::Imu | OusterPart::Beam => UnitQuaternion::identity(),
         }

@@ -44,8 +44,8 @@ impl<T: Row> Rows<T> {
     }
 
     /// Adds a row of the user's behind those that were added before it.
-    pub(super) fn add(&mut self, row: serde_yaml::Value, origin: &str) -> Result<(), RowFault> {
-        self.own.push(Arc::new(parsed(&row, origin)?));
+    pub(super) fn add(&mut self, row: &serde_yaml::Value, origin: &str) -> Result<(), RowFault> {
+        self.own.push(Arc::new(parsed(row, origin)?));
         Ok(())
     }
 }
@@ -182,7 +182,7 @@ mod tests {
     #[test]
     fn the_users_rows_come_first_and_say_where_they_stand() {
         let mut rows = Rows::<Sample>::read("rows: [{name: a, source: b}]");
-        rows.add(serde_yaml::from_str("{name: c, time: {unit_s: 1.0}}").unwrap(), "ours:1").unwrap();
+        rows.add(&serde_yaml::from_str("{name: c, time: {unit_s: 1.0}}").unwrap(), "ours:1").unwrap();
         let all: Vec<(&str, &str)> = rows.iter().map(|row| (row.name.as_str(), row.source.as_str())).collect();
         assert_eq!(all, [("c", "ours:1"), ("a", "b")]);
         assert!((rows.own()[0].time.as_ref().unwrap().unit_s - 1.0).abs() < 1e-12);

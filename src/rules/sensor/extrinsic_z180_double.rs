@@ -163,7 +163,7 @@ fn report(world: &World, clouds: &Clouds, subject: String, told: Told, limits: &
     let edges = lidar_turn::edges(world, &told.body, &told.lidar);
     let is_half = |edge: &&Edge| edge.pose.rotation.angle_to(&half_turn().rotation).to_degrees() <= limits.max_half_off_deg;
     let is_own = |edge: &&Edge| {
-        let axes = [&edge.parent, &edge.child].map(|frame| Axes::of(frame));
+        let axes = [&edge.parent, &edge.child].map(Axes::of);
         axes.iter().all(Option::is_some) && axes[0] != axes[1]
     };
     let own = edges.iter().filter(is_own).find(|edge| is_half(edge));

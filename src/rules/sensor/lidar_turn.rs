@@ -42,7 +42,7 @@ pub(super) fn axes(clouds: &Clouds) -> Option<Axes> {
 /// Pairs of the Sensor and the Lidar frame between which the half turn is missing.
 fn unturned(world: &World) -> Vec<(FrameId, FrameId)> {
     let is_unturned = |part: &Part<'_>| {
-        part.part == OusterPart::Lidar && part.metadata.is_none() && part.turn().angle_to(&part.pose.rotation) > 1.0
+        part.kind == OusterPart::Lidar && part.metadata.is_none() && part.turn().angle_to(&part.pose.rotation) > 1.0
     };
     let parts = Part::all(world).into_iter().filter(is_unturned);
     parts.map(|part| (part.statement.target, part.statement.source_frame)).collect()

@@ -24,18 +24,16 @@ fn judge_origin(world: &World, metadata: &OusterMetadata, parts: &[Part<'_>], li
         return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
     };
     let is_beside = |part: &&Part<'_>| {
-        part.part == OusterPart::Beam && part.statement.place.source == metadata.place.source
+        part.kind == OusterPart::Beam && part.statement.place.source == metadata.place.source
     };
-    let (known, relation): (Vec<(f64, String)>, _) = match parts.iter().find(is_beside) {
-        Some(part) => {
-            let x_mm = part.pose.translation.vector.x * 1e3;
-            (vec![(x_mm, "`beam_to_lidar_transform`".to_owned())], "beam-origin")
-        }
-        None => {
-            let rows = world.tables.ouster_places(OusterPart::Beam);
-            let rows = rows.filter(|row| row.may_be_of(metadata.product.as_deref(), metadata.image.as_deref()));
-            (rows.map(|row| (row.xyz_mm[0], row.models.clone())).collect(), "place")
-        }
+    let beside = parts.iter().find(is_beside);
+    let (known, relation): (Vec<(f64, String)>, _) = if let Some(part) = beside {
+        let x_mm = part.pose.translation.vector.x * 1e3;
+        (vec![(x_mm, "`beam_to_lidar_transform`".to_owned())], "beam-origin")
+    } else {
+        let rows = world.tables.ouster_places(OusterPart::Beam);
+        let rows = rows.filter(|row| row.may_be_of(metadata.product.as_deref(), metadata.image.as_deref()));
+        (rows.map(|row| (row.xyz_mm[0], row.models.clone())).collect(), "place")
     };
     let off = |known: &(f64, String)| (known.0 - stated.value).abs();
     let Some(nearest) = known.iter().min_by(|a, b| off(a).total_cmp(&off(b))) else {

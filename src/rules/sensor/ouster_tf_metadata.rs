@@ -21,7 +21,7 @@ pub struct Limits {
     max_off_mm: f64,
     pub(super) max_beam_mm: f64,
     max_turn_deg: f64,
-    max_known_deg: f64,
+    known_deg: f64,
 }
 
 impl Rule for OusterTfMetadata {
@@ -59,7 +59,7 @@ impl<'p, 'w> Statement<'p, 'w> {
     fn of(world: &World, part: &'p Part<'w>, parts: &[Part<'_>]) -> Self {
         let path = |of: &Part<'_>| world.path(of.statement.place.source).to_owned();
         // Metadata beside it say it exactly: those of its own recording, else of any sensor.
-        let is_beside = |other: &&Part<'_>| other.metadata.is_some() && other.part == part.part;
+        let is_beside = |other: &&Part<'_>| other.metadata.is_some() && other.kind == part.kind;
         let beside = || parts.iter().filter(|other| part.metadata.is_none() && is_beside(other));
         let own = || beside().filter(|other| path(other) == path(part));
         let stated: Vec<&Part<'_>> = if own().count() > 0 { own().collect() } else { beside().collect() };
@@ -70,7 +70,7 @@ impl<'p, 'w> Statement<'p, 'w> {
         let product = part.metadata.and_then(|metadata| metadata.product.as_deref());
         let image = part.metadata.and_then(|metadata| metadata.image.as_deref());
         let (known, others): (Vec<_>, Vec<_>) =
-            world.tables.ouster_places(part.part).partition(|row| row.may_be_of(product, image));
+            world.tables.ouster_places(part.kind).partition(|row| row.may_be_of(product, image));
         let row = |row: &crate::tables::OusterPlace| (Vector3::from(row.xyz_mm), row.models.clone());
         let is_stated = !stated.is_empty();
         Self {
@@ -121,7 +121,7 @@ impl<'p, 'w> Statement<'p, 'w> {
         let message = format!(
             "{}: {what}; known is x {x:.3}, y {y:.3}, z {z:.3} mm{} ({who})",
             self.subject,
-            match self.part.part {
+            match self.part.kind {
                 OusterPart::Lidar => ", turned by 180 deg about z",
                 OusterPart::Imu | OusterPart::Beam => ", not turned",
             }
@@ -141,7 +141,7 @@ impl<'p, 'w> Statement<'p, 'w> {
     }
 
     fn max_mm(&self, limits: &Limits) -> f64 {
-        match self.part.part {
+        match self.part.kind {
             OusterPart::Beam => limits.max_beam_mm,
             OusterPart::Lidar | OusterPart::Imu => limits.max_off_mm,
         }
@@ -162,8 +162,8 @@ impl<'p, 'w> Statement<'p, 'w> {
         if off_mm > max_mm && is_inverse {
             return ("inverse", "it is told the wrong way round".to_owned());
         }
-        let is_none = pose.rotation.angle().to_degrees() <= limits.max_known_deg;
-        if is_turned && self.part.part == OusterPart::Lidar && is_none {
+        let is_none = pose.rotation.angle().to_degrees() <= limits.known_deg;
+        if is_turned && self.part.kind == OusterPart::Lidar && is_none {
             let what = "it is not turned, where the Lidar frame is turned by half a turn: clouds come out behind the car";
             return ("identity", what.to_owned());
         }
