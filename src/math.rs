@@ -6,6 +6,7 @@
 pub mod axis_maps;
 pub mod circular;
 pub mod constants;
+pub mod crispness;
 pub mod distortion;
 pub mod earth_turns;
 pub mod effective;

@@ -128,3 +128,80 @@ fn two_configurations_in_one_call_are_refused() {
     assert_eq!(ran.code, 2);
     assert!(ran.err.contains("--config"), "{}", ran.err);
 }
+
+/// Metadata of an Ouster, firmware 2.x, shortened.
+const OUSTER: &str = r#"{"prod_line": "OS-1-64", "image_rev": "ousteros-image-prod-aries-v2.4.0", "lidar_to_sensor_transform": [-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 36.18, 0, 0, 0, 1]}"#;
+
+/// Rows of SENSOR02 with their outcome.
+fn of_the_ouster(ran: &Ran) -> Vec<String> {
+    let report = ran.report();
+    let rows = report["outcomes"].as_array().unwrap().iter();
+    let of = rows.filter(|row| row["rule"] == "SENSOR02");
+    of.map(|row| row["outcome"].as_str().unwrap().to_owned()).collect()
+}
+
+#[test]
+fn metadata_on_a_topic_of_a_ros_1_bag_are_a_source_of_statements() {
+    use support::rosbag1::{Connection, Layout, Rosbag1};
+    let written = |text: &str| {
+        let mut bag = Rosbag1::new(Layout::default());
+        let connection = bag.connection(&Connection {
+            topic: "/ouster/metadata",
+            message_type: "std_msgs/String",
+            definition: "string data\n",
+            latching: true,
+            ..Connection::default()
+        });
+        let length = u32::try_from(text.len()).unwrap().to_le_bytes();
+        bag.message(connection, 1_500_000_000_000_000_000, &[&length[..], text.as_bytes()].concat());
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("drive.bag"), bag.finish().bytes).unwrap();
+        folder
+    };
+    let whole = written(OUSTER);
+    let ran = check(whole.path(), &["drive.bag"]);
+    assert!(of_the_ouster(&ran).contains(&"pass".to_owned()), "{}", ran.text());
+    let report = ran.report();
+    assert_eq!(report["inputs"][1]["kind"], "sensor-metadata");
+    // Cut off, and no Ouster's: neither is a fault of the call, and the recording is judged.
+    for text in [&OUSTER[..OUSTER.len() - 20], "{\"prod_line\": ", "hello"] {
+        let other = written(text);
+        let ran = check(other.path(), &["drive.bag"]);
+        assert!(ran.code == 0 || ran.code == 3, "{} {}", ran.code, ran.text());
+        assert!(said(&ran).1.is_empty(), "{}", ran.text());
+    }
+}
+
+#[test]
+fn the_users_rows_tell_the_times_of_points_and_win() {
+    let drive = "\
+duration_s: 3
+drive: {vehicle: car, motion: turning, seed: 3}
+topics:
+  - {topic: /points, from_drive: lidar, rate_hz: 10, frame_id: lidar, xyz: [0, 0, 1.8], lidar: {beams: 8, columns: 64, driver: unknown}}
+";
+    let rows = "tables:\n  lidar-clouds:\n    - {name: Ours, fields: {time_offset: float32}, \
+                time: {field: time_offset, unit_s: 1.0e-3, counts_from: header}}\n";
+    let folder = tempfile::tempdir().unwrap();
+    support::write(drive, &folder.path().join("drive.mcap"));
+    let plain = check(folder.path(), &["drive.mcap"]);
+    assert!(!said(&plain).1.contains(&"TIME06".to_owned()), "{}", plain.text());
+    fs::write(folder.path().join("frames-lint.yaml"), rows).unwrap();
+    let ran = check(folder.path(), &["drive.mcap"]);
+    assert!(said(&ran).1.contains(&"TIME06".to_owned()), "{}", ran.text());
+    let text = ran.report().to_string();
+    assert!(text.contains("Ours"), "{text}");
+}
+
+#[test]
+fn a_fault_in_a_table_has_its_place_in_its_own_file() {
+    let folder = folder(Some("tables:\n  lidars: lidars.yaml\n"));
+    fs::write(
+        folder.path().join("lidars.yaml"),
+        "rows:\n  - name: Ours\n    words: [ours]\n    sensor: z\n    driver: x\n",
+    )
+    .unwrap();
+    let ran = check(folder.path(), &["data"]);
+    assert_eq!(ran.code, 2);
+    assert!(ran.err.contains("lidars.yaml:4:5: row of `lidars`: `sensor`: unknown variant `z`"), "{}", ran.err);
+}

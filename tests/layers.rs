@@ -12,7 +12,8 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
         ("math", &[] as &[&str]),
         ("source", &[]),
         ("tables", &[]),
-        ("world", &["source", "math"]),
+        // What is known of devices is part of a world, for the user may add to it.
+        ("world", &["source", "math", "tables"]),
         ("verdict", &["source"]),
         ("page", &["source", "verdict"]),
         ("read", &["source", "world", "math", "tables"]),
@@ -22,7 +23,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
         ("report", &["source", "world", "verdict", "page", "run"]),
         ("progress", &[]),
         // A fault in the configuration has a place, and the reader of documents knows places.
-        ("config", &["source", "world", "read"]),
+        ("config", &["source", "world", "read", "tables"]),
         (
             "engine",
             &[

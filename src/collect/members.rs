@@ -23,6 +23,7 @@ const LATER: usize = 16;
 /// The members of one topic.
 pub(super) struct Members {
     rank: usize,
+    time_fields: Arc<[String]>,
     known: BTreeMap<Arc<str>, Box<One>>,
     /// Those that found no room.
     pub(super) refused: u64,
@@ -38,9 +39,10 @@ struct One {
 
 impl Members {
     /// Those of the topic that came `rank`-th, from 0.
-    pub(super) fn new(rank: usize) -> Self {
+    pub(super) fn new(rank: usize, time_fields: Arc<[String]>) -> Self {
         Self {
             rank,
+            time_fields,
             known: BTreeMap::new(),
             refused: 0,
         }
@@ -72,7 +74,7 @@ impl Members {
                 first: point,
                 frames: Names::new(share),
                 children: Names::new(share),
-                contents: Contents::new(share, Room::of(rank)),
+                contents: Contents::new(share, Room::of(rank), Arc::clone(&self.time_fields)),
             };
             self.known.insert(Arc::clone(&member.field), Box::new(one));
         }

@@ -15,6 +15,12 @@ use crate::world::{FrameId, World};
 /// Longest step between two poses, seconds.
 const MAX_STEP_S: f64 = 0.6;
 
+/// Words of topics with poses that are worked out of scans: those agree with any mounting, for they were told by it.
+const BY_SCANS: [&str; 19] = [
+    "lio", "loam", "aloam", "floam", "lego", "icp", "gicp", "kiss", "ndt", "dlio", "dlo", "fastlio", "liosam", "lidarodom", "rtabmap",
+    "cartographer", "hdl", "glim", "slam",
+];
+
 /// A lidar whose motion is known twice.
 pub(crate) struct HandEye {
     /// The frame that the poses move.
@@ -73,12 +79,12 @@ impl HandEye {
             let why = "no ground shows that the plane of its x and y is level".to_owned();
             return Err((NotEvaluated::TooLittleEvidence, why));
         }
-        let poses = motion.bags.get(clouds.index).map_or(&[][..], |bag| &bag.poses);
-        let tied = poses.iter().filter(|poses| poses.is_way()).filter_map(|poses| {
-            let body = poses.child.clone()?;
-            let (told, _) = world.graph().chain(&body, &lidar, |edge| edge.is_rigid)?;
-            Some((poses, body, told))
-        });
+        let tied = tied(world, &motion, clouds, &lidar);
+        if !tied.is_empty() && tied.iter().all(|(poses, ..)| is_by_scans(poses)) {
+            let why = "the poses are worked out of scans of a lidar, and agree with whatever mounting they were told by";
+            return Err(missing(why));
+        }
+        let tied = tied.into_iter().filter(|(poses, ..)| !is_by_scans(poses));
         let moved = pick(steps);
         let of = |(poses, body, told): (&Stream<PoseRow>, FrameId, Isometry3<f64>)| Self {
             pairs: pairs(&moved, poses),
@@ -96,6 +102,31 @@ impl HandEye {
         });
         best.ok_or_else(no_poses)
     }
+}
+
+/// Poses of a frame that is tied to the lidar: `body_from_lidar`, as the transforms say.
+pub(crate) fn tied<'m>(
+    world: &World,
+    motion: &'m Motion,
+    clouds: &Clouds,
+    lidar: &FrameId,
+) -> Vec<(&'m Stream<PoseRow>, FrameId, Isometry3<f64>)> {
+    let poses = motion.bags.get(clouds.index).map_or(&[][..], |bag| &bag.poses);
+    let tied = poses.iter().filter(|poses| poses.is_way()).filter_map(|poses| {
+        let body = poses.child.clone()?;
+        let (told, _) = world.graph().chain(&body, lidar, |edge| edge.is_rigid)?;
+        Some((poses, body, told))
+    });
+    tied.collect()
+}
+
+/// Whether poses are worked out of scans, by the words of their topic.
+pub(crate) fn is_by_scans(poses: &Stream<PoseRow>) -> bool {
+    let topic = poses.topic.to_lowercase();
+    let words: Vec<&str> = topic.split(|letter: char| !letter.is_alphanumeric()).collect();
+    let is_lidar_odometry = words.iter().any(|word| matches!(*word, "lidar" | "laser"))
+        && words.iter().any(|word| matches!(*word, "odom" | "odometry"));
+    is_lidar_odometry || words.iter().any(|word| BY_SCANS.contains(word))
 }
 
 /// The motions of both between the clouds that were matched.
@@ -116,7 +147,7 @@ fn pairs(moved: &[Moved], poses: &Stream<PoseRow>) -> Vec<Pair> {
     moved.iter().filter_map(pair).collect()
 }
 
-fn pose_at(turned: &Turned, place: &Vector3<f64>, t_s: f64) -> Option<Isometry3<f64>> {
+pub(crate) fn pose_at(turned: &Turned, place: &Vector3<f64>, t_s: f64) -> Option<Isometry3<f64>> {
     let rotation: UnitQuaternion<f64> = turned.at(t_s, MAX_STEP_S)?;
     Some(Isometry3::from_parts(Translation3::from(*place), rotation))
 }

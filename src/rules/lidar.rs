@@ -1,8 +1,9 @@
 //! The clouds of a world, each with what its fields say of the sensor. Must not judge.
 
-use crate::rules::names;
+use crate::rules::{Judge, names};
 use crate::source::Place;
-use crate::tables::{self, CloudDriver};
+use crate::tables::{CloudDriver, Lidar};
+use crate::verdict::NotEvaluated;
 use crate::world::bag::TopicEvidence;
 use crate::world::cloud::{CloudEvidence, CloudSample, PointTimes};
 use crate::world::{BagEvidence, FrameId, World};
@@ -61,13 +62,13 @@ pub(crate) struct Clouds<'w> {
     pub(crate) topic: &'w TopicEvidence,
     pub(crate) evidence: &'w CloudEvidence,
     /// The driver that its fields tell.
-    pub(crate) driver: Option<&'static CloudDriver>,
+    pub(crate) driver: Option<&'w CloudDriver>,
 }
 
 impl<'w> Clouds<'w> {
     /// Those of a world that have points with x, y and z.
     pub(crate) fn all(world: &'w World) -> impl Iterator<Item = Self> {
-        world.bags.iter().enumerate().flat_map(|(index, bag)| {
+        world.bags.iter().enumerate().flat_map(move |(index, bag)| {
             bag.topics.values().filter_map(move |topic| {
                 let evidence = topic.content.clouds.as_ref()?;
                 let layout = evidence.layouts.first()?;
@@ -81,10 +82,36 @@ impl<'w> Clouds<'w> {
                     index,
                     topic,
                     evidence,
-                    driver: tables::cloud_driver(fields.map(|field| (field.name.as_str(), field.datatype.as_str()))),
+                    driver: world.tables.cloud_driver(fields.map(|field| (field.name.as_str(), field.datatype.as_str()))),
                 })
             })
         })
+    }
+
+    /// Says of recordings that hold packets of lidars, and no clouds of theirs, that those are not read.
+    pub(crate) fn say_packets(world: &World, of: &str, out: &mut Judge) {
+        Self::say_packets_of(world, of, |_| true, out);
+    }
+
+    /// The same of certain lidars only.
+    pub(crate) fn say_packets_of(world: &World, of: &str, is_wanted: impl Fn(&Lidar) -> bool, out: &mut Judge) {
+        for (index, bag) in world.bags.iter().enumerate() {
+            if Clouds::all(world).any(|clouds| clouds.index == index) {
+                continue;
+            }
+            // One type may carry what the beams measured and what the inertial sensor did.
+            let may_be = |topic: &&TopicEvidence| topic.count > 0 && !topic.words().iter().any(|word| word == "imu");
+            for topic in bag.topics.values().filter(may_be) {
+                let plain = topic.message_type.replace("/msg/", "/");
+                let is_it = |lidar: &&Lidar| lidar.packets.contains(&plain) && is_wanted(lidar);
+                let Some(lidar) = world.tables.lidars().find(is_it) else { continue };
+                let why = format!(
+                    "`{}` holds packets of {}, which are not read: record the clouds of its driver as well",
+                    topic.topic, lidar.name
+                );
+                out.not_evaluated(format!("{of} of topic `{}`", topic.topic), NotEvaluated::MissingInput, why);
+            }
+        }
     }
 
     /// What reports call it.

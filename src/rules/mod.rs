@@ -13,6 +13,7 @@ pub mod geo;
 mod ground;
 mod hand_eye;
 mod judge;
+mod landmarks;
 mod lidar;
 mod literal;
 mod motion;
@@ -20,6 +21,7 @@ pub mod name;
 mod names;
 mod near;
 mod optical;
+mod ouster;
 mod pairs;
 mod places;
 pub mod prec;
@@ -215,11 +217,14 @@ pub static RULES: &[Entry] = &[
     entry::<time::leap_table_expiry::LeapTableExpiry>(),
     entry::<sensor::ouster_frame::OusterFrame>(),
     entry::<sensor::ouster_tf_metadata::OusterTfMetadata>(),
+    entry::<sensor::extrinsic_z180_double::ExtrinsicZ180Double>(),
+    entry::<sensor::native_y_forward::NativeYForward>(),
     entry::<sensor::imu_shares_lidar_frame::ImuSharesLidarFrame>(),
     entry::<sensor::ins_profile::InsProfile>(),
     entry::<sensor::mavros_frames::MavrosFrames>(),
     entry::<sensor::compass_in_quaternion::CompassInQuaternion>(),
     entry::<sensor::left_handed_simulator::LeftHandedSimulator>(),
+    entry::<sensor::dataset_profile::DatasetProfile>(),
     entry::<camera::optical_rotation::OpticalRotation>(),
     entry::<camera::camera_info_k_size::CameraInfoKSize>(),
     entry::<camera::camera_info_distortion::CameraInfoDistortion>(),

@@ -33,7 +33,7 @@ pub(crate) struct Moment {
 }
 
 impl Moment {
-    fn of(slice: &CloudSlice, start_ns: i64) -> Self {
+    pub(crate) fn of(slice: &CloudSlice, start_ns: i64) -> Self {
         let seconds = |ns: i64| ns.saturating_sub(start_ns) as f64 * 1e-9;
         Self {
             stamp_s: slice.stamp_ns.map(seconds),

@@ -16,6 +16,7 @@ pub mod graph;
 pub mod motion;
 pub mod number;
 pub mod origin;
+pub mod ouster;
 pub mod qos;
 pub mod reference;
 pub mod robot;
@@ -28,6 +29,7 @@ use std::sync::{Arc, OnceLock};
 use serde::{Deserialize, Serialize};
 
 use crate::source::{At, Place, Source, SourceId};
+use crate::tables::{Dataset, Tables};
 
 use derived::Derived;
 
@@ -38,6 +40,7 @@ pub use conventions::{Conventions, Declared};
 pub use frame::{FrameId, FrameRole, FrameUse};
 pub use graph::FrameGraph;
 pub use origin::EarthOrigin;
+pub use ouster::OusterMetadata;
 pub use reference::{FileReference, ReferenceState};
 pub use robot::Robot;
 
@@ -69,6 +72,15 @@ pub struct World {
     /// Where files say that the origin of a local frame lies on the Earth.
     #[serde(default)]
     pub origins: Vec<EarthOrigin>,
+    /// What the metadata of Ouster sensors say.
+    #[serde(default)]
+    pub ousters: Vec<OusterMetadata>,
+    /// What is known of devices, drivers and datasets, the user's own rows among it.
+    #[serde(skip)]
+    pub tables: Arc<Tables>,
+    /// The dataset that the user says this is.
+    #[serde(skip)]
+    pub dataset: Option<NamedDataset>,
     #[serde(skip)]
     graph: OnceLock<FrameGraph>,
     #[serde(skip)]
@@ -92,6 +104,17 @@ pub struct Facts {
     pub references: Vec<FileReference>,
     /// Where a file says that the origin of a local frame lies on the Earth.
     pub origins: Vec<EarthOrigin>,
+    /// What the metadata of Ouster sensors say.
+    pub ousters: Vec<OusterMetadata>,
+}
+
+/// A dataset that the configuration names.
+#[derive(Clone, Debug)]
+pub struct NamedDataset {
+    /// What is known of it.
+    pub row: Arc<Dataset>,
+    /// Where it is named.
+    pub place: Option<Place>,
 }
 
 impl World {
@@ -136,6 +159,7 @@ impl World {
         self.chains.extend(facts.chains);
         self.references.extend(facts.references);
         self.origins.extend(facts.origins);
+        self.ousters.extend(facts.ousters);
         self.graph = OnceLock::new();
         self.derived = Derived::default();
     }

@@ -1,6 +1,7 @@
 //! Clouds of one topic.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use crate::read::messages::cloud::{Cloud, Column, Datatype};
 use crate::source::MessageRef;
@@ -45,6 +46,8 @@ struct Sampled {
 /// Takes in clouds in recording order.
 pub(super) struct Clouds {
     share: Share,
+    /// Names of times that the user adds, which go before those that are known.
+    time_fields: Arc<[String]>,
     count: u64,
     layouts: Vec<(Point, u64, Vec<PointField>, bool)>,
     others: u64,
@@ -58,9 +61,10 @@ pub(super) struct Clouds {
 }
 
 impl Clouds {
-    pub(super) fn new(share: Share) -> Self {
+    pub(super) fn new(share: Share, time_fields: Arc<[String]>) -> Self {
         Self {
             share,
+            time_fields,
             count: 0,
             layouts: Vec::new(),
             others: 0,
@@ -102,7 +106,7 @@ impl Clouds {
                 return;
             }
         }
-        let Some(sample) = sampled(cloud, points) else { return };
+        let Some(sample) = sampled(cloud, points, &self.time_fields) else { return };
         if self.farthest.is_none_or(|(_, farthest)| sample.farthest > farthest) {
             self.farthest = Some((point, sample.farthest));
         }
@@ -206,9 +210,10 @@ fn prime(from: u32) -> u32 {
 }
 
 /// What is kept of a cloud; `None` where its points have no coordinates.
-fn sampled(cloud: &Cloud<'_>, most: usize) -> Option<Sampled> {
+fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<Sampled> {
     let axes: [Column; 3] = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
-    let time = TIMES.iter().find_map(|name| Some((*name, cloud.column(name)?)));
+    let mut names = time_fields.iter().map(String::as_str).chain(TIMES.iter().copied());
+    let time = names.find_map(|name| Some((name, cloud.column(name)?)));
     let (row_step, column_step) = strides(cloud, most);
     let (mut points, mut times) = (Vec::new(), Vec::new());
     let (mut looked_at, mut farthest) = (0, 0.0_f64);
@@ -427,5 +432,34 @@ mod tests {
         // Some write a cloud that is not organised as one column.
         assert_eq!(strides(&cloud(262_144, 1), 4096), (67, 1));
         assert_eq!(strides(&cloud(0, 0), 4096), (1, 1));
+    }
+
+    #[test]
+    fn times_stand_in_the_users_fields_first() {
+        use crate::read::messages::cloud::Field;
+        let field = |(index, name): (u32, &'static str)| Field {
+            name: name.into(),
+            offset: 4 * index,
+            datatype: 7,
+            count: 1,
+        };
+        let fields = (0..).zip(["x", "y", "z", "t", "dt"]).map(field).collect();
+        let data: Vec<u8> = [1.0_f32, 2.0, 3.0, 4.0, 5.0].map(f32::to_le_bytes).concat();
+        let cloud = Cloud {
+            height: 1,
+            width: 1,
+            fields,
+            is_bigendian: false,
+            point_step: 20,
+            row_step: 20,
+            data: &data,
+            timebase_ns: None,
+        };
+        let times = |own: &[String]| {
+            let times = sampled(&cloud, 10, own).and_then(|sample| sample.times);
+            times.map(|times| (times.field, times.range[0]))
+        };
+        assert_eq!(times(&[]), Some(("t".to_owned(), 4.0)));
+        assert_eq!(times(&["dt".to_owned()]), Some(("dt".to_owned(), 5.0)));
     }
 }

@@ -12,6 +12,7 @@ mod slices;
 pub(super) mod steps;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::read::messages::content::{Body, Fix, Imu, Odometry, Pose, Twist};
 use crate::world::content::{ContentEvidence, CovarianceEvidence};
@@ -34,6 +35,8 @@ type Three = Covariances<3, 9>;
 /// What one topic says; nothing is set aside for what it does not.
 pub(super) struct Contents {
     share: Share,
+    /// Fields in which points have their times, beside those that are known.
+    time_fields: Arc<[String]>,
     fixes: Option<Box<Fixes>>,
     imu: Option<Box<Inertial>>,
     odometry: Option<Box<Odometries>>,
@@ -46,9 +49,10 @@ pub(super) struct Contents {
 }
 
 impl Contents {
-    pub(super) fn new(share: Share, room: Room) -> Self {
+    pub(super) fn new(share: Share, room: Room, time_fields: Arc<[String]>) -> Self {
         Self {
             share,
+            time_fields,
             fixes: None,
             imu: None,
             odometry: None,
@@ -98,13 +102,14 @@ impl Contents {
             Body::Cloud(cloud) => {
                 let share = self.share;
                 self.clouds
-                    .get_or_insert_with(|| Box::new(Clouds::new(share)))
+                    .get_or_insert_with(|| Box::new(Clouds::new(share, Arc::clone(&self.time_fields))))
                     .push(point, cloud);
             }
             Body::Nothing
             | Body::ChildFrame(_)
             | Body::Transforms(_)
             | Body::Description(_)
+            | Body::Metadata(_)
             | Body::Frames(_)
             | Body::Clock(_) => {}
         }

@@ -246,3 +246,64 @@ pub(super) fn livox<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError
         timebase_ns: Some(timebase_ns),
     })))
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::panic)]
+    use super::super::decoder::{Decoder, Format};
+    use super::super::definition::Definitions;
+    use super::*;
+
+    /// Two points of a Livox, as `ros1` or `cdr` has them: offset_time, x, y, z, reflectivity, tag, line.
+    fn custom_msg(encoding: &str) -> Vec<u8> {
+        let is_cdr = encoding == "cdr";
+        let mut bytes: Vec<u8> = Vec::new();
+        let align = |bytes: &mut Vec<u8>, to: usize| {
+            while is_cdr && !bytes.len().is_multiple_of(to) {
+                bytes.push(0);
+            }
+        };
+        if !is_cdr {
+            bytes.extend(7_u32.to_le_bytes());
+        }
+        bytes.extend([5_u32, 6].map(u32::to_le_bytes).concat());
+        let frame: &[u8] = if is_cdr { b"livox\0" } else { b"livox" };
+        bytes.extend(u32::try_from(frame.len()).unwrap().to_le_bytes());
+        bytes.extend(frame);
+        align(&mut bytes, 8);
+        bytes.extend(5_000_000_006_u64.to_le_bytes());
+        bytes.extend(2_u32.to_le_bytes());
+        bytes.extend([1, 0, 0, 0]);
+        bytes.extend(2_u32.to_le_bytes());
+        for point in 0_u8..2 {
+            align(&mut bytes, 4);
+            bytes.extend((u32::from(point) * 1000).to_le_bytes());
+            bytes.extend([1.5_f32, -2.0, f32::from(point)].map(f32::to_le_bytes).concat());
+            bytes.extend([9, 16, point]);
+        }
+        let head: &[u8] = if is_cdr { &[0, 1, 0, 0] } else { &[] };
+        [head, &bytes].concat()
+    }
+
+    #[test]
+    fn the_points_of_a_livox_have_their_own_times() {
+        for (encoding, message_type) in [("ros1", "livox_ros_driver/CustomMsg"), ("cdr", "livox_ros_driver2/msg/CustomMsg")] {
+            let format = Format {
+                topic: "/livox/lidar",
+                message_type,
+                message_encoding: encoding,
+                schema: b"",
+                schema_encoding: "",
+            };
+            let bytes = custom_msg(encoding);
+            let content = Decoder::of(&format, &Definitions::default()).decode(&bytes).unwrap();
+            assert_eq!(content.header.unwrap().frame_id, "livox");
+            let Body::Cloud(cloud) = content.body else { panic!("{encoding}") };
+            assert_eq!((cloud.points(), cloud.timebase_ns), (2, Some(5_000_000_006)));
+            let of = |name: &str, column: u32| cloud.column(name).unwrap().of(cloud.point(0, column).unwrap());
+            assert_eq!([of("offset_time", 0), of("offset_time", 1)], [Some(0.0), Some(1000.0)]);
+            assert_eq!([of("x", 1), of("y", 1), of("z", 1)], [Some(1.5), Some(-2.0), Some(1.0)]);
+            assert_eq!([of("reflectivity", 1), of("tag", 1), of("line", 1)], [Some(9.0), Some(16.0), Some(1.0)]);
+        }
+    }
+}

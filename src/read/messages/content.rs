@@ -83,6 +83,8 @@ pub enum Body<'m> {
     Image(Image<'m>),
     /// The text of a robot description.
     Description(Cow<'m, str>),
+    /// A text that may be what a sensor says of itself.
+    Metadata(Cow<'m, str>),
     /// Frames that it names beyond its header's (`foxglove.SceneUpdate`).
     Frames(Vec<Cow<'m, str>>),
     /// A time that everyone should use, nanoseconds: `rosgraph_msgs/Clock`.

@@ -31,6 +31,7 @@ pub(super) enum Standard {
     Nmea,
     NmeaText,
     Description,
+    Metadata,
     Clock,
 }
 
@@ -39,6 +40,8 @@ pub(super) enum Standard {
 pub(super) enum TopicWord {
     /// They are robot descriptions.
     Description,
+    /// They may be what a sensor says of itself.
+    Metadata,
     /// They are sentences of NMEA 0183.
     Nmea,
 }
@@ -53,6 +56,8 @@ impl TopicWord {
         };
         match last {
             "robot_description" => Some(Self::Description),
+            "metadata" => Some(Self::Metadata),
+            _ if last.ends_with("_metadata") => Some(Self::Metadata),
             _ if begins("nmea") => Some(Self::Nmea),
             _ => None,
         }
@@ -74,6 +79,7 @@ impl Standard {
             "rosgraph_msgs/Clock" => Self::Clock,
             "std_msgs/String" => match topic? {
                 TopicWord::Description => Self::Description,
+                TopicWord::Metadata => Self::Metadata,
                 TopicWord::Nmea => Self::NmeaText,
             },
             _ => return Self::of_member(name),
@@ -104,6 +110,7 @@ impl Standard {
         let body = match self {
             Self::Tf => Body::Transforms(tf::transforms(cursor)?.collect::<Result<_, _>>()?),
             Self::Description => Body::Description(Cow::Borrowed(cursor.str()?)),
+            Self::Metadata => Body::Metadata(Cow::Borrowed(cursor.str()?)),
             Self::NmeaText => nmea::body(&mut cursor)?,
             Self::Clock => Body::Clock(cursor.time()?),
             Self::Transform => {
@@ -150,7 +157,9 @@ impl Standard {
             Self::Image => sensing::image(cursor),
             Self::Cloud => cloud::point_cloud(cursor),
             Self::LivoxCloud => cloud::livox(cursor),
-            Self::Tf | Self::Transform | Self::NmeaText | Self::Description | Self::Clock => Ok(Body::Nothing),
+            Self::Tf | Self::Transform | Self::NmeaText | Self::Description | Self::Metadata | Self::Clock => {
+                Ok(Body::Nothing)
+            },
         }
     }
 }

@@ -44,6 +44,7 @@ impl Rule for CloudMirror {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets(world, "handedness", out);
         let (motion, sensors, scans) = (Motion::of(world), Sensors::of(world), ScanMotion::of(world));
         for clouds in Clouds::all(world) {
             let subject = clouds.subject("handedness");

@@ -60,6 +60,7 @@ impl Rule for GroundZ {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets(world, "ground", out);
         let Some(up) = limits_of::<UpAxisFlip>() else { return };
         let (motion, planes) = (Motion::of(world), Planes::of(world));
         for clouds in Clouds::all(world) {

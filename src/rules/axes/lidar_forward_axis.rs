@@ -1,13 +1,12 @@
 //! AXES12: where the x axis of a lidar points, by the way it goes.
 
-use std::f64::consts::FRAC_PI_2;
-
 use serde::Deserialize;
 
 use crate::math::circular::{circular_mean, difference};
 use crate::rules::cross::extrinsic_direction::{self, ExtrinsicDirection};
 use crate::rules::hand_eye::HandEye;
 use crate::rules::lidar::Clouds;
+use crate::rules::sensor::lidar_turn;
 use crate::rules::{Evidence, Judge, Need, Rule, limits_of};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
@@ -31,11 +30,47 @@ pub struct Limits {
 }
 
 /// The yaw between the way of the lidar by its scans and by the poses.
-struct Yaw {
-    off_deg: f64,
-    error_deg: f64,
+pub(crate) struct Yaw {
+    /// What the mounting lacks, degrees.
+    pub(crate) off_deg: f64,
+    /// Standard error of that, degrees.
+    pub(crate) error_deg: f64,
     resultant: f64,
-    pairs: usize,
+    pub(crate) pairs: usize,
+}
+
+impl Yaw {
+    /// How many quarter turns it is, where it is near some; 0 where the mounting is right.
+    pub(crate) fn quarters(&self, limits: &Limits) -> Option<i8> {
+        if self.off_deg.abs() <= limits.pass_deg {
+            return Some(0);
+        }
+        let near = |quarters: &i8| (self.off_deg - 90.0 * f64::from(*quarters)).abs() <= limits.named_deg;
+        [-2, -1, 1, 2].into_iter().find(near)
+    }
+
+    /// The numbers of a finding or a pass.
+    pub(crate) fn measured(&self, limits: &Limits) -> [Measured; 2] {
+        [
+            Measured::new("yaw that the mounting lacks", self.off_deg, "deg")
+                .limit(limits.pass_deg)
+                .spread(self.error_deg)
+                .samples(self.pairs as u64),
+            Measured::new("resultant", self.resultant, "1").limit(limits.min_resultant),
+        ]
+    }
+}
+
+/// What a lidar shows beside the poses: the yaw that its mounting lacks, and the pairs it comes from.
+pub(crate) fn look(
+    world: &World,
+    clouds: &Clouds,
+    limits: &Limits,
+) -> Result<(Yaw, HandEye), (NotEvaluated, String)> {
+    let known = HandEye::of(world, clouds, |steps| {
+        steps.chained(|moved| moved.way_m() >= limits.min_way_m)
+    })?;
+    Ok((yaw(&known, limits)?, known))
 }
 
 impl Rule for LidarForwardAxis {
@@ -45,11 +80,9 @@ impl Rule for LidarForwardAxis {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets(world, "forward", out);
         for clouds in Clouds::all(world) {
-            let known = HandEye::of(world, &clouds, |steps| {
-                steps.chained(|moved| moved.way_m() >= limits.min_way_m)
-            });
-            match known.and_then(|known| Ok((yaw(&known, limits)?, known))) {
+            match look(world, &clouds, limits) {
                 Ok((yaw, known)) => judge_yaw(world, &clouds, &known, &yaw, limits, out),
                 Err((reason, why)) => out.not_evaluated(clouds.subject("forward"), reason, why),
             }
@@ -97,13 +130,7 @@ fn yaw(known: &HandEye, limits: &Limits) -> Result<Yaw, (NotEvaluated, String)> 
 
 fn judge_yaw(world: &World, clouds: &Clouds, known: &HandEye, yaw: &Yaw, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("forward");
-    let measured = [
-        Measured::new("yaw that the mounting lacks", yaw.off_deg, "deg")
-            .limit(limits.pass_deg)
-            .spread(yaw.error_deg)
-            .samples(yaw.pairs as u64),
-        Measured::new("resultant", yaw.resultant, "1").limit(limits.min_resultant),
-    ];
+    let measured = yaw.measured(limits);
     if yaw.off_deg.abs() <= limits.pass_deg {
         return out.pass(subject, measured);
     }
@@ -122,20 +149,23 @@ fn judge_yaw(world: &World, clouds: &Clouds, known: &HandEye, yaw: &Yaw, limits:
         let why = format!("the mounting lacks a yaw of {off_deg:.0} deg, which is part of what CROSS04 reports of it");
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
-    let quarters = (yaw.off_deg.to_radians() / FRAC_PI_2).round();
-    let is_named = (yaw.off_deg - 90.0 * quarters).abs() <= limits.named_deg && quarters != 0.0;
-    let (relation, what) = match quarters.abs() {
-        1.0 if is_named && quarters > 0.0 => (
+    let quarters = yaw.quarters(limits);
+    if let Some(owner) = quarters.and_then(|quarters| lidar_turn::owner(world, clouds, known, quarters)) {
+        let why = format!("the mounting lacks a yaw of {off_deg:.0} deg: part of what {owner} reports of this sensor");
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    let (relation, what) = match quarters {
+        Some(1) => (
             "z90",
             "some drivers leave azimuth 0 on y, where others turn it to x: the mounting is for another driver, or for the raw sensor",
         ),
-        1.0 if is_named => (
+        Some(-1) => (
             "z-90",
             "some drivers leave azimuth 0 on y, where others turn it to x: the mounting is for another driver, or for the raw sensor",
         ),
-        2.0 if is_named => (
+        Some(2 | -2) => (
             "z180",
-            "the sensor looks back, or the cloud is in the other one of two frames that differ by half a turn (Ouster's Lidar and Sensor frames)",
+            "the sensor looks back",
         ),
         _ => ("yaw", "the mounting is turned otherwise than its transform says"),
     };

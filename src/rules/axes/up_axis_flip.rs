@@ -69,6 +69,7 @@ impl Rule for UpAxisFlip {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets(world, "up", out);
         let (motion, planes) = (Motion::of(world), Planes::of(world));
         for clouds in Clouds::all(world) {
             let subject = clouds.subject("up");

@@ -68,6 +68,7 @@ impl Rule for ExtrinsicDirection {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets(world, "direction of the mounting", out);
         for clouds in Clouds::all(world) {
             match look(world, &clouds, limits) {
                 Ok(seen) => judge_seen(&clouds, &seen, limits, out),
@@ -170,7 +171,7 @@ fn judge_seen(clouds: &Clouds, seen: &Seen, limits: &Limits, out: &mut Judge) {
             out.fail(measured.into_iter().fold(finding, Finding::measured));
         }
         Some(_) => {
-            let why = format!("`{name}` fits the motion once it is turned by 180 deg about z, which AXES12 judges");
+            let why = format!("`{name}` fits the motion once it is turned by 180 deg about z, which AXES12 and SENSOR03 judge");
             out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         }
         None => {

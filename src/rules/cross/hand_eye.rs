@@ -37,6 +37,7 @@ impl Rule for HandEyeCalibration {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets(world, "mounting", out);
         for clouds in Clouds::all(world) {
             let known = HandEye::of(world, &clouds, |steps| {
                 steps.chained(|moved| {

@@ -65,6 +65,11 @@ pub(crate) struct Statement {
 }
 
 impl Statement {
+    /// Whether it was spelled as a quaternion.
+    pub(crate) fn is_bare_quaternion(&self) -> bool {
+        self.bare_quaternion
+    }
+
     /// Whether a calibration file states it.
     pub(crate) fn is_of_a_file(&self) -> bool {
         self.rank == Rank::File

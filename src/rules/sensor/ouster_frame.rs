@@ -1,15 +1,16 @@
 //! SENSOR01: an Ouster cloud that is told in the other one of its two frames.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::TAU;
 
 use serde::Deserialize;
 
 use crate::math::circular::{circular_mean, difference};
 use crate::rules::lidar::Clouds;
+use crate::rules::ouster::{self, Axes};
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::cloud::CloudSample;
-use crate::world::{FrameId, World};
+use crate::world::World;
 
 /// SENSOR01.
 pub struct OusterFrame;
@@ -26,45 +27,6 @@ pub struct Limits {
     min_turn: f64,
 }
 
-/// The two frames of the sensor.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Axes {
-    /// x towards the connector, as the encoder counts.
-    Lidar,
-    /// x away from the connector.
-    Sensor,
-}
-
-impl Axes {
-    fn word(self) -> &'static str {
-        match self {
-            Self::Lidar => "Lidar",
-            Self::Sensor => "Sensor",
-        }
-    }
-
-    fn azimuth_rad(self) -> f64 {
-        match self {
-            Self::Lidar => 0.0,
-            Self::Sensor => PI,
-        }
-    }
-
-    /// That which a frame's name says: `os_lidar`, `os1_sensor`, `ouster/os_lidar`. A plain `lidar` may be either.
-    fn of(frame: &FrameId) -> Option<Self> {
-        let tokens = frame.tokens();
-        let is_ouster = |token: &String| {
-            let rest = token.strip_prefix("os");
-            token == "ouster" || rest.is_some_and(|rest| rest.chars().all(|letter| letter.is_ascii_digit()))
-        };
-        match tokens.last().map(String::as_str)? {
-            "lidar" if tokens.iter().any(is_ouster) => Some(Self::Lidar),
-            "sensor" if tokens.iter().any(is_ouster) => Some(Self::Sensor),
-            _ => None,
-        }
-    }
-}
-
 /// Azimuth of the first column, in one cloud.
 struct First {
     azimuth_rad: f64,
@@ -78,49 +40,82 @@ impl Rule for OusterFrame {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        let is_ouster = |clouds: &Clouds| clouds.driver.is_some_and(|driver| driver.name == "Ouster");
-        for clouds in Clouds::all(world).filter(is_ouster) {
-            judge_clouds(&clouds, limits, out);
+        Clouds::say_packets_of(world, "frame of the cloud", |lidar| lidar.name == "Ouster", out);
+        for clouds in Clouds::all(world).filter(|clouds| ouster::is_of_an_ouster(world, clouds)) {
+            judge_clouds(world, &clouds, limits, out);
         }
     }
 }
 
-fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
-    let subject = clouds.subject("frame of the cloud");
+/// Where the first column of a topic's clouds lies.
+pub(crate) struct Seen {
+    /// The frame in whose axes the clouds are told; `None` where the first column is at neither's.
+    pub(crate) axes: Option<Axes>,
+    azimuth_rad: f64,
+    measured: [Measured; 3],
+}
+
+/// Which axes the clouds are told in; the error says why that does not show.
+pub(crate) fn look(clouds: &Clouds, limits: &Limits) -> Result<Seen, String> {
     let firsts: Vec<First> = clouds
         .evidence
         .samples
         .iter()
         .filter_map(|sample| first(clouds, sample, limits))
         .collect();
-    let little = |why: String, out: &mut Judge| out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
     if firsts.len() < limits.min_clouds {
-        let why = format!(
+        return Err(format!(
             "in {} of {} sampled clouds the azimuth follows the columns, or the times of a whole turn; {} are needed",
             firsts.len(),
             clouds.evidence.samples.len(),
             limits.min_clouds
-        );
-        return little(why, out);
+        ));
     }
-    let Some(mean) = circular_mean(firsts.iter().map(|first| (first.azimuth_rad, 1.0))) else {
-        return;
-    };
+    let mean = circular_mean(firsts.iter().map(|first| (first.azimuth_rad, 1.0)));
+    let mean = mean.ok_or("the first columns of the clouds lie in all directions")?;
     let least = firsts.iter().map(|first| first.resultant).fold(1.0, f64::min);
     let other = firsts.iter().map(|first| first.other).fold(0.0, f64::max);
-    let measured = [
-        Measured::new("azimuth of the first column", mean.mean_rad.to_degrees(), "deg").samples(firsts.len() as u64),
-        Measured::new("resultant, clockwise", least, "1").limit(limits.min_resultant),
-        Measured::new("resultant, counter-clockwise", other, "1"),
-    ];
     let near = |axes: &Axes| difference(mean.mean_rad, axes.azimuth_rad()).abs().to_degrees() <= limits.max_off_deg;
-    let seen = [Axes::Lidar, Axes::Sensor].into_iter().find(near);
+    Ok(Seen {
+        axes: Axes::BOTH.into_iter().find(near),
+        azimuth_rad: mean.mean_rad,
+        measured: [
+            Measured::new("azimuth of the first column", mean.mean_rad.to_degrees(), "deg").samples(firsts.len() as u64),
+            Measured::new("resultant, clockwise", least, "1").limit(limits.min_resultant),
+            Measured::new("resultant, counter-clockwise", other, "1"),
+        ],
+    })
+}
+
+/// What the metadata say of the zero of the encoder, for the end of a reason.
+fn set_to(world: &World, clouds: &Clouds) -> String {
+    let offset = ouster::metadata_of(world, clouds).and_then(|metadata| metadata.azimuth_offset_mdeg.as_ref());
+    match offset {
+        Some(offset) if offset.value != 0.0 => format!(
+            "its metadata set `lidar_frame_azimuth_offset` to {:.3} deg, and what that does to the columns is not verified",
+            offset.value * 1e-3
+        ),
+        Some(_) => "the cloud was turned, for by its metadata the sensor's zero is not set to another angle".to_owned(),
+        None => {
+            "the cloud was turned, or the sensor is set to another zero (`lidar_frame_azimuth_offset`)".to_owned()
+        }
+    }
+}
+
+fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge) {
+    let subject = clouds.subject("frame of the cloud");
+    let little = |why: String, out: &mut Judge| out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
+    let Seen { axes, azimuth_rad, measured } = match look(clouds, limits) {
+        Ok(seen) => seen,
+        Err(why) => return little(why, out),
+    };
+    let azimuth_deg = azimuth_rad.to_degrees();
+    let seen = axes;
     let frame = clouds.frame();
     let Some(seen) = seen else {
         let why = format!(
-            "the first column lies at {:.0} deg, where the Lidar frame has 0 and the Sensor frame 180: the cloud was turned, or the sensor \
-             is set to another zero (`lidar_frame_azimuth_offset`)",
-            mean.mean_rad.to_degrees()
+            "the first column lies at {azimuth_deg:.0} deg, where the Lidar frame has 0 and the Sensor frame 180: {}",
+            set_to(world, clouds)
         );
         return little(why, out);
     };
@@ -138,7 +133,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         "the cloud on `{}` says `{frame}`, and is told in the {} frame: its first column lies at {:.0} deg, where the {} frame has {:.0}",
         clouds.topic.topic,
         seen.word(),
-        mean.mean_rad.to_degrees(),
+        azimuth_deg,
         said.word(),
         said.azimuth_rad().to_degrees()
     );

@@ -1,13 +1,15 @@
-//! SENSOR02: the parts of an Ouster where TF, URDF and files have them, against its metadata.
+//! SENSOR02: the parts of an Ouster where TF, URDF and files have them, against its metadata; and those against what is known.
 
-use nalgebra::{Isometry3, UnitQuaternion, Vector3};
+use nalgebra::Vector3;
 use serde::Deserialize;
 
-use crate::rules::cross::statements::{Statement, statements};
+use crate::rules::ouster::Part;
 use crate::rules::{Judge, Need, Rule};
-use crate::tables::{OusterPart, ouster_places};
+use crate::tables::OusterPart;
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::{FrameId, World};
+use crate::world::World;
+
+use super::ouster_beams;
 
 /// SENSOR02.
 pub struct OusterTfMetadata;
@@ -15,27 +17,11 @@ pub struct OusterTfMetadata;
 /// Limits of SENSOR02.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-#[allow(clippy::struct_field_names)] // each is a largest one
 pub struct Limits {
     max_off_mm: f64,
+    pub(super) max_beam_mm: f64,
     max_turn_deg: f64,
-    max_known_deg: f64,
-}
-
-/// A place in the Sensor frame, millimetres, and who says it.
-type Known = (Vector3<f64>, String);
-
-/// Sensors whose metadata are asked: no platform has more.
-const MAX_SENSORS: usize = 64;
-
-/// A statement of where a part is in the Sensor frame.
-struct Part {
-    of: OusterPart,
-    /// `sensor_from_part`.
-    pose: Isometry3<f64>,
-    /// Whether it is the sensor's own metadata.
-    is_metadata: bool,
-    statement: Statement,
+    known_deg: f64,
 }
 
 impl Rule for OusterTfMetadata {
@@ -44,137 +30,115 @@ impl Rule for OusterTfMetadata {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        let parts: Vec<Part> = statements(world).into_iter().filter_map(Part::of).collect();
-        let stated = [OusterPart::Lidar, OusterPart::Imu].map(|of| {
-            let of_metadata = parts.iter().filter(|part| part.is_metadata && part.of == of);
-            let places = of_metadata.take(MAX_SENSORS).map(|part| part.place(world));
-            (of, places.collect::<Vec<Known>>())
-        });
+        let parts = Part::all(world);
         for part in &parts {
-            let of_part = stated.iter().find(|(of, _)| *of == part.of);
-            // Metadata beside it say it exactly; of several sensors any may be meant.
-            let stated = of_part
-                .filter(|_| !part.is_metadata)
-                .map_or(&[][..], |(_, known)| known.as_slice());
-            part.judge(world, stated, limits, out);
+            Statement::of(world, part, &parts).judge(limits, out);
         }
+        ouster_beams::judge(world, &parts, limits, out);
     }
 }
 
-/// A frame of an Ouster.
-enum Named {
-    Sensor,
-    Part(OusterPart),
+/// Sensors whose metadata are asked: no platform has more.
+const MAX_SENSORS: usize = 64;
+
+/// A place that is known, and who says so.
+type KnownPlace = (Vector3<f64>, String);
+
+/// A statement that is judged, and what it is held against.
+struct Statement<'p, 'w> {
+    part: &'p Part<'w>,
+    subject: String,
+    /// Where it may be.
+    known: Vec<KnownPlace>,
+    /// Where other models have it.
+    others: Vec<KnownPlace>,
+    /// Whether the sensor's own metadata say it.
+    is_stated: bool,
+    /// The sensor by its metadata, in words.
+    model: Option<String>,
 }
 
-/// Which frame of an Ouster a name is: `os_sensor`, `os1_lidar`, `front/os_imu`.
-fn named(frame: &FrameId, is_metadata: bool) -> Option<Named> {
-    let tokens = frame.tokens();
-    let is_ouster = |token: &String| {
-        let rest = token.strip_prefix("os");
-        token == "ouster" || rest.is_some_and(|rest| rest.chars().all(|letter| letter.is_ascii_digit()))
-    };
-    if !is_metadata && !tokens.iter().any(is_ouster) {
-        return None;
-    }
-    match tokens.last().map(String::as_str)? {
-        "sensor" => Some(Named::Sensor),
-        "lidar" => Some(Named::Part(OusterPart::Lidar)),
-        "imu" => Some(Named::Part(OusterPart::Imu)),
-        _ => None,
-    }
-}
-
-impl Part {
-    fn of(statement: Statement) -> Option<Self> {
-        let is_metadata = statement.label.ends_with("_to_sensor_transform");
-        if !statement.has_rotation || !statement.has_translation {
-            return None;
-        }
-        let known = [&statement.target, &statement.source_frame].map(|name| named(name, is_metadata));
-        let (part, pose) = match known {
-            [Some(Named::Sensor), Some(Named::Part(part))] => (part, statement.pose),
-            [Some(Named::Part(part)), Some(Named::Sensor)] => (part, statement.pose.inverse()),
-            _ => return None,
+impl<'p, 'w> Statement<'p, 'w> {
+    fn of(world: &World, part: &'p Part<'w>, parts: &[Part<'_>]) -> Self {
+        let path = |of: &Part<'_>| world.path(of.statement.place.source).to_owned();
+        // Metadata beside it say it exactly: those of its own recording, else of any sensor.
+        let is_beside = |other: &&Part<'_>| other.metadata.is_some() && other.kind == part.kind;
+        let beside = || {
+            let all = parts.iter().filter(|other| part.metadata.is_none() && is_beside(other));
+            all.take(MAX_SENSORS)
         };
-        Some(Self {
-            of: part,
-            pose,
-            is_metadata,
-            statement,
-        })
-    }
-
-    /// How it should be turned.
-    fn turn(&self) -> UnitQuaternion<f64> {
-        match self.of {
-            OusterPart::Lidar => UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI),
-            OusterPart::Imu => UnitQuaternion::identity(),
+        let own = || beside().filter(|other| path(other) == path(part));
+        let stated: Vec<&Part<'_>> = if own().count() > 0 { own().collect() } else { beside().collect() };
+        let by_metadata = stated.iter().map(|other| {
+            let place = other.pose.translation.vector * 1e3;
+            (place, format!("{} in {}", other.statement.label, path(other)))
+        });
+        let product = part.metadata.and_then(|metadata| metadata.product.as_deref());
+        let image = part.metadata.and_then(|metadata| metadata.image.as_deref());
+        let (known, others): (Vec<_>, Vec<_>) =
+            world.tables.ouster_places(part.kind).partition(|row| row.may_be_of(product, image));
+        let row = |row: &crate::tables::OusterPlace| (Vector3::from(row.xyz_mm), row.models.clone());
+        let is_stated = !stated.is_empty();
+        Self {
+            subject: format!(
+                "`{}` from `{}` by {} in {}",
+                part.statement.target,
+                part.statement.source_frame,
+                part.statement.who,
+                path(part)
+            ),
+            known: if is_stated { by_metadata.collect() } else { known.into_iter().map(row).collect() },
+            others: if is_stated { Vec::new() } else { others.into_iter().map(row).collect() },
+            is_stated,
+            model: product.map(|product| match image.and_then(board) {
+                Some(board) => format!("an {product} with the firmware's image `{board}`"),
+                None => format!("an {product}"),
+            }),
+            part,
         }
     }
 
-    /// Where it is, for others to be held against.
-    fn place(&self, world: &World) -> Known {
-        let who = format!(
-            "{} in {}",
-            self.statement.label,
-            world.path(self.statement.place.source)
-        );
-        (self.pose.translation.vector * 1e3, who)
-    }
-
-    fn judge(&self, world: &World, stated: &[Known], limits: &Limits, out: &mut Judge) {
-        let statement = &self.statement;
-        let path = world.path(statement.place.source);
-        let subject = format!(
-            "`{}` from `{}` by {} in {path}",
-            statement.target, statement.source_frame, statement.who
-        );
-        let of_models: Vec<Known>;
-        let known: &[Known] = if stated.is_empty() {
-            let rows = ouster_places(self.of);
-            of_models = rows
-                .map(|row| (Vector3::from(row.xyz_mm), row.models.clone()))
-                .collect();
-            &of_models
-        } else {
-            stated
-        };
-        let turned_deg = self.turn().angle_to(&self.pose.rotation).to_degrees();
-        let place_mm = self.pose.translation.vector * 1e3;
-        let nearest = known
+    fn judge(self, limits: &Limits, out: &mut Judge) {
+        let statement = &self.part.statement;
+        let turned_deg = self.part.turn().angle_to(&self.part.pose.rotation).to_degrees();
+        let place_mm = self.part.pose.translation.vector * 1e3;
+        let nearest = self
+            .known
             .iter()
-            .map(|(place, who)| ((place - place_mm).norm(), who))
+            .map(|known| ((known.0 - place_mm).norm(), known))
             .min_by(|a, b| a.0.total_cmp(&b.0));
-        let Some((off_mm, who)) = nearest else {
-            return out.not_evaluated(subject, NotEvaluated::MissingInput, "nothing says where it should be");
+        let is_turned = turned_deg > limits.max_turn_deg;
+        let turn = Measured::new("rotation from what it should be", turned_deg, "deg").limit(limits.max_turn_deg);
+        let (Some((off_mm, nearest)), _) = (nearest, is_turned) else {
+            let model = self.model.as_deref().unwrap_or("this sensor");
+            let why = format!("no metadata of {model} are in the table, so that nothing says where the part should be (turned by {turned_deg:.2} deg from what all have)");
+            return out.not_evaluated(self.subject, NotEvaluated::MissingInput, why);
         };
+        let max_mm = self.max_mm(limits);
         let measured = [
-            Measured::new("rotation from what it should be", turned_deg, "deg").limit(limits.max_turn_deg),
-            Measured::new("distance from the nearest place that is known", off_mm, "mm").limit(limits.max_off_mm),
+            turn,
+            Measured::new("distance from the nearest place that is known", off_mm, "mm").limit(max_mm),
         ];
-        if turned_deg <= limits.max_turn_deg && off_mm <= limits.max_off_mm {
-            return out.pass(subject, measured);
+        if !is_turned && off_mm <= max_mm {
+            return out.pass(self.subject, measured);
         }
-        let (relation, what) = self.fault(known, turned_deg, off_mm, limits);
+        let (relation, what) = self.fault(turned_deg, off_mm, limits);
+        let ([x, y, z], who) = (<[f64; 3]>::from(nearest.0), &nearest.1);
         let message = format!(
-            "{subject}: {what}; known is x {:.3}, y {:.3}, z {:.3} mm{} ({who})",
-            known_place(known, &place_mm).x,
-            known_place(known, &place_mm).y,
-            known_place(known, &place_mm).z,
-            match self.of {
+            "{}: {what}; known is x {x:.3}, y {y:.3}, z {z:.3} mm{} ({who})",
+            self.subject,
+            match self.part.kind {
                 OusterPart::Lidar => ", turned by 180 deg about z",
-                OusterPart::Imu => ", not turned",
+                OusterPart::Imu | OusterPart::Beam => ", not turned",
             }
         );
         // A place that no table has may be that of a new model.
-        let is_sure = relation != "place" || !stated.is_empty();
+        let is_sure = relation != "place" || self.is_stated;
         let finding = if is_sure {
-            Finding::error(subject.clone(), message, statement.place.clone())
+            Finding::error(self.subject.clone(), message, statement.place.clone()).likely()
         } else {
-            Finding::warning(subject.clone(), message, statement.place.clone())
+            Finding::warning(self.subject.clone(), message, statement.place.clone()).hint()
         };
-        let finding = if is_sure { finding.likely() } else { finding.hint() };
         let finding = finding.confidence(statement.reading).relation(relation).help(
             "take `lidar_to_sensor_transform` and `imu_to_sensor_transform` of the sensor's metadata, millimetres: they are the poses of the \
              parts in the Sensor frame",
@@ -182,36 +146,49 @@ impl Part {
         out.fail(measured.into_iter().fold(finding, Finding::measured));
     }
 
+    fn max_mm(&self, limits: &Limits) -> f64 {
+        match self.part.kind {
+            OusterPart::Beam => limits.max_beam_mm,
+            OusterPart::Lidar | OusterPart::Imu => limits.max_off_mm,
+        }
+    }
+
     /// What is wrong, and its name.
-    fn fault(&self, known: &[Known], turned_deg: f64, off_mm: f64, limits: &Limits) -> (&'static str, String) {
-        let is_place = |mm: Vector3<f64>| known.iter().any(|(place, _)| (place - mm).norm() <= limits.max_off_mm);
-        let inverse = self.pose.inverse();
+    fn fault(&self, turned_deg: f64, off_mm: f64, limits: &Limits) -> (&'static str, String) {
+        let max_mm = self.max_mm(limits);
+        let among = |places: &[KnownPlace], mm: Vector3<f64>| {
+            places.iter().find(|(place, _)| (place - mm).norm() <= max_mm).map(|(_, who)| who.clone())
+        };
+        let pose = &self.part.pose;
+        let place_mm = pose.translation.vector * 1e3;
+        let inverse = pose.inverse();
         let is_turned = turned_deg > limits.max_turn_deg;
-        let is_inverse = self.turn().angle_to(&inverse.rotation).to_degrees() <= limits.max_turn_deg
-            && is_place(inverse.translation.vector * 1e3);
-        if off_mm > limits.max_off_mm && is_inverse {
+        let is_inverse = self.part.turn().angle_to(&inverse.rotation).to_degrees() <= limits.max_turn_deg
+            && among(&self.known, inverse.translation.vector * 1e3).is_some();
+        if off_mm > max_mm && is_inverse {
             return ("inverse", "it is told the wrong way round".to_owned());
         }
-        if is_turned && self.of == OusterPart::Lidar && self.pose.rotation.angle().to_degrees() <= limits.max_known_deg
-        {
-            return (
-                "identity",
-                "it is not turned, where the Lidar frame is turned by half a turn: clouds come out behind the car"
-                    .to_owned(),
-            );
+        let is_none = pose.rotation.angle().to_degrees() <= limits.known_deg;
+        if is_turned && self.part.kind == OusterPart::Lidar && is_none {
+            let what = "it is not turned, where the Lidar frame is turned by half a turn: clouds come out behind the car";
+            return ("identity", what.to_owned());
         }
         if is_turned {
-            return (
-                "turned",
-                format!("it is turned by {turned_deg:.2} deg from what it should be"),
-            );
+            return ("turned", format!("it is turned by {turned_deg:.2} deg from what it should be"));
+        }
+        for (scale, what) in [(1e-3, "millimetres, where metres are meant"), (1e3, "metres, where millimetres are meant")] {
+            if among(&self.known, place_mm * scale).is_some() {
+                return ("unit", format!("its numbers are {what}"));
+            }
+        }
+        if let (Some(who), Some(model)) = (among(&self.others, place_mm), &self.model) {
+            return ("model", format!("it is the place of {who}, and this is {model}"));
         }
         ("place", format!("it is {off_mm:.2} mm from any place that is known"))
     }
 }
 
-fn known_place(known: &[Known], place_mm: &Vector3<f64>) -> Vector3<f64> {
-    let off = |(place, _): &&Known| (place - place_mm).norm();
-    let nearest = known.iter().min_by(|a, b| off(a).total_cmp(&off(b)));
-    nearest.map_or_else(Vector3::zeros, |(place, _)| *place)
+/// The board in the name of an image: `ousteros-image-prod-aries-v2.5.2`.
+fn board(image: &str) -> Option<&str> {
+    image.split('-').find(|word| matches!(*word, "aries" | "bootes"))
 }

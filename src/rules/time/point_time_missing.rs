@@ -29,6 +29,7 @@ impl Rule for PointTimeMissing {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets(world, "times of the points", out);
         let motion = Motion::of(world);
         for clouds in Clouds::all(world) {
             if let Some(motion) = motion.bags.get(clouds.index) {

@@ -57,6 +57,7 @@ impl Rule for PointTimeReference {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets(world, "times of the points", out);
         for clouds in Clouds::all(world).filter(|clouds| clouds.timed().next().is_some()) {
             judge_clouds(&clouds, limits, out);
         }
@@ -128,8 +129,8 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
 fn told<'w>(clouds: &Clouds, sample: &'w CloudSample, times: &PointTimes, limits: &Limits) -> Option<Told<'w>> {
     let (unit_s, _) = clouds.unit(times)?;
     let (period_s, stamp_ns) = (clouds.period_s()?, sample.at.stamp_ns?);
-    let is_absolute = match clouds.driver {
-        Some(driver) => driver.time.counts_from == CountsFrom::Epoch,
+    let is_absolute = match clouds.driver.and_then(|driver| driver.time.as_ref()) {
+        Some(time) => time.counts_from == CountsFrom::Epoch,
         None => times.range[0] * unit_s >= limits.epoch_s,
     };
     let origin_s = match times.timebase_ns {

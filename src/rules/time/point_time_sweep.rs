@@ -34,6 +34,7 @@ impl Rule for PointTimeSweep {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets(world, "order of the times of the points", out);
         for clouds in Clouds::all(world).filter(|clouds| clouds.timed().next().is_some()) {
             judge_clouds(world, &clouds, limits, out);
         }

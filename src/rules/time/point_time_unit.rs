@@ -5,6 +5,7 @@ use serde::Deserialize;
 use crate::math::stats::median;
 use crate::rules::lidar::Clouds;
 use crate::rules::{Judge, Need, Rule};
+use crate::tables::CloudDriver;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
@@ -25,6 +26,7 @@ impl Rule for PointTimeUnit {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets(world, "unit of the times of the points", out);
         for clouds in Clouds::all(world).filter(|clouds| clouds.timed().next().is_some()) {
             judge_clouds(&clouds, limits, out);
         }
@@ -102,8 +104,12 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
 
 /// The unit that the field should be in, seconds, and who says so.
 fn expected(clouds: &Clouds, field: &str) -> Option<(f64, String)> {
-    if let Some(driver) = clouds.driver.filter(|driver| driver.time.field == field) {
-        return Some((driver.time.unit_s, format!("the driver ({})", driver.name)));
+    let of_driver = |driver: &CloudDriver| {
+        let time = driver.time.as_ref().filter(|time| time.field == field)?;
+        Some((time.unit_s, format!("the driver ({})", driver.name)))
+    };
+    if let Some(known) = clouds.driver.and_then(of_driver) {
+        return Some(known);
     }
     let by_name = match field {
         "t_us" => 1e-6,
