@@ -224,6 +224,7 @@ pub static RULES: &[Entry] = &[
     entry::<camera::camera_info_k_size::CameraInfoKSize>(),
     entry::<camera::camera_info_distortion::CameraInfoDistortion>(),
     entry::<camera::camera_info_r_p::CameraInfoRP>(),
+    entry::<camera::lidar_in_view::LidarInView>(),
     entry::<camera::stereo_baseline::StereoBaseline>(),
     entry::<cov::cov_psd::CovPsd>(),
     entry::<cov::cov_order::CovOrder>(),
