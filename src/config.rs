@@ -11,7 +11,12 @@
 //!     quaternion: {order: wxyz, algebra: hamilton}
 //!     time: gps                    # utc, gps, tai
 //!     fields: confirmed            # latitude, longitude, ... without a standard type are what their names say
+//! projections:                     # see `projections`
+//!   - topic: /points
+//!     range_image: {width: 1024, height: 64, fov_up_deg: 22.5, fov_down_deg: -22.5}
 //! ```
+
+mod projections;
 
 use std::fs::File;
 use std::io::Read;
@@ -24,7 +29,7 @@ use crate::read::calibration::events;
 use crate::read::calibration::repair::OffsetMap;
 use crate::read::discover::CONFIGURATION;
 use crate::source::{LineIndex, Place, Source, SourceId, SourceKind, Span};
-use crate::world::Conventions;
+use crate::world::{Conventions, Projection};
 use crate::world::conventions::{
     BodyAxes, Convention, Declaration, Fields, QuaternionAlgebra, QuaternionOrder, Scope, TimeScale, WorldAxes,
 };
@@ -41,6 +46,7 @@ pub struct Config {
     pub text: String,
     /// What it declares; without places until [`Config::source`] gives it an identity.
     conventions: Vec<(Declaration, Span)>,
+    projections: Vec<projections::Declared>,
 }
 
 /// Why there is no configuration, with the place in words.
@@ -101,7 +107,7 @@ pub fn load(path: &Path) -> Result<Config, ConfigError> {
 
 /// Reads a configuration from its text.
 pub fn parse(path: &str, text: String) -> Result<Config, ConfigError> {
-    let conventions = {
+    let (conventions, projections) = {
         let reader = Reader {
             path,
             lines: LineIndex::new(&text),
@@ -113,6 +119,7 @@ pub fn parse(path: &str, text: String) -> Result<Config, ConfigError> {
         path: path.to_owned(),
         text,
         conventions,
+        projections,
     })
 }
 
@@ -132,8 +139,18 @@ impl Config {
             place: id.map(|id| Place::text(id, *span)),
             ..declaration.clone()
         };
+        let projection = |declared: &projections::Declared| {
+            Some(Projection {
+                format: "frames-lint".to_owned(),
+                label: String::new(),
+                topic: declared.topic.clone(),
+                place: Place::text(id?, declared.span),
+                form: declared.form.clone(),
+            })
+        };
         Conventions {
             declarations: self.conventions.iter().map(placed).collect(),
+            projections: self.projections.iter().filter_map(projection).collect(),
         }
     }
 }
@@ -150,6 +167,9 @@ const KEYS: &[&str] = &[
     "fields",
 ];
 
+/// What a configuration holds.
+type Held = (Vec<(Declaration, Span)>, Vec<projections::Declared>);
+
 struct Reader<'t> {
     path: &'t str,
     text: &'t str,
@@ -157,7 +177,7 @@ struct Reader<'t> {
 }
 
 impl Reader<'_> {
-    fn read(&self) -> Result<Vec<(Declaration, Span)>, ConfigError> {
+    fn read(&self) -> Result<Held, ConfigError> {
         let documents = events::build(self.text, &OffsetMap::default());
         if let Some(fault) = &documents.fault {
             return Err(self.error(fault.at, &fault.message));
@@ -166,7 +186,7 @@ impl Reader<'_> {
             return Err(self.error(span.start, &format!("`{key}` stands there twice")));
         }
         let root = match documents.roots.as_slice() {
-            [] => return Ok(Vec::new()),
+            [] => return Ok(Held::default()),
             [one] => one,
             [_, second, ..] => return Err(self.error(second.span.start, "one document is expected")),
         };
@@ -174,11 +194,12 @@ impl Reader<'_> {
             .text()
             .is_some_and(|text| text.is_empty() || text == "~" || text == "null")
         {
-            return Ok(Vec::new());
+            return Ok(Held::default());
         }
-        self.keys(root, &["conventions"])?;
+        self.keys(root, &["conventions", "projections"])?;
+        let projections = self.projections(root)?;
         let Some(list) = root.get("conventions") else {
-            return Ok(Vec::new());
+            return Ok((Vec::new(), projections));
         };
         let items = list.items().ok_or_else(|| {
             self.error(
@@ -186,7 +207,8 @@ impl Reader<'_> {
                 "`conventions` is a list: `- topic: /imu` on one line, `world: NED` below it",
             )
         })?;
-        items.iter().map(|item| self.declaration(item)).collect()
+        let declarations: Result<Vec<_>, _> = items.iter().map(|item| self.declaration(item)).collect();
+        Ok((declarations?, projections))
     }
 
     fn declaration(&self, item: &Node) -> Result<(Declaration, Span), ConfigError> {
@@ -324,7 +346,7 @@ mod tests {
     fn faults_have_a_place_and_say_what_is_known() {
         assert_eq!(
             fault("rules: {}\n"),
-            "c.yaml:1:1: unknown key `rules`; known keys: conventions"
+            "c.yaml:1:1: unknown key `rules`; known keys: conventions, projections"
         );
         assert_eq!(
             fault("conventions:\n  - topic: /imu\n    wrold: NED\n"),

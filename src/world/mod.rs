@@ -16,6 +16,7 @@ pub mod graph;
 pub mod motion;
 pub mod number;
 pub mod origin;
+pub mod projection;
 pub mod qos;
 pub mod reference;
 pub mod robot;
@@ -38,6 +39,7 @@ pub use conventions::{Conventions, Declared};
 pub use frame::{FrameId, FrameRole, FrameUse};
 pub use graph::FrameGraph;
 pub use origin::EarthOrigin;
+pub use projection::Projection;
 pub use reference::{FileReference, ReferenceState};
 pub use robot::Robot;
 
@@ -69,6 +71,9 @@ pub struct World {
     /// Where files say that the origin of a local frame lies on the Earth.
     #[serde(default)]
     pub origins: Vec<EarthOrigin>,
+    /// Projections that files declare.
+    #[serde(default)]
+    pub projections: Vec<Projection>,
     #[serde(skip)]
     graph: OnceLock<FrameGraph>,
     #[serde(skip)]
@@ -92,9 +97,16 @@ pub struct Facts {
     pub references: Vec<FileReference>,
     /// Where a file says that the origin of a local frame lies on the Earth.
     pub origins: Vec<EarthOrigin>,
+    /// Projections that a file declares.
+    pub projections: Vec<Projection>,
 }
 
 impl World {
+    /// Projections that files and the configuration declare.
+    pub fn projections(&self) -> impl Iterator<Item = &Projection> {
+        self.projections.iter().chain(&self.conventions.projections)
+    }
+
     /// The source with this id.
     pub fn source(&self, id: SourceId) -> Option<&Source> {
         self.sources.get(id.0 as usize)
@@ -136,6 +148,7 @@ impl World {
         self.chains.extend(facts.chains);
         self.references.extend(facts.references);
         self.origins.extend(facts.origins);
+        self.projections.extend(facts.projections);
         self.graph = OnceLock::new();
         self.derived = Derived::default();
     }

@@ -10,6 +10,7 @@ mod generic;
 mod names;
 mod numbers;
 mod origins;
+mod projections;
 mod references;
 pub(crate) mod repair;
 mod shapes;
@@ -100,6 +101,7 @@ fn read_text(source: &mut Source, text: &str, parse: impl Fn(&str, usize) -> (Do
     for root in &documents.roots {
         facts.references.extend(references::collect(root, source.id));
         facts.origins.extend(origins::collect(root, source.id));
+        facts.projections.extend(projections::collect(root, source.id));
     }
     let reached = documents.fault.as_ref().map_or(text.len(), |fault| fault.at);
     source.examined.bytes = reached as u64;
@@ -175,6 +177,8 @@ fn describe(source: &mut Source, text: &str, documents: &Documents, mended: &Men
     let mut notes = Vec::new();
     if !facts.origins.is_empty() && facts.claims.is_empty() {
         notes.push("an origin on the Earth, and no transforms".to_owned());
+    } else if !facts.projections.is_empty() && facts.claims.is_empty() {
+        notes.push("a projection, and no transforms".to_owned());
     } else if facts.claims.is_empty() && facts.chains.is_empty() {
         notes.push("no transforms found".to_owned());
     }

@@ -96,7 +96,7 @@ fn yaw(known: &HandEye, limits: &Limits) -> Result<Yaw, (NotEvaluated, String)> 
 fn judge_yaw(world: &World, clouds: &Clouds, known: &HandEye, yaw: &Yaw, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("forward");
     let measured = [
-        Measured::new("yaw that the mounting lacks", yaw.off_deg, "deg")
+        Measured::new("yaw that the mounting lacks", yaw.off_deg, "deg").turn()
             .limit(limits.pass_deg)
             .spread(yaw.error_deg)
             .samples(yaw.pairs as u64),

@@ -10,11 +10,15 @@ use crate::world::{BagEvidence, FrameId, World};
 
 use super::Judge;
 
+pub mod bev_panorama_metadata;
+pub mod camera_extrinsic_direction;
 pub mod camera_info_distortion;
 pub mod camera_info_k_size;
 pub mod camera_info_r_p;
+mod declared;
 pub mod lidar_in_view;
 pub mod optical_rotation;
+pub mod range_image_config;
 pub mod stereo_baseline;
 mod views;
 

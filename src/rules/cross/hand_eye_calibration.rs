@@ -102,7 +102,7 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Lim
     let [sigma_yaw, sigma_x, sigma_y] = found.sigma;
     let (yaw_deg, sigma_deg, sigma_m) = (found.yaw_rad.to_degrees(), sigma_yaw.to_degrees(), sigma_x.hypot(sigma_y));
     let measured = [
-        Measured::new("yaw that the mounting lacks", yaw_deg, "deg")
+        Measured::new("yaw that the mounting lacks", yaw_deg, "deg").turn()
             .limit(limits.max_yaw_deg)
             .spread(sigma_deg)
             .samples(found.pairs as u64),

@@ -90,7 +90,7 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
         return;
     };
     let deg = off(worst);
-    let measured = Measured::new("rotation off optical", deg, "deg").limit(limits.exact_deg);
+    let measured = Measured::new("rotation off optical", deg, "deg").turn().limit(limits.exact_deg);
     if deg <= limits.exact_deg {
         out.pass(subject, [measured]);
         return;

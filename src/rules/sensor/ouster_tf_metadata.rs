@@ -122,7 +122,7 @@ impl Part {
             return out.not_evaluated(subject, NotEvaluated::MissingInput, "nothing says where it should be");
         };
         let measured = [
-            Measured::new("rotation from what it should be", turned_deg, "deg").limit(limits.max_turn_deg),
+            Measured::new("rotation from what it should be", turned_deg, "deg").turn().limit(limits.max_turn_deg),
             Measured::new("distance from the nearest place that is known", off_mm, "mm").limit(limits.max_off_mm),
         ];
         if turned_deg <= limits.max_turn_deg && off_mm <= limits.max_off_mm {
