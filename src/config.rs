@@ -29,10 +29,10 @@ use crate::read::calibration::events;
 use crate::read::calibration::repair::OffsetMap;
 use crate::read::discover::CONFIGURATION;
 use crate::source::{LineIndex, Place, Source, SourceId, SourceKind, Span};
-use crate::world::{Conventions, Projection};
 use crate::world::conventions::{
     BodyAxes, Convention, Declaration, Fields, QuaternionAlgebra, QuaternionOrder, Scope, TimeScale, WorldAxes,
 };
+use crate::world::{Conventions, Projection};
 
 /// Bound on its size, bytes.
 const MAX_BYTES: u64 = 1 << 20;

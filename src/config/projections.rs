@@ -149,12 +149,15 @@ impl Reader<'_> {
         let Some(value) = item.get(key) else { return Ok(None) };
         let number = value.text().and_then(|text| text.parse::<u32>().ok());
         let number = number.filter(|number| *number > 0);
-        let number = number.ok_or_else(|| self.error(value.span.start, &format!("`{key}` is a whole number over 0")))?;
+        let number =
+            number.ok_or_else(|| self.error(value.span.start, &format!("`{key}` is a whole number over 0")))?;
         Ok(Some(number))
     }
 
     fn list(&self, item: &Node, key: &str, counts: &[usize]) -> Result<Vec<f64>, ConfigError> {
-        let Some(value) = item.get(key) else { return Ok(Vec::new()) };
+        let Some(value) = item.get(key) else {
+            return Ok(Vec::new());
+        };
         let items = value.items().filter(|items| counts.contains(&items.len()));
         let counts: Vec<String> = counts.iter().map(ToString::to_string).collect();
         let what = format!("`{key}` is a list of {} numbers", counts.join(" or "));
@@ -177,12 +180,22 @@ mod tests {
                     - panorama: {width: 2048, height: 1024}\n";
         let config = parse("c.yaml", text.to_owned()).unwrap();
         let conventions = config.conventions(Some(SourceId(3)));
-        let [points, bev, panorama] = conventions.projections.as_slice() else { panic!() };
-        let Form::RangeImage(image) = &points.form else { panic!() };
+        let [points, bev, panorama] = conventions.projections.as_slice() else {
+            panic!()
+        };
+        let Form::RangeImage(image) = &points.form else {
+            panic!()
+        };
         assert_eq!((image.width, image.azimuth), (Some(1024), Some(Sense::Clockwise)));
         let Form::Grid(grid) = &bev.form else { panic!() };
-        assert_eq!((grid.origin.as_slice(), grid.rows), ([-50.0, -50.0].as_slice(), Some(Axis::MinusY)));
-        assert_eq!((panorama.topic.as_deref(), points.topic.as_deref()), (None, Some("/points")));
+        assert_eq!(
+            (grid.origin.as_slice(), grid.rows),
+            ([-50.0, -50.0].as_slice(), Some(Axis::MinusY))
+        );
+        assert_eq!(
+            (panorama.topic.as_deref(), points.topic.as_deref()),
+            (None, Some("/points"))
+        );
         assert!(config.conventions(None).projections.is_empty());
     }
 
@@ -191,9 +204,13 @@ mod tests {
         let fault = |text: &str| parse("c.yaml", text.to_owned()).unwrap_err().0;
         assert!(fault("projections: {}\n").contains("is a list"));
         assert!(fault("projections:\n  - topic: /a\n").contains("one of `range_image`"));
-        assert!(fault("projections:\n  - grid: {rows: down}\n").contains("`rows` is one of +x, -x, +y, -y, not `down`"));
+        assert!(
+            fault("projections:\n  - grid: {rows: down}\n").contains("`rows` is one of +x, -x, +y, -y, not `down`")
+        );
         assert!(fault("projections:\n  - grid: {affine: [1, 2]}\n").contains("a list of 6 numbers"));
-        assert!(fault("projections:\n  - range_image: {width: -4}\n").contains("c.yaml:2:27: `width` is a whole number"));
+        assert!(
+            fault("projections:\n  - range_image: {width: -4}\n").contains("c.yaml:2:27: `width` is a whole number")
+        );
         assert!(fault("projections:\n  - range_image: {fov: 3}\n").contains("unknown key `fov`"));
     }
 }

@@ -74,7 +74,11 @@ impl Lens {
         // How far it can be used: any radius that no image has.
         if let Some(Reach::Folds { angle_rad, .. }) = lens.radial.reach(1e6) {
             let is_fisheye = matches!(lens.radial, Radial::Fisheye(_));
-            let most = if is_fisheye { std::f64::consts::PI } else { WIDEST_PERSPECTIVE_RAD };
+            let most = if is_fisheye {
+                std::f64::consts::PI
+            } else {
+                WIDEST_PERSPECTIVE_RAD
+            };
             lens.widest_rad = angle_rad.min(most);
         }
         Some(lens)
@@ -89,7 +93,11 @@ impl Lens {
             return None;
         }
         let [x, y] = if let Radial::Fisheye(_) = self.radial {
-            let scale = if aside > 1e-12 { self.radial.distorted(angle_rad) / aside } else { 0.0 };
+            let scale = if aside > 1e-12 {
+                self.radial.distorted(angle_rad) / aside
+            } else {
+                0.0
+            };
             [point.x * scale, point.y * scale]
         } else {
             self.perspective(point.x / point.z, point.y / point.z)?
@@ -103,7 +111,11 @@ impl Lens {
     fn perspective(&self, x: f64, y: f64) -> Option<[f64; 2]> {
         let r2 = x * x + y * y;
         let r = r2.sqrt();
-        let scale = if r > 1e-12 { self.radial.distorted(r.atan()) / r } else { 1.0 };
+        let scale = if r > 1e-12 {
+            self.radial.distorted(r.atan()) / r
+        } else {
+            1.0
+        };
         let ([p1, p2], [s1, s2, s3, s4]) = (self.tangential, self.prism);
         let xd = x * scale + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x) + s1 * r2 + s2 * r2 * r2;
         let yd = y * scale + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y + s3 * r2 + s4 * r2 * r2;
@@ -140,7 +152,10 @@ mod tests {
     #[test]
     fn a_pinhole_divides_by_depth_and_sees_nothing_behind() {
         let lens = Lens::new(&K, "plumb_bob", &[0.0; 5]).unwrap();
-        near(lens.project(&Vector3::new(1.0, -2.0, 4.0)), [320.0 + 150.0, 240.0 - 250.0]);
+        near(
+            lens.project(&Vector3::new(1.0, -2.0, 4.0)),
+            [320.0 + 150.0, 240.0 - 250.0],
+        );
         assert_eq!(lens.project(&Vector3::new(1.0, -2.0, -4.0)), None);
         assert_eq!(lens.project(&Vector3::new(0.0, 0.0, 0.0)), None);
         assert_eq!(lens.project(&Vector3::new(f64::NAN, 0.0, 1.0)), None);
@@ -156,7 +171,10 @@ mod tests {
         let radial = 1.0 + k1 * r2 + k2 * r2 * r2 + k3 * r2 * r2 * r2;
         let xd = x * radial + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x);
         let yd = y * radial + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y;
-        near(lens.project(&Vector3::new(1.0, -0.5, 2.0)), [600.0 * xd + 320.0, 500.0 * yd + 240.0]);
+        near(
+            lens.project(&Vector3::new(1.0, -0.5, 2.0)),
+            [600.0 * xd + 320.0, 500.0 * yd + 240.0],
+        );
     }
 
     #[test]
@@ -165,7 +183,10 @@ mod tests {
         let lens = Lens::new(&K, "rational_polynomial", &d).unwrap();
         // The quotient of equal polynomials is 1: what is left are the prisms, at r2 = 0.25.
         let (xd, yd) = (0.5 + 0.01 * 0.25 + 0.002 * 0.0625, -0.03 * 0.25 + 0.004 * 0.0625);
-        near(lens.project(&Vector3::new(1.0, 0.0, 2.0)), [600.0 * xd + 320.0, 500.0 * yd + 240.0]);
+        near(
+            lens.project(&Vector3::new(1.0, 0.0, 2.0)),
+            [600.0 * xd + 320.0, 500.0 * yd + 240.0],
+        );
         assert_eq!(Lens::new(&K, "rational_polynomial", &d[..11]), None);
     }
 
@@ -189,12 +210,18 @@ mod tests {
     fn a_fisheye_is_linear_in_the_angle_and_sees_behind() {
         let lens = Lens::new(&K, "equidistant", &[0.0; 4]).unwrap();
         let angle = 1.9_f64;
-        near(lens.project(&Vector3::new(angle.sin(), 0.0, angle.cos())), [600.0 * angle + 320.0, 240.0]);
+        near(
+            lens.project(&Vector3::new(angle.sin(), 0.0, angle.cos())),
+            [600.0 * angle + 320.0, 240.0],
+        );
         let (k1, k2) = (-0.02, 0.003);
         let lens = Lens::new(&K, "fisheye", &[k1, k2, 0.0, 0.0]).unwrap();
         let angle = 0.8_f64;
         let radius = angle * (1.0 + k1 * angle.powi(2) + k2 * angle.powi(4));
-        near(lens.project(&Vector3::new(0.0, angle.sin(), angle.cos())), [320.0, 500.0 * radius + 240.0]);
+        near(
+            lens.project(&Vector3::new(0.0, angle.sin(), angle.cos())),
+            [320.0, 500.0 * radius + 240.0],
+        );
     }
 
     #[test]

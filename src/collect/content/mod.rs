@@ -105,7 +105,10 @@ impl Contents {
                     .get_or_insert_with(|| Box::new(Clouds::new(share)))
                     .push(point, cloud);
             }
-            Body::Grid(grid) => self.grids.get_or_insert_with(|| Box::new(Grids::new())).push(point, grid),
+            Body::Grid(grid) => self
+                .grids
+                .get_or_insert_with(|| Box::new(Grids::new()))
+                .push(point, grid),
             Body::Nothing
             | Body::ChildFrame(_)
             | Body::Transforms(_)

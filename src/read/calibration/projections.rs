@@ -26,7 +26,11 @@ pub(super) fn collect(root: &Node, source: SourceId) -> Vec<Projection> {
         }
         for (key, value) in node.pairs().iter().filter(|(_, value)| value.is_mapping()) {
             let key = key.text().unwrap_or("?");
-            let path = if label.is_empty() { key.to_owned() } else { format!("{label}/{key}") };
+            let path = if label.is_empty() {
+                key.to_owned()
+            } else {
+                format!("{label}/{key}")
+            };
             stack.push((value, path));
         }
     }
@@ -40,7 +44,10 @@ fn number(node: Option<&Node>) -> Option<f64> {
 
 fn list(node: Option<&Node>) -> Vec<f64> {
     let items = node.and_then(Node::items).unwrap_or_default();
-    items.iter().map(|item| number(Some(item)).unwrap_or(f64::NAN)).collect()
+    items
+        .iter()
+        .map(|item| number(Some(item)).unwrap_or(f64::NAN))
+        .collect()
 }
 
 fn whole(node: Option<&Node>) -> Option<u32> {
@@ -92,9 +99,12 @@ fn rangenet(node: &Node) -> Option<(&'static str, Form)> {
 fn ouster(node: &Node) -> Option<(&'static str, Form)> {
     let beams = node.get("beam_intrinsics").unwrap_or(node);
     let angles = list(beams.get("beam_altitude_angles"));
-    let format = ["lidar_data_format", "data_format"].iter().find_map(|key| node.get(key));
+    let format = ["lidar_data_format", "data_format"]
+        .iter()
+        .find_map(|key| node.get(key));
     // A sensor's nested metadata is met at the top: its part alone says no more.
-    if angles.is_empty() || node.get("beam_intrinsics").is_none() && format.is_none() && node.get("prod_line").is_none() {
+    if angles.is_empty() || node.get("beam_intrinsics").is_none() && format.is_none() && node.get("prod_line").is_none()
+    {
         return None;
     }
     let mode = |node: &Node| node.text()?.split('x').next()?.parse().ok();
@@ -133,7 +143,16 @@ mod tests {
     fn a_map_is_a_grid_from_its_lower_left_corner() {
         let text = "image: lab.pgm\nresolution: 0.050000\norigin: [-10.0, -12.2, 0.0]\nnegate: 0\noccupied_thresh: 0.65\nfree_thresh: 0.196\n";
         let found = read(text, SourceKind::Yaml);
-        let [Projection { format, form: Form::Grid(grid), .. }] = found.as_slice() else { panic!("{found:?}") };
+        let [
+            Projection {
+                format,
+                form: Form::Grid(grid),
+                ..
+            },
+        ] = found.as_slice()
+        else {
+            panic!("{found:?}")
+        };
         assert_eq!((format.as_str(), grid.resolution_m), ("map_server", Some(0.05)));
         assert_eq!(grid.origin, [-10.0, -12.2, 0.0]);
         assert_eq!(grid.thresholds, [0.65, 0.196]);
@@ -144,9 +163,21 @@ mod tests {
     fn a_network_says_what_its_sensor_sees() {
         let text = "dataset:\n  sensor:\n    type: spherical\n    fov_up: 3\n    fov_down: -25\n    img_prop: {width: 2048, height: 64}\n";
         let found = read(text, SourceKind::Yaml);
-        let [Projection { label, form: Form::RangeImage(image), .. }] = found.as_slice() else { panic!("{found:?}") };
+        let [
+            Projection {
+                label,
+                form: Form::RangeImage(image),
+                ..
+            },
+        ] = found.as_slice()
+        else {
+            panic!("{found:?}")
+        };
         assert_eq!(label, "dataset/sensor");
-        assert_eq!((image.width, image.height, image.fov_up_deg, image.fov_down_deg), (Some(2048), Some(64), Some(3.0), Some(-25.0)));
+        assert_eq!(
+            (image.width, image.height, image.fov_up_deg, image.fov_down_deg),
+            (Some(2048), Some(64), Some(3.0), Some(-25.0))
+        );
     }
 
     #[test]
@@ -156,10 +187,15 @@ mod tests {
         let flat = r#"{"beam_altitude_angles": [16.7, 0.1, -16.6], "lidar_mode": "1024x10", "prod_line": "OS-1-64",
             "lidar_origin_to_beam_origin_mm": 15.806}"#;
         let [a, b] = [nested, flat].map(|text| read(text, SourceKind::Json));
-        let ([a], [b]) = (a.as_slice(), b.as_slice()) else { panic!("{a:?} {b:?}") };
+        let ([a], [b]) = (a.as_slice(), b.as_slice()) else {
+            panic!("{a:?} {b:?}")
+        };
         assert_eq!(a.form, b.form);
         let Form::RangeImage(image) = &a.form else { panic!() };
-        assert_eq!((image.width, image.height, image.fov_up_deg), (Some(1024), Some(3), Some(16.7)));
+        assert_eq!(
+            (image.width, image.height, image.fov_up_deg),
+            (Some(1024), Some(3), Some(16.7))
+        );
         assert_eq!(image.beam_offset_mm, Some(15.806));
     }
 }

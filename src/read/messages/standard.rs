@@ -19,9 +19,13 @@ pub(super) enum Standard {
     GpsFix,
     GeoPoint,
     GeoPose,
-    Pose { covariance: bool },
+    Pose {
+        covariance: bool,
+    },
     Path,
-    Twist { covariance: bool },
+    Twist {
+        covariance: bool,
+    },
     Orientation,
     Vector,
     CameraInfo,

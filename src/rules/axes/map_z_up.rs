@@ -72,7 +72,8 @@ impl Rule for MapZUp {
 fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Limits, out: &mut Judge) -> bool {
     let degrees = gravity.angle_deg();
     let measured = [
-        Measured::new("angle of gravity's up to z", degrees, "deg").turn()
+        Measured::new("angle of gravity's up to z", degrees, "deg")
+            .turn()
             .limit(limits.warning_deg)
             .samples(gravity.rows),
         Measured::new("agreement", gravity.concentration, "1").limit(limits.min_concentration),

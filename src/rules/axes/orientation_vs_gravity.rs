@@ -66,7 +66,8 @@ fn judge_above(imu: &Imu, subject: String, above: &Above, diagnosis: &Diagnosis,
     let rows = above.rows as u64;
     let degrees = above.force.from_up_rad.to_degrees();
     let measured = [
-        Measured::new("angle of the mean acceleration to z of the world", degrees, "deg").turn()
+        Measured::new("angle of the mean acceleration to z of the world", degrees, "deg")
+            .turn()
             .limit(limits.max_tilt_deg)
             .samples(rows),
         Measured::new("concentration", above.force.concentration, "1")

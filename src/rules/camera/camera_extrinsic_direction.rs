@@ -71,7 +71,9 @@ impl Rule for CameraExtrinsicDirection {
 fn sides(world: &World, claim: &Claim) -> Option<(FrameId, FrameId)> {
     if let Some((target, source)) = &claim.frames {
         let is_camera = [target, source].map(|name| Kind::of(name) == Some(Kind::Camera));
-        return is_camera.contains(&true).then(|| (target.canonical(), source.canonical()));
+        return is_camera
+            .contains(&true)
+            .then(|| (target.canonical(), source.canonical()));
     }
     let path = world.path(claim.place.source);
     let file = path.rsplit('/').next().unwrap_or_default();
@@ -93,7 +95,9 @@ fn meant(world: &World, name: &FrameId) -> Result<FrameId, String> {
         return Ok(name.clone());
     }
     let Some(kind) = Kind::of(name) else {
-        return Err(format!("`{name}` is no frame of the robot, and its name does not say what it is"));
+        return Err(format!(
+            "`{name}` is no frame of the robot, and its name does not say what it is"
+        ));
     };
     let of_kind = |frame: &&FrameId| match kind {
         Kind::Camera => names::optical_stem(frame).is_some(),
@@ -105,10 +109,16 @@ fn meant(world: &World, name: &FrameId) -> Result<FrameId, String> {
         [one] => Ok((*one).clone()),
         [] => Err(format!("`{name}` is no frame of the robot, and none is of its kind")),
         several => {
-            let same: Vec<&&FrameId> = several.iter().filter(|frame| digits(frame) == digits(name) && digits(name).is_some()).collect();
+            let same: Vec<&&FrameId> = several
+                .iter()
+                .filter(|frame| digits(frame) == digits(name) && digits(name).is_some())
+                .collect();
             match same.as_slice() {
                 [one] => Ok((**one).clone()),
-                _ => Err(format!("`{name}` is no frame of the robot, and may be any of {}", several.len())),
+                _ => Err(format!(
+                    "`{name}` is no frame of the robot, and may be any of {}",
+                    several.len()
+                )),
             }
         }
     }
@@ -165,7 +175,11 @@ fn judge_claim(
             out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
         }
         (false, false) => {
-            let far = if told.translation.vector.norm() > limits.max_away_m { ", and it is off the vehicle" } else { "" };
+            let far = if told.translation.vector.norm() > limits.max_away_m {
+                ", and it is off the vehicle"
+            } else {
+                ""
+            };
             let why = format!(
                 "{:.2} m and {:.0} deg off {pair} of the robot as it is read, {:.2} m and {:.0} deg the other way round{far}: neither is it",
                 as_read.0, as_read.1, inverse.0, inverse.1

@@ -3,20 +3,16 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use nalgebra::{Isometry3, Vector3};
 use serde::Deserialize;
 
-use crate::rules::axes::up_axis_flip::UpAxisFlip;
-use crate::rules::ground::{Ground, Planes};
-use crate::rules::lidar::Clouds;
-use crate::rules::motion::mount;
-use crate::rules::name::{image_frame_not_optical, optical_suffix};
-use crate::rules::{Evidence, Judge, Need, Rule, limits_of, names, places};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::ground::Planes;
+use crate::rules::{Evidence, Judge, Need, Rule, limits_of, places};
+use crate::verdict::{Finding, Measured};
 use crate::world::{FrameId, World};
 
-use super::views::{Attitude, Image, Mistake, Scene};
-use super::{Published, Ways, VERTICAL, looks_against_its_name};
+use super::Published;
+use super::looks::{Fault, Shown, Why, look};
+use super::views::Attitude;
 
 /// CAMERA05.
 pub struct LidarInView;
@@ -25,46 +21,21 @@ pub struct LidarInView;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
-    min_clouds: usize,
-    near_m: f64,
-    far_m: f64,
-    min_points: usize,
-    min_most: f64,
-    blind: f64,
-    seeing: f64,
-    max_pitch_deg: f64,
-    max_roll_deg: f64,
-    mended_roll_deg: f64,
-    mended_pitch_deg: f64,
-    max_lean_deg: f64,
-    max_away_m: f64,
-    under_m: f64,
-    ahead_deg: f64,
-}
-
-type Why = (NotEvaluated, String);
-
-/// What is wrong with a camera's frame, by what the lidar sees.
-#[derive(Clone, Debug)]
-enum Fault {
-    UpsideDown,
-    Under,
-    /// The mistakes that explain it alike, the first by its name.
-    Mistaken(Vec<Mistake>, f64),
-}
-
-/// What a lidar shows of a camera.
-#[derive(Clone, Debug)]
-struct Shown {
-    attitude: Attitude,
-    base: FrameId,
-    topic: String,
-    /// Share of the points in the image, and the largest of a camera at its place that looks level.
-    share: f64,
-    most: f64,
-    points: usize,
-    clouds: usize,
-    judged: Result<Option<Fault>, Why>,
+    pub(super) min_clouds: usize,
+    pub(super) near_m: f64,
+    pub(super) far_m: f64,
+    pub(super) min_points: usize,
+    pub(super) min_most: f64,
+    pub(super) blind: f64,
+    pub(super) seeing: f64,
+    pub(super) max_pitch_deg: f64,
+    pub(super) max_roll_deg: f64,
+    pub(super) mended_roll_deg: f64,
+    pub(super) mended_pitch_deg: f64,
+    pub(super) max_lean_deg: f64,
+    pub(super) max_away_m: f64,
+    pub(super) under_m: f64,
+    pub(super) ahead_deg: f64,
 }
 
 /// What lidars show of every camera of a world: by recording and frame.
@@ -126,200 +97,6 @@ impl Rule for LidarInView {
     }
 }
 
-fn look(world: &World, planes: &Planes, camera: &Published, frame: &FrameId, limits: &Limits) -> Result<Shown, Why> {
-    let not_applicable = |why: &str| (NotEvaluated::NotApplicable, why.to_owned());
-    if camera.is_uncalibrated() {
-        return Err(not_applicable("K is all zeros: the camera is not calibrated"));
-    }
-    let image = Image::of(camera.calibration).ok_or_else(|| {
-        not_applicable("its size, K, model or coefficients cannot be used: CAMERA02 and CAMERA03 judge them")
-    })?;
-    if optical_suffix::reports(world, frame) {
-        return Err(not_applicable("its axes are not the optical ones, as NAME06 reports"));
-    }
-    if image_frame_not_optical::reports(world, camera.bag, frame) {
-        return Err(not_applicable("it is no optical frame, as NAME07 reports"));
-    }
-    let lidars: Vec<Clouds> = Clouds::all(world)
-        .filter(|clouds| clouds.bag.source == camera.bag.source && clouds.is_of_a_lidar())
-        .collect();
-    if lidars.is_empty() {
-        return Err((NotEvaluated::MissingInput, "no clouds of a lidar are beside it".to_owned()));
-    }
-    let mut seen: Vec<Result<Shown, Why>> = lidars
-        .iter()
-        .map(|clouds| by_lidar(world, planes, clouds, (frame, &image), limits))
-        .collect();
-    // The lidar that could show most.
-    seen.sort_by(|a, b| {
-        let most = |seen: &Result<Shown, Why>| seen.as_ref().map_or(-1.0, |shown| shown.most);
-        most(b).total_cmp(&most(a))
-    });
-    seen.into_iter()
-        .next()
-        .unwrap_or_else(|| Err((NotEvaluated::MissingInput, String::new())))
-}
-
-fn by_lidar(
-    world: &World,
-    planes: &Planes,
-    clouds: &Clouds,
-    (frame, image): (&FrameId, &Image),
-    limits: &Limits,
-) -> Result<Shown, Why> {
-    let little = |why: String| (NotEvaluated::TooLittleEvidence, why);
-    let topic = clouds.topic.topic.clone();
-    let lidar = clouds
-        .frame()
-        .ok_or_else(|| (NotEvaluated::MissingInput, format!("the clouds on `{topic}` name no frame")))?;
-    let Some((lidar_from_camera, _)) = world.graph().chain(&lidar, frame, |edge| edge.is_rigid) else {
-        let why = format!("no rigid chain of transforms ties `{frame}` to `{lidar}` of `{topic}`");
-        return Err((NotEvaluated::MissingInput, why));
-    };
-    let up = limits_of::<UpAxisFlip>().ok_or_else(|| little(String::new()))?;
-    let grounds = planes.grounds(clouds, &up.is_ground());
-    let side = up.agreed(clouds, &grounds).map_err(little)?;
-    let of_side: Vec<&Ground> = grounds.iter().filter(|ground| ground.side == side).collect();
-    if of_side.len() < limits.min_clouds {
-        return Err(little(format!("{} clouds show the ground; {} are needed", of_side.len(), limits.min_clouds)));
-    }
-    let (base, base_from_lidar) = match mount(world, &lidar) {
-        Some(mount) => (mount.base, mount.base_from_sensor),
-        None => (lidar.clone(), Isometry3::identity()),
-    };
-    let told = base_from_lidar * lidar_from_camera;
-    let scene = Scene::new(world, clouds, &base_from_lidar, &of_side, [limits.near_m, limits.far_m])
-        .ok_or_else(|| little("the grounds of its clouds have no one direction".to_owned()))?;
-    let lean_deg = scene.up.angle(&Vector3::z()).to_degrees();
-    if base != lidar && lean_deg > limits.max_lean_deg {
-        let why = format!(
-            "the ground on `{topic}` does not lie under `{base}` but {lean_deg:.0} deg aside: the lidar's mounting is in doubt, which AXES09 and AXES10 judge"
-        );
-        return Err((NotEvaluated::NotApplicable, why));
-    }
-    if scene.points() < limits.min_points {
-        return Err(little(format!(
-            "{} points of `{topic}` lie between {} and {} m; {} are needed",
-            scene.points(),
-            limits.near_m,
-            limits.far_m,
-            limits.min_points
-        )));
-    }
-    let (share, most) = (scene.share(image, &told), scene.most(image, &told));
-    if most < limits.min_most {
-        return Err(little(format!(
-            "a camera there would have {:.1} % of the points of `{topic}` in its image at most, whichever way it looks level",
-            100.0 * most
-        )));
-    }
-    let attitude = scene.attitude(&told);
-    let camera = Camera { world, frame, image, told, scene: &scene, most, limits };
-    Ok(Shown {
-        attitude,
-        judged: camera.judged(attitude, share, &topic),
-        base,
-        topic,
-        share,
-        most,
-        points: scene.points(),
-        clouds: scene.clouds,
-    })
-}
-
-/// A camera and what it is judged by.
-struct Camera<'a> {
-    world: &'a World,
-    frame: &'a FrameId,
-    image: &'a Image,
-    /// `base_from_camera`.
-    told: Isometry3<f64>,
-    scene: &'a Scene,
-    most: f64,
-    limits: &'a Limits,
-}
-
-impl Camera<'_> {
-    fn judged(&self, attitude: Attitude, share: f64, topic: &str) -> Result<Option<Fault>, Why> {
-        let limits = self.limits;
-        let little = |why: String| Err((NotEvaluated::TooLittleEvidence, why));
-        let is_blind = share < limits.blind * self.most;
-        let roll_deg = attitude.roll_deg.abs();
-        if attitude.pitch_deg.abs() > limits.max_pitch_deg {
-            let looks = if attitude.pitch_deg > 0.0 { "up" } else { "down" };
-            if names::has_word(self.frame, VERTICAL) || optical_suffix::is_turned_from_its_link(self.world, self.frame) {
-                let why = format!("it looks {looks}, as its name or its own link has it: {:.1} % of the points lie in its image", 100.0 * share);
-                return little(why);
-            }
-            return match self.mistakes() {
-                found if is_blind && !found.is_empty() => Ok(Some(self.mistaken(found))),
-                _ => little(format!(
-                    "it looks {looks}, where `{topic}` has {:.1} % of its points: nothing tells whether it does so on purpose",
-                    100.0 * share
-                )),
-            };
-        }
-        if roll_deg >= 180.0 - limits.max_roll_deg {
-            return Ok(Some(Fault::UpsideDown));
-        }
-        if roll_deg > limits.max_roll_deg {
-            return match self.mistakes() {
-                found if !found.is_empty() => Ok(Some(self.mistaken(found))),
-                _ => little(format!("it lies on its side ({:.0} deg), as cameras do that are mounted upright", attitude.roll_deg)),
-            };
-        }
-        if attitude.height_m < -limits.under_m {
-            return Ok(Some(Fault::Under));
-        }
-        if is_blind {
-            let is_against = looks_against_its_name(self.frame, &(self.told.rotation * Vector3::z())) == Ways::Against;
-            if is_against && self.fits(Mistake::Reversed) {
-                return Ok(Some(self.mistaken(vec![Mistake::Reversed])));
-            }
-            return little(format!(
-                "it is upright, and looks where `{topic}` has {:.1} % of its points: there the lidar sees nothing",
-                100.0 * share
-            ));
-        }
-        Ok(None)
-    }
-
-    fn mistaken(&self, found: Vec<Mistake>) -> Fault {
-        let mended = found.first().map(|mistake| mistake.mended(&self.told));
-        let share = mended.map_or(0.0, |mended| self.scene.share(self.image, &mended));
-        Fault::Mistaken(found, share)
-    }
-
-    /// The mistakes that would explain the mounting. Which way a camera looks, only names tell.
-    fn mistakes(&self) -> Vec<Mistake> {
-        let explains = |mistake: &Mistake| *mistake != Mistake::Reversed && self.fits(*mistake);
-        Mistake::ALL.into_iter().filter(explains).collect()
-    }
-
-    /// Whether the mounting without a mistake is one that cameras have: upright, over the ground, on the vehicle, with points in view.
-    fn fits(&self, mistake: Mistake) -> bool {
-        let limits = self.limits;
-        let mended = mistake.mended(&self.told);
-        let attitude = self.scene.attitude(&mended);
-        let looks = mended.rotation * Vector3::z();
-        // A camera that looks to the sky has any direction for its x axis; that of a link lies where the camera looks.
-        let is_told_ahead = || {
-            let ahead_deg = looks.angle(&Vector3::x()).to_degrees();
-            match looks_against_its_name(self.frame, &looks) {
-                Ways::Fit => true,
-                Ways::Against => false,
-                Ways::Unnamed => ahead_deg <= limits.ahead_deg,
-            }
-        };
-        attitude.roll_deg.abs() <= limits.mended_roll_deg
-            && attitude.pitch_deg.abs() <= limits.mended_pitch_deg
-            && attitude.height_m > 0.0
-            && mended.translation.vector.norm() <= limits.max_away_m
-            && (mistake != Mistake::NotTurned || is_told_ahead())
-            && self.scene.share(self.image, &mended) >= limits.seeing * self.most
-    }
-}
-
 fn judge_shown(
     world: &World,
     camera: &Published,
@@ -329,7 +106,11 @@ fn judge_shown(
     limits: &Limits,
     out: &mut Judge,
 ) {
-    let Attitude { pitch_deg, roll_deg, height_m } = shown.attitude;
+    let Attitude {
+        pitch_deg,
+        roll_deg,
+        height_m,
+    } = shown.attitude;
     let measured = [
         Measured::new("share of the lidar's points in the image", shown.share, "1")
             .limit(limits.blind * shown.most)
@@ -344,7 +125,10 @@ fn judge_shown(
         Ok(None) => return out.pass(subject, measured),
         Ok(Some(fault)) => fault,
     };
-    let edge = world.graph().edges_to(frame).find_map(|edge| places::of_numbers(world, edge));
+    let edge = world
+        .graph()
+        .edges_to(frame)
+        .find_map(|edge| places::of_numbers(world, edge));
     let place = edge.unwrap_or_else(|| camera.place());
     let (topic, base) = (&shown.topic, &shown.base);
     let finding = match fault {
@@ -394,6 +178,8 @@ fn judge_shown(
             finding.likely().relation(first.word()).help(first.help())
         }
     };
-    let finding = finding.related(camera.place(), "the camera").label("where the frame is told");
+    let finding = finding
+        .related(camera.place(), "the camera")
+        .label("where the frame is told");
     out.fail(measured.into_iter().fold(finding, Finding::measured));
 }

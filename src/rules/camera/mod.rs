@@ -16,16 +16,39 @@ pub mod camera_info_distortion;
 pub mod camera_info_k_size;
 pub mod camera_info_r_p;
 mod declared;
+mod fault;
+mod grids;
 pub mod lidar_in_view;
+mod looks;
 pub mod optical_rotation;
 pub mod range_image_config;
+mod range_images;
 pub mod stereo_baseline;
 mod views;
 
 /// Words of cameras that look up or down on purpose.
 const VERTICAL: &[&str] = &[
-    "up", "upward", "upwards", "ceiling", "sky", "zenith", "down", "downward", "downwards", "floor", "ground", "nadir",
-    "bottom", "belly", "wrist", "gripper", "hand", "tool", "arm", "mast", "head",
+    "up",
+    "upward",
+    "upwards",
+    "ceiling",
+    "sky",
+    "zenith",
+    "down",
+    "downward",
+    "downwards",
+    "floor",
+    "ground",
+    "nadir",
+    "bottom",
+    "belly",
+    "wrist",
+    "gripper",
+    "hand",
+    "tool",
+    "arm",
+    "mast",
+    "head",
 ];
 
 /// Words of cameras that look ahead, or back.
@@ -44,12 +67,16 @@ enum Ways {
 }
 
 /// What a camera's name says of a direction of view in the base, a unit vector: within 45 degrees of the opposite of its name it is
-/// against it, within 60 of its name it fits.
+/// against it, within 60 of its name it fits. Of a pair, `left` and `right` say where a camera is, and are never against it.
 fn looks_against_its_name(frame: &FrameId, looks: &Vector3<f64>) -> Ways {
     let named = match (names::has_word(frame, AHEAD), names::has_word(frame, BACK)) {
         (true, false) => looks.x,
         (false, true) => -looks.x,
-        _ => return Ways::Unnamed,
+        _ => match (names::has_word(frame, &["left"]), names::has_word(frame, &["right"])) {
+            (true, false) => looks.y.max(0.0),
+            (false, true) => (-looks.y).max(0.0),
+            _ => return Ways::Unnamed,
+        },
     };
     let half_right = std::f64::consts::FRAC_1_SQRT_2;
     match named {

@@ -4,8 +4,8 @@ use serde::Deserialize;
 
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
-use crate::world::camera::Calibration;
 use crate::world::World;
+use crate::world::camera::Calibration;
 
 use super::Published;
 

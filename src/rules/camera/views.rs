@@ -78,7 +78,12 @@ impl Scene {
         let mut points = Vec::new();
         for sample in samples.iter().step_by(step) {
             let in_reach = |point: &Vector3<f64>| (near_m..=far_m).contains(&(point - at).norm());
-            let all: Vec<Vector3<f64>> = sample.points.iter().map(|point| Vector3::from(point.xyz)).filter(in_reach).collect();
+            let all: Vec<Vector3<f64>> = sample
+                .points
+                .iter()
+                .map(|point| Vector3::from(point.xyz))
+                .filter(in_reach)
+                .collect();
             let step = all.len().div_ceil(POINTS).max(1);
             let thinned = all.iter().step_by(step);
             points.extend(thinned.map(|point| base_from_lidar.rotation * point + base_from_lidar.translation.vector));
@@ -200,9 +205,15 @@ impl Mistake {
 
     pub(super) fn help(self) -> &'static str {
         match self {
-            Self::NotTurned => "turn it by RPY(-pi/2, 0, -pi/2): an optical frame has z forward, x right, y down (REP-103)",
-            Self::Inverse => "publish the inverse: TF's transform of a child is its pose in the parent; calibrations often hold the other one",
-            Self::Transposed => "transpose the rotation: row-major and column-major were exchanged, or a JPL quaternion was read as Hamilton",
+            Self::NotTurned => {
+                "turn it by RPY(-pi/2, 0, -pi/2): an optical frame has z forward, x right, y down (REP-103)"
+            }
+            Self::Inverse => {
+                "publish the inverse: TF's transform of a child is its pose in the parent; calibrations often hold the other one"
+            }
+            Self::Transposed => {
+                "transpose the rotation: row-major and column-major were exchanged, or a JPL quaternion was read as Hamilton"
+            }
             Self::TurnedTwice => "take one of the two turns RPY(-pi/2, 0, -pi/2) out of the chain",
             Self::Reversed => "turn the optical frame by 180 deg about its y: z is the direction of view",
         }

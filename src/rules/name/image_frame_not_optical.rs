@@ -42,7 +42,9 @@ impl Rule for ImageFrameNotOptical {
 
 /// Whether this rule says of a camera's frame that it is no optical one.
 pub(crate) fn reports(world: &World, bag: &BagEvidence, frame: &FrameId) -> bool {
-    let Some(limits) = limits_of::<ImageFrameNotOptical>() else { return false };
+    let Some(limits) = limits_of::<ImageFrameNotOptical>() else {
+        return false;
+    };
     let is_up = || up(world, frame).is_some_and(|(_, z_up)| z_up > limits.min_up && !has_word(frame, UPWARD_WORDS));
     let of_camera = cameras(bag).get(frame).is_some_and(|camera| camera.is_camera(frame));
     of_camera && !frame.has_token("optical") && (optical_beside(world, frame, limits.optical_deg).is_some() || is_up())

@@ -53,8 +53,7 @@ fn tells(mount: &Mount, limits: &Limits) -> bool {
     let not_turned = mount.parent_from_optical.angle().to_degrees() <= limits.exact_deg;
     // No camera is rolled by a quarter turn and looks sideways at once: exactly the inverse is a mistake anywhere.
     let inverse = AxisTurn::Optical.quaternion().inverse();
-    let is_inverse =
-        rotation_angle_between(&inverse, &mount.parent_from_optical).to_degrees() <= limits.exact_deg;
+    let is_inverse = rotation_angle_between(&inverse, &mount.parent_from_optical).to_degrees() <= limits.exact_deg;
     mount.is_sibling || (not_turned || is_inverse) && names::optical_stem(mount.parent).is_none()
 }
 
@@ -68,13 +67,17 @@ fn worst<'a>(graph: &'a FrameGraph, frame: &FrameId) -> Option<Mount<'a>> {
 
 /// Whether this rule finds more than a calibration in the turn of a frame.
 pub(crate) fn reports(world: &World, frame: &FrameId) -> bool {
-    let Some(limits) = limits_of::<OpticalSuffix>() else { return false };
+    let Some(limits) = limits_of::<OpticalSuffix>() else {
+        return false;
+    };
     worst(world.graph(), frame).is_some_and(|worst| off(&worst) > limits.calibrated_deg && tells(&worst, &limits))
 }
 
 /// Whether a frame is turned from the camera's own link as optical frames are.
 pub(crate) fn is_turned_from_its_link(world: &World, frame: &FrameId) -> bool {
-    let Some(limits) = limits_of::<OpticalSuffix>() else { return false };
+    let Some(limits) = limits_of::<OpticalSuffix>() else {
+        return false;
+    };
     worst(world.graph(), frame).is_some_and(|worst| worst.is_sibling && off(&worst) <= limits.calibrated_deg)
 }
 
@@ -90,7 +93,9 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
         return;
     };
     let deg = off(worst);
-    let measured = Measured::new("rotation off optical", deg, "deg").turn().limit(limits.exact_deg);
+    let measured = Measured::new("rotation off optical", deg, "deg")
+        .turn()
+        .limit(limits.exact_deg);
     if deg <= limits.exact_deg {
         out.pass(subject, [measured]);
         return;

@@ -34,8 +34,12 @@ impl Limits {
 
 /// The largest of the angles that are the turn of something, degrees, without its sign.
 fn turn_deg(measured: &[Measured]) -> Option<f64> {
-    let turns = measured.iter().filter(|measured| measured.is_turn && measured.unit == "deg");
-    let angles = turns.map(|measured| measured.value.abs()).filter(|angle| angle.is_finite());
+    let turns = measured
+        .iter()
+        .filter(|measured| measured.is_turn && measured.unit == "deg");
+    let angles = turns
+        .map(|measured| measured.value.abs())
+        .filter(|angle| angle.is_finite());
     angles.max_by(f64::total_cmp)
 }
 
@@ -77,7 +81,10 @@ impl Rule for RotationErrorBudget {
                 return out.pass(subject, std::iter::once(angle).chain(limits.measured(turn_deg)));
             }
             let why = if beyond > 0 {
-                format!("the angles that were found are all beyond {} deg: another direction altogether, no error of one", limits.max_deg)
+                format!(
+                    "the angles that were found are all beyond {} deg: another direction altogether, no error of one",
+                    limits.max_deg
+                )
             } else {
                 "no rule measured an angle that something is turned by".to_owned()
             };
@@ -87,7 +94,10 @@ impl Rule for RotationErrorBudget {
             return;
         };
         let sideways = limits.sideways_m(turn_deg);
-        let told: Vec<String> = sideways.iter().map(|(range_m, m)| format!("{m:.2} m at {range_m} m")).collect();
+        let told: Vec<String> = sideways
+            .iter()
+            .map(|(range_m, m)| format!("{m:.2} m at {range_m} m"))
+            .collect();
         let more = match others - 1 {
             0 => String::new(),
             1 => "; one more finding tells what its angle does".to_owned(),
@@ -111,7 +121,12 @@ mod tests {
 
     #[test]
     fn half_a_degree_at_fifty_metres_is_44_centimetres() {
-        let limits = Limits { near_m: 10.0, middle_m: 50.0, far_m: 100.0, max_deg: 45.0 };
+        let limits = Limits {
+            near_m: 10.0,
+            middle_m: 50.0,
+            far_m: 100.0,
+            max_deg: 45.0,
+        };
         let [near, middle, far] = limits.sideways_m(0.5).map(|(_, m)| m);
         assert!((middle - 0.436_327).abs() < 1e-6);
         assert!((near - middle / 5.0).abs() < 1e-12 && (far - 2.0 * middle).abs() < 1e-12);
