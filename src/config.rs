@@ -16,8 +16,12 @@
 //!   lidar-clouds: our-lidars.yaml  # a file beside this one, or the rows themselves
 //!   lidar-imus:
 //!     - {name: Ours, words: [ours], lever_mm: [1, 2, 3]}
+//! projections:                     # see `projections`
+//!   - topic: /points
+//!     range_image: {width: 1024, height: 64, fov_up_deg: 22.5, fov_down_deg: -22.5}
 //! ```
 
+mod projections;
 mod tables;
 
 use std::fs::File;
@@ -37,6 +41,7 @@ use crate::world::{Conventions, NamedDataset};
 use crate::world::conventions::{
     BodyAxes, Convention, Declaration, Fields, QuaternionAlgebra, QuaternionOrder, Scope, TimeScale, WorldAxes,
 };
+use crate::world::{Conventions, Projection};
 
 /// Bound on its size, bytes.
 const MAX_BYTES: u64 = 1 << 20;
@@ -54,6 +59,7 @@ pub struct Config {
     tables: Arc<Tables>,
     /// The dataset that it names, and where.
     dataset: Option<(NamedDataset, Span)>,
+    projections: Vec<projections::Declared>,
 }
 
 /// Why there is no configuration, with the place in words.
@@ -161,8 +167,18 @@ impl Config {
             place: id.map(|id| Place::text(id, *span)),
             ..declaration.clone()
         };
+        let projection = |declared: &projections::Declared| {
+            Some(Projection {
+                format: "frames-lint".to_owned(),
+                label: String::new(),
+                topic: declared.topic.clone(),
+                place: Place::text(id?, declared.span),
+                form: declared.form.clone(),
+            })
+        };
         Conventions {
             declarations: self.conventions.iter().map(placed).collect(),
+            projections: self.projections.iter().filter_map(projection).collect(),
         }
     }
 }
@@ -194,13 +210,14 @@ impl Reader<'_> {
         let Some(root) = self.document()? else {
             return Ok(empty);
         };
-        self.keys(&root, &["conventions", "dataset", "tables"])?;
+        self.keys(&root, &["conventions", "dataset", "projections", "tables"])?;
         let tables = match root.get("tables") {
             Some(node) => self.tables(node, folder)?,
             None => Tables::default(),
         };
         Ok(Config {
             conventions: self.conventions(&root)?,
+            projections: self.projections(&root)?,
             dataset: root.get("dataset").map(|node| self.dataset(node, &tables)).transpose()?,
             tables: Arc::new(tables),
             ..empty
@@ -383,7 +400,7 @@ mod tests {
     fn faults_have_a_place_and_say_what_is_known() {
         assert_eq!(
             fault("rules: {}\n"),
-            "c.yaml:1:1: unknown key `rules`; known keys: conventions, dataset, tables"
+            "c.yaml:1:1: unknown key `rules`; known keys: conventions, dataset, projections, tables"
         );
         assert_eq!(
             fault("conventions:\n  - topic: /imu\n    wrold: NED\n"),

@@ -15,6 +15,7 @@ pub mod geodesy;
 pub mod geoid;
 pub mod gravity;
 pub mod lag;
+pub mod lens;
 pub mod level;
 pub mod noise;
 pub mod planar_hand_eye;

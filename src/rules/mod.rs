@@ -42,6 +42,7 @@ pub mod urdf;
 use serde::de::DeserializeOwned;
 
 use crate::page::{Front, PageError};
+use crate::verdict::{Finding, Row};
 use crate::world::World;
 
 pub use judge::{Judge, Need};
@@ -57,9 +58,16 @@ pub trait Rule {
     /// The limits of the page, typed.
     type Limits: DeserializeOwned;
 
+    /// Whether the rule speaks of what the others found.
+    const REVIEWS: bool = false;
+
     /// Judges every subject of a world: one `pass`, `fail` or `not_evaluated` for each. Saying nothing at all means
     /// that the world holds no subject.
     fn judge(world: &World, limits: &Self::Limits, out: &mut Judge);
+
+    /// Speaks of what the other rules found, and may add to what they measured: asked last, instead of [`Rule::judge`], where
+    /// [`Rule::REVIEWS`] says so. As pure as that: findings and outcomes in, judgements out.
+    fn review(_found: &mut [Finding], _rows: &[Row], _limits: &Self::Limits, _out: &mut Judge) {}
 }
 
 /// The limits of another rule, as its page has them.
@@ -115,6 +123,7 @@ impl Evidence {
 pub struct NoLimits {}
 
 type Run = fn(&World, &Front, &mut Judge) -> Result<(), PageError>;
+type Review = fn(&mut [Finding], &[Row], &Front, &mut Judge) -> Result<(), PageError>;
 
 /// A registered rule.
 #[derive(Clone, Copy)]
@@ -127,6 +136,8 @@ pub struct Entry {
     pub evidence: Evidence,
     /// Loads the limits and judges.
     pub run: Run,
+    /// Loads the limits and speaks of what the others found, where the rule does that instead.
+    pub review: Option<Review>,
     /// Loads the limits only.
     pub check_limits: fn(&Front) -> Result<(), PageError>,
 }
@@ -140,8 +151,14 @@ const fn entry<R: Rule>() -> Entry {
             R::judge(world, &front.limits::<R::Limits>()?, out);
             Ok(())
         },
+        review: if R::REVIEWS { Some(review::<R>) } else { None },
         check_limits: |front| front.limits::<R::Limits>().map(|_| ()),
     }
+}
+
+fn review<R: Rule>(found: &mut [Finding], rows: &[Row], front: &Front, out: &mut Judge) -> Result<(), PageError> {
+    R::review(found, rows, &front.limits::<R::Limits>()?, out);
+    Ok(())
 }
 
 /// Every rule, in the order of the catalogue. Adding a rule: its page, its file, one line here.
@@ -179,6 +196,7 @@ pub static RULES: &[Entry] = &[
     entry::<rot::identity_or_placeholder::IdentityOrPlaceholder>(),
     entry::<rot::angle_unit::AngleUnit>(),
     entry::<rot::truncated_literal::TruncatedLiteral>(),
+    entry::<rot::rotation_error_budget::RotationErrorBudget>(),
     entry::<axes::imu_gravity_sign::ImuGravitySign>(),
     entry::<axes::imu_units::ImuUnits>(),
     entry::<axes::orientation_vs_gravity::OrientationVsGravity>(),
@@ -229,7 +247,11 @@ pub static RULES: &[Entry] = &[
     entry::<camera::camera_info_k_size::CameraInfoKSize>(),
     entry::<camera::camera_info_distortion::CameraInfoDistortion>(),
     entry::<camera::camera_info_r_p::CameraInfoRP>(),
+    entry::<camera::lidar_in_view::LidarInView>(),
+    entry::<camera::camera_extrinsic_direction::CameraExtrinsicDirection>(),
     entry::<camera::stereo_baseline::StereoBaseline>(),
+    entry::<camera::range_image_config::RangeImageConfig>(),
+    entry::<camera::bev_panorama_metadata::BevPanoramaMetadata>(),
     entry::<cov::cov_psd::CovPsd>(),
     entry::<cov::cov_order::CovOrder>(),
     entry::<cov::cov_unknown_marking::CovUnknownMarking>(),

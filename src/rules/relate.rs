@@ -33,7 +33,9 @@ impl Difference {
         let difference = classify_either_way(a, b, &Tolerance::default()).classification;
         let (deg, m) = (difference.angle_rad.to_degrees(), difference.distance_m);
         let measured = vec![
-            Measured::new("difference in rotation", deg, "deg").limit(same.deg),
+            Measured::new("difference in rotation", deg, "deg")
+                .turn()
+                .limit(same.deg),
             Measured::new("difference in translation", m, "m").limit(same.m),
         ];
         let is_same = deg <= same.deg && m <= same.m;

@@ -10,6 +10,7 @@ use super::camera::{CalibrationEvidence, ImageEvidence};
 use super::claim::Pose;
 use super::cloud::CloudEvidence;
 use super::motion::MotionEvidence;
+use super::projection::GridEvidence;
 
 /// A pose at a message.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -197,6 +198,9 @@ pub struct ContentEvidence {
     /// Clouds of points.
     #[serde(default)]
     pub clouds: Option<CloudEvidence>,
+    /// Grids.
+    #[serde(default)]
+    pub grids: Option<GridEvidence>,
     /// What it says of motion, row by row.
     #[serde(default)]
     pub motion: MotionEvidence,

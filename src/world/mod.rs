@@ -17,6 +17,7 @@ pub mod motion;
 pub mod number;
 pub mod origin;
 pub mod ouster;
+pub mod projection;
 pub mod qos;
 pub mod reference;
 pub mod robot;
@@ -41,6 +42,7 @@ pub use frame::{FrameId, FrameRole, FrameUse};
 pub use graph::FrameGraph;
 pub use origin::EarthOrigin;
 pub use ouster::OusterMetadata;
+pub use projection::Projection;
 pub use reference::{FileReference, ReferenceState};
 pub use robot::Robot;
 
@@ -81,6 +83,9 @@ pub struct World {
     /// The dataset that the user says this is.
     #[serde(skip)]
     pub dataset: Option<NamedDataset>,
+    /// Projections that files declare.
+    #[serde(default)]
+    pub projections: Vec<Projection>,
     #[serde(skip)]
     graph: OnceLock<FrameGraph>,
     #[serde(skip)]
@@ -106,6 +111,8 @@ pub struct Facts {
     pub origins: Vec<EarthOrigin>,
     /// What the metadata of Ouster sensors say.
     pub ousters: Vec<OusterMetadata>,
+    /// Projections that a file declares.
+    pub projections: Vec<Projection>,
 }
 
 /// A dataset that the configuration names.
@@ -118,6 +125,11 @@ pub struct NamedDataset {
 }
 
 impl World {
+    /// Projections that files and the configuration declare.
+    pub fn projections(&self) -> impl Iterator<Item = &Projection> {
+        self.projections.iter().chain(&self.conventions.projections)
+    }
+
     /// The source with this id.
     pub fn source(&self, id: SourceId) -> Option<&Source> {
         self.sources.get(id.0 as usize)
@@ -160,6 +172,7 @@ impl World {
         self.references.extend(facts.references);
         self.origins.extend(facts.origins);
         self.ousters.extend(facts.ousters);
+        self.projections.extend(facts.projections);
         self.graph = OnceLock::new();
         self.derived = Derived::default();
     }

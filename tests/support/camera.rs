@@ -4,6 +4,59 @@ use serde::Deserialize;
 
 use super::encode::Field;
 
+/// A grid, as published.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Grid {
+    /// Side of a cell, metres.
+    pub resolution: f64,
+    /// Cells along x and y.
+    pub size: [u32; 2],
+    /// x, y, z, metres.
+    #[serde(default)]
+    pub origin: [f64; 3],
+    /// x, y, z, w.
+    #[serde(default = "no_turn")]
+    pub orientation: [f64; 4],
+    /// Cells that follow, all unknown; as many as the size says by default.
+    pub data: Option<usize>,
+}
+
+fn no_turn() -> [f64; 4] {
+    [0.0, 0.0, 0.0, 1.0]
+}
+
+impl Grid {
+    /// The fields of a `nav_msgs/msg/OccupancyGrid` behind its header.
+    pub fn occupancy(&self) -> Vec<Field<'_>> {
+        let [width, height] = self.size;
+        let cells = usize::try_from(width * height).unwrap();
+        vec![
+            Field::U32(0),
+            Field::U32(0),
+            Field::F32(self.resolution as f32),
+            Field::U32(width),
+            Field::U32(height),
+            Field::F64s(self.origin.into()),
+            Field::F64s(self.orientation.into()),
+            Field::Bytes(vec![255; self.data.unwrap_or(cells)]),
+        ]
+    }
+
+    /// The fields of a `grid_map_msgs/msg/GridMap` behind its header.
+    pub fn layers(&self) -> Vec<Field<'_>> {
+        let lengths = self.size.map(|cells| f64::from(cells) * self.resolution);
+        vec![
+            Field::F64s(vec![self.resolution, lengths[0], lengths[1]]),
+            Field::F64s(self.origin.into()),
+            Field::F64s(self.orientation.into()),
+            Field::Empty(3),
+            Field::U16(0),
+            Field::U16(0),
+        ]
+    }
+}
+
 /// What a camera says, as published.
 #[derive(Clone, Debug, Deserialize)]
 pub struct Camera {

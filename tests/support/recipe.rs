@@ -39,6 +39,8 @@
 //! - sensor_msgs/msg/CameraInfo and Image: `camera: {size: [w, h], k: [fx, fy, cx, cy] or all nine, d: [..], model: plumb_bob,
 //!   r: [9], p: [fx, fy, cx, cy, Tx] or all twelve (that of K), binning: [x, y], roi: [left, top, w, h], encoding: rgb8}`; without
 //!   it zeros
+//! - nav_msgs/msg/OccupancyGrid and grid_map_msgs/msg/GridMap: `grid: {resolution, size: [w, h], origin: [x, y, z], orientation: [x, y, z, w],
+//!   data: cells that follow}`
 //!
 //! **A drive** with exact truth, realistic noise and, where wanted, convention errors (`drive/`): topics and transforms
 //! with `from_drive` are its sensors, and all of them fit together.

@@ -363,6 +363,67 @@ float32[] intensities
 ",
     ),
     (
+        "nav_msgs/msg/MapMetaData",
+        "
+builtin_interfaces/Time map_load_time
+float32 resolution
+uint32 width
+uint32 height
+geometry_msgs/Pose origin
+",
+    ),
+    (
+        "nav_msgs/msg/OccupancyGrid",
+        "
+std_msgs/Header header
+MapMetaData info
+int8[] data
+",
+    ),
+    (
+        "grid_map_msgs/msg/GridMapInfo",
+        "
+float64 resolution
+float64 length_x
+float64 length_y
+geometry_msgs/Pose pose
+",
+    ),
+    (
+        "grid_map_msgs/msg/GridMap",
+        "
+std_msgs/Header header
+GridMapInfo info
+string[] layers
+string[] basic_layers
+std_msgs/Float32MultiArray[] data
+uint16 outer_start_index
+uint16 inner_start_index
+",
+    ),
+    (
+        "std_msgs/msg/Float32MultiArray",
+        "
+MultiArrayLayout layout
+float32[] data
+",
+    ),
+    (
+        "std_msgs/msg/MultiArrayLayout",
+        "
+MultiArrayDimension[] dim
+uint32 data_offset
+",
+    ),
+    (
+        "std_msgs/msg/MultiArrayDimension",
+        "
+string label
+uint32 size
+uint32 stride
+",
+    ),
+    (
         "sensor_msgs/msg/Image",
         "
 # This message contains an uncompressed image

@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::camera::Camera;
+use super::camera::{Camera, Grid};
 use super::clouds::Lidar;
 use super::drive::nmea::Kind;
 use super::drive::rows::PoseRow;
@@ -125,6 +125,7 @@ pub struct Topic {
     pub(super) north_velocity: f64,
     pub(super) nan_from_s: Option<f64>,
     pub(super) camera: Option<Camera>,
+    pub(super) grid: Option<Grid>,
     pub(super) lidar: Option<Lidar>,
 }
 

@@ -7,14 +7,14 @@ use super::super::point::{On, Point};
 
 /// The first different values of a topic, each with how often it came.
 #[derive(Debug)]
-struct Different<T> {
+pub(super) struct Different<T> {
     most: usize,
-    kept: Vec<(Point, u64, T)>,
-    others: u64,
+    pub(super) kept: Vec<(Point, u64, T)>,
+    pub(super) others: u64,
 }
 
 impl<T> Different<T> {
-    fn new(most: usize) -> Self {
+    pub(super) fn new(most: usize) -> Self {
         Self {
             most,
             kept: Vec::new(),
@@ -22,7 +22,7 @@ impl<T> Different<T> {
         }
     }
 
-    fn push(&mut self, point: Point, is_it: impl Fn(&T) -> bool, make: impl FnOnce() -> T) {
+    pub(super) fn push(&mut self, point: Point, is_it: impl Fn(&T) -> bool, make: impl FnOnce() -> T) {
         // Most topics repeat their last value.
         let known = self.kept.iter_mut().rev().find(|(_, _, kept)| is_it(kept));
         if let Some((_, count, _)) = known {
@@ -34,7 +34,7 @@ impl<T> Different<T> {
         }
     }
 
-    fn count(&self) -> u64 {
+    pub(super) fn count(&self) -> u64 {
         self.kept.iter().map(|(_, count, _)| count).sum::<u64>() + self.others
     }
 }

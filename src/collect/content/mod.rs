@@ -4,6 +4,7 @@ mod camera;
 mod cloud;
 mod covariance;
 mod fixes;
+mod grid;
 mod imu;
 pub(super) mod motion;
 mod odometry;
@@ -24,6 +25,7 @@ use camera::{Calibrations, Images};
 use cloud::Clouds;
 use covariance::Covariances;
 use fixes::Fixes;
+use grid::Grids;
 use imu::Inertial;
 use motion::Motion;
 use odometry::Odometries;
@@ -45,6 +47,7 @@ pub(super) struct Contents {
     calibrations: Option<Box<Calibrations>>,
     images: Option<Box<Images>>,
     clouds: Option<Box<Clouds>>,
+    grids: Option<Box<Grids>>,
     motion: Motion,
 }
 
@@ -61,6 +64,7 @@ impl Contents {
             calibrations: None,
             images: None,
             clouds: None,
+            grids: None,
             motion: Motion::new(room),
         }
     }
@@ -105,6 +109,10 @@ impl Contents {
                     .get_or_insert_with(|| Box::new(Clouds::new(share, Arc::clone(&self.time_fields))))
                     .push(point, cloud);
             }
+            Body::Grid(grid) => self
+                .grids
+                .get_or_insert_with(|| Box::new(Grids::new()))
+                .push(point, grid),
             Body::Nothing
             | Body::ChildFrame(_)
             | Body::Transforms(_)
@@ -197,6 +205,7 @@ impl Contents {
             calibrations: self.calibrations.map(|calibrations| calibrations.finish(on)),
             images: self.images.map(|images| images.finish(on)),
             clouds: self.clouds.map(|clouds| clouds.finish(on)),
+            grids: self.grids.map(|grids| grids.finish(on)),
             motion: self.motion.finish(),
         }
     }

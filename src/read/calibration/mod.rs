@@ -11,6 +11,7 @@ mod names;
 mod numbers;
 mod origins;
 pub mod ouster;
+mod projections;
 mod references;
 pub(crate) mod repair;
 mod shapes;
@@ -102,6 +103,7 @@ fn read_text(source: &mut Source, text: &str, parse: impl Fn(&str, usize) -> (Do
         facts.references.extend(references::collect(root, source.id));
         facts.origins.extend(origins::collect(root, source.id));
         facts.ousters.extend(ouster::collect(root, source.id));
+        facts.projections.extend(projections::collect(root, source.id));
     }
     let reached = documents.fault.as_ref().map_or(text.len(), |fault| fault.at);
     source.examined.bytes = reached as u64;
@@ -179,6 +181,8 @@ fn describe(source: &mut Source, text: &str, documents: &Documents, mended: &Men
         notes.push("metadata of an Ouster, and no transforms".to_owned());
     } else if !facts.origins.is_empty() && facts.claims.is_empty() {
         notes.push("an origin on the Earth, and no transforms".to_owned());
+    } else if !facts.projections.is_empty() && facts.claims.is_empty() {
+        notes.push("a projection, and no transforms".to_owned());
     } else if facts.claims.is_empty() && facts.chains.is_empty() {
         notes.push("no transforms found".to_owned());
     }

@@ -81,6 +81,8 @@ pub enum Body<'m> {
     Cloud(Box<Cloud<'m>>),
     /// An image, its bytes aside.
     Image(Image<'m>),
+    /// A grid, its cells aside.
+    Grid(Box<Grid>),
     /// The text of a robot description.
     Description(Cow<'m, str>),
     /// A text that may be what a sensor says of itself.
@@ -251,6 +253,33 @@ pub struct Roi {
     pub width: u32,
     /// Whether the image is to be rectified.
     pub do_rectify: bool,
+}
+
+/// `nav_msgs/msg/OccupancyGrid` or `grid_map_msgs/msg/GridMap`, their cells aside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Side of a cell, metres.
+    pub resolution_m: f64,
+    /// Cells along x and y; of a `GridMap` lengths over the resolution.
+    pub cells: [f64; 2],
+    /// Of the corner of the first cell, or of a `GridMap`'s centre; metres.
+    pub position: [f64; 3],
+    /// `[x, y, z, w]`, not normalised.
+    pub orientation: [f64; 4],
+    /// How many cells follow, where they are one list.
+    pub data: Option<u64>,
+}
+
+impl Grid {
+    /// Whether two are the same bit by bit.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let bits = |grid: &Self| {
+            let numbers = grid.cells.iter().chain(&grid.position).chain(&grid.orientation);
+            let bits: Vec<u64> = numbers.map(|value| value.to_bits()).collect();
+            (grid.resolution_m.to_bits(), bits, grid.data)
+        };
+        bits(self) == bits(other)
+    }
 }
 
 /// `sensor_msgs/msg/Image`, its bytes aside.

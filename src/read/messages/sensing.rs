@@ -1,9 +1,10 @@
-//! The standard types of cameras: calibrations and images.
+//! The standard types of cameras, calibrations and images, and of grids.
 //!
 //! Owns the order of their fields. Sources: sensor_msgs (common_interfaces, common_msgs); the order is the same in ROS 1 and
-//! ROS 2. The bytes of an image are never touched.
+//! ROS 2. The bytes of an image and the cells of a grid are never touched.
+//! nav_msgs (OccupancyGrid), grid_map_msgs (GridMap: in ROS 1 the header is that of its GridMapInfo, in ROS 2 its own: the bytes are the same).
 
-use super::content::{Body, CameraInfo, Image, MAX_DISTORTION, Roi};
+use super::content::{Body, CameraInfo, Grid, Image, MAX_DISTORTION, Roi};
 use super::{Cursor, DecodeError};
 
 /// Reads the rest of a `sensor_msgs/CameraInfo` behind its header.
@@ -48,4 +49,28 @@ pub(super) fn image<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError
         width,
         encoding: cursor.name()?.into(),
     }))
+}
+
+/// Reads a `nav_msgs/OccupancyGrid` behind its header, as far as the count of its cells.
+pub(super) fn occupancy_grid<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
+    cursor.time()?;
+    Ok(Body::Grid(Box::new(Grid {
+        resolution_m: f64::from(cursor.f32()?),
+        cells: [f64::from(cursor.u32()?), f64::from(cursor.u32()?)],
+        position: cursor.f64s()?,
+        orientation: cursor.f64s()?,
+        data: Some(u64::from(cursor.u32()?)),
+    })))
+}
+
+/// Reads a `grid_map_msgs/GridMap` behind its header, as far as its pose.
+pub(super) fn grid_map<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
+    let [resolution_m, along_x_m, along_y_m] = cursor.f64s()?;
+    Ok(Body::Grid(Box::new(Grid {
+        resolution_m,
+        cells: [along_x_m / resolution_m, along_y_m / resolution_m],
+        position: cursor.f64s()?,
+        orientation: cursor.f64s()?,
+        data: None,
+    })))
 }

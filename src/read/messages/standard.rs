@@ -19,12 +19,20 @@ pub(super) enum Standard {
     GpsFix,
     GeoPoint,
     GeoPose,
-    Pose { covariance: bool },
+    Pose {
+        covariance: bool,
+    },
     Path,
-    Twist { covariance: bool },
+    Twist {
+        covariance: bool,
+    },
     Orientation,
     Vector,
     CameraInfo,
+    /// A map or a cost map.
+    OccupancyGrid,
+    /// A map of layers.
+    GridMap,
     Image,
     Cloud,
     LivoxCloud,
@@ -74,6 +82,8 @@ impl Standard {
             "geographic_msgs/GeoPointStamped" => Self::GeoPoint,
             "geographic_msgs/GeoPoseStamped" => Self::GeoPose,
             "livox_ros_driver2/CustomMsg" | "livox_ros_driver/CustomMsg" => Self::LivoxCloud,
+            "nav_msgs/OccupancyGrid" => Self::OccupancyGrid,
+            "grid_map_msgs/GridMap" => Self::GridMap,
             "nav_msgs/Path" => Self::Path,
             "nmea_msgs/Sentence" => Self::Nmea,
             "rosgraph_msgs/Clock" => Self::Clock,
@@ -155,6 +165,8 @@ impl Standard {
             Self::Nmea => nmea::body(cursor),
             Self::CameraInfo => sensing::camera_info(cursor),
             Self::Image => sensing::image(cursor),
+            Self::OccupancyGrid => sensing::occupancy_grid(cursor),
+            Self::GridMap => sensing::grid_map(cursor),
             Self::Cloud => cloud::point_cloud(cursor),
             Self::LivoxCloud => cloud::livox(cursor),
             Self::Tf | Self::Transform | Self::NmeaText | Self::Description | Self::Metadata | Self::Clock => {

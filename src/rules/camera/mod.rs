@@ -1,17 +1,90 @@
 //! Rules of cameras.
 
+use nalgebra::Vector3;
+
+use crate::rules::names;
 use crate::source::Place;
 use crate::verdict::NotEvaluated;
 use crate::world::camera::Calibration;
-use crate::world::{BagEvidence, World};
+use crate::world::{BagEvidence, FrameId, World};
 
 use super::Judge;
 
+pub mod bev_panorama_metadata;
+pub mod camera_extrinsic_direction;
 pub mod camera_info_distortion;
 pub mod camera_info_k_size;
 pub mod camera_info_r_p;
+mod declared;
+mod fault;
+mod grids;
+pub mod lidar_in_view;
+mod looks;
 pub mod optical_rotation;
+pub mod range_image_config;
+mod range_images;
 pub mod stereo_baseline;
+mod views;
+
+/// Words of cameras that look up or down on purpose.
+const VERTICAL: &[&str] = &[
+    "up",
+    "upward",
+    "upwards",
+    "ceiling",
+    "sky",
+    "zenith",
+    "down",
+    "downward",
+    "downwards",
+    "floor",
+    "ground",
+    "nadir",
+    "bottom",
+    "belly",
+    "wrist",
+    "gripper",
+    "hand",
+    "tool",
+    "arm",
+    "mast",
+    "head",
+];
+
+/// Words of cameras that look ahead, or back.
+const AHEAD: &[&str] = &["front", "forward"];
+const BACK: &[&str] = &["rear", "back", "backward", "backwards"];
+
+/// What a camera's name says of the way it looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Ways {
+    /// That it looks so.
+    Fit,
+    /// That it looks the other way.
+    Against,
+    /// Nothing that decides.
+    Unnamed,
+}
+
+/// What a camera's name says of a direction of view in the base, a unit vector: within 45 degrees of the opposite of its name it is
+/// against it, within 60 of its name it fits. Of a pair, `left` and `right` say where a camera is, and are never against it.
+fn looks_against_its_name(frame: &FrameId, looks: &Vector3<f64>) -> Ways {
+    let named = match (names::has_word(frame, AHEAD), names::has_word(frame, BACK)) {
+        (true, false) => looks.x,
+        (false, true) => -looks.x,
+        _ => match (names::has_word(frame, &["left"]), names::has_word(frame, &["right"])) {
+            (true, false) => looks.y.max(0.0),
+            (false, true) => (-looks.y).max(0.0),
+            _ => return Ways::Unnamed,
+        },
+    };
+    let half_right = std::f64::consts::FRAC_1_SQRT_2;
+    match named {
+        cosine if cosine < -half_right => Ways::Against,
+        cosine if cosine > 0.5 => Ways::Fit,
+        _ => Ways::Unnamed,
+    }
+}
 
 /// A calibration of a recording's camera.
 #[derive(Clone, Copy, Debug)]
@@ -57,6 +130,13 @@ impl<'w> Published<'w> {
 
     pub(crate) fn place(&self) -> Place {
         Place::message(self.bag.source, self.calibration.at.clone())
+    }
+
+    /// The frame that its messages name.
+    pub(crate) fn frame(&self) -> Option<FrameId> {
+        let topic = self.bag.topics.get(self.topic)?;
+        let mut frames = topic.header_frames.keys().map(FrameId::canonical);
+        frames.find(|frame| !frame.as_str().is_empty())
     }
 
     /// Focal lengths and principal point, pixels: fx, fy, cx, cy.

@@ -3,14 +3,13 @@
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use crate::math::constants::AxisTurn;
-use crate::math::rotation::rotation_angle_between;
 use crate::rules::motion::mount;
-use crate::rules::name::optical_suffix::OpticalSuffix;
-use crate::rules::optical::mounts;
-use crate::rules::{Judge, Need, Rule, limits_of, names, places};
+use crate::rules::name::optical_suffix;
+use crate::rules::{Judge, Need, Rule, names, places};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{FrameId, World};
+
+use super::{VERTICAL, Ways, lidar_in_view, looks_against_its_name};
 
 /// CAMERA01.
 pub struct OpticalRotation;
@@ -23,31 +22,6 @@ pub struct Limits {
     min_down: f64,
 }
 
-/// Words of cameras that look up or down on purpose.
-const VERTICAL: &[&str] = &[
-    "up",
-    "upward",
-    "upwards",
-    "ceiling",
-    "sky",
-    "zenith",
-    "down",
-    "downward",
-    "downwards",
-    "floor",
-    "ground",
-    "nadir",
-    "bottom",
-    "belly",
-    "wrist",
-    "gripper",
-    "hand",
-    "tool",
-    "arm",
-    "mast",
-    "head",
-];
-
 impl Rule for OpticalRotation {
     const PAGE: &'static str = include_str!("../../../rules/camera/optical-rotation.md");
     const NEEDS: &'static [Need] = &[Need::RobotOrTf];
@@ -55,22 +29,21 @@ impl Rule for OpticalRotation {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         for frame in &world.graph().frames {
-            if let Some(stem) = names::optical_stem(frame) {
-                judge_frame(world, frame, &stem, limits, out);
+            if names::optical_stem(frame).is_some() {
+                judge_frame(world, frame, limits, out);
             }
         }
     }
 }
 
-fn judge_frame(world: &World, frame: &FrameId, stem: &[String], limits: &Limits, out: &mut Judge) {
+fn judge_frame(world: &World, frame: &FrameId, limits: &Limits, out: &mut Judge) {
     let subject = format!("view of `{frame}`");
-    let calibrated_deg = limits_of::<OpticalSuffix>().map_or(0.0, |limits| limits.calibrated_deg);
-    let is_off = mounts(world.graph(), frame, stem).iter().any(|mount| {
-        let off = rotation_angle_between(&AxisTurn::Optical.quaternion(), &mount.parent_from_optical);
-        mount.is_sibling && off.to_degrees() > calibrated_deg
-    });
-    if is_off {
+    if optical_suffix::reports(world, frame) {
         let why = "its axes are not the optical ones of its camera, as NAME06 reports";
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    if lidar_in_view::reports(world, frame) {
+        let why = "CAMERA05 reports what is wrong with it, by what a lidar sees";
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
     let Some(mount) = mount(world, frame) else {
@@ -119,6 +92,20 @@ fn judge_frame(world: &World, frame: &FrameId, stem: &[String], limits: &Limits,
             .hint()
             .relation("upside-down")
             .help("right for a camera that hangs on its head and whose images are not turned; else turn the frame by 180 deg about its z");
+        return out.fail(measured.into_iter().fold(finding, Finding::measured));
+    }
+    let looks = turned * Vector3::z();
+    if looks_against_its_name(frame, &looks) == Ways::Against {
+        let message = format!(
+            "`{frame}` looks {} in `{}`, and its name says the opposite: its z axis points {:.0} deg from x",
+            if looks.x > 0.0 { "ahead" } else { "back" },
+            mount.base,
+            looks.angle(&Vector3::x()).to_degrees()
+        );
+        let finding = Finding::warning(subject, message, place)
+            .likely()
+            .relation("reversed")
+            .help("z is the direction of view (REP-103): RPY(-pi/2, 0, -pi/2) from a link with x forward, not RPY(-pi/2, 0, pi/2)");
         return out.fail(measured.into_iter().fold(finding, Finding::measured));
     }
     out.pass(subject, measured);

@@ -6,8 +6,8 @@ use serde::Deserialize;
 
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::World;
 use crate::world::camera::Calibration;
-use crate::world::{FrameId, World};
 
 use super::Published;
 
@@ -72,12 +72,6 @@ fn left_topics(right: &str) -> Vec<String> {
     found
 }
 
-/// The frame that the messages of a calibration name.
-fn frame(published: &Published) -> Option<FrameId> {
-    let topic = published.bag.topics.get(published.topic)?;
-    topic.header_frames.keys().next().map(FrameId::canonical)
-}
-
 /// By how much the right camera lies to the right of the left one, metres, by the projection of the right one.
 fn baseline(calibration: &Calibration) -> Option<f64> {
     let [fx, _, _, tx, ..] = calibration.p;
@@ -93,7 +87,7 @@ fn judge_pair(world: &World, left: &Published, right: &Published, limits: &Limit
     if of_left.abs() < limits.least_m && by_p.abs() < limits.least_m {
         return missing(out, "neither P has a Tx: the two were not calibrated as a pair");
     }
-    let (Some(left_frame), Some(right_frame)) = (frame(left), frame(right)) else {
+    let (Some(left_frame), Some(right_frame)) = (left.frame(), right.frame()) else {
         return missing(out, "one of the two names no frame");
     };
     if left_frame == right_frame {

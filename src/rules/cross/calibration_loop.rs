@@ -113,7 +113,7 @@ impl Loop<'_> {
         let (angle_deg, distance_m) = (closure.rotation.angle().to_degrees(), closure.translation.vector.norm());
         let sigmas = (angle_deg / limits.edge_deg).max(distance_m / limits.edge_m) / 3_f64.sqrt();
         let measured = [
-            Measured::new("angle that is left", angle_deg, "deg"),
+            Measured::new("angle that is left", angle_deg, "deg").turn(),
             Measured::new("distance that is left", distance_m, "m"),
             Measured::new("of what three calibrations may leave", sigmas, "1").limit(limits.warn_sigmas),
         ];

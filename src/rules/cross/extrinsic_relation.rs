@@ -55,7 +55,9 @@ fn judge_pair(world: &World, mut pair: Pair, limits: &Limits, out: &mut Judge) {
     let found = blame(&mut pair, limits.mount_m);
     let (angle_deg, distance_m) = (found.angle_rad.to_degrees(), found.distance_m);
     let difference = [
-        Measured::new("rotation difference", angle_deg, "deg").limit(Tolerance::default().angle_rad.to_degrees()),
+        Measured::new("rotation difference", angle_deg, "deg")
+            .turn()
+            .limit(Tolerance::default().angle_rad.to_degrees()),
         Measured::new("translation difference", distance_m, "m").limit(Tolerance::default().distance_m),
     ];
     let small = angle_deg <= limits.small_deg && distance_m <= limits.small_m;

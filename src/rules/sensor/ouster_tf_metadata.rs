@@ -108,7 +108,7 @@ impl<'p, 'w> Statement<'p, 'w> {
             .map(|known| ((known.0 - place_mm).norm(), known))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let is_turned = turned_deg > limits.max_turn_deg;
-        let turn = Measured::new("rotation from what it should be", turned_deg, "deg").limit(limits.max_turn_deg);
+        let turn = Measured::new("rotation from what it should be", turned_deg, "deg").turn().limit(limits.max_turn_deg);
         let (Some((off_mm, nearest)), _) = (nearest, is_turned) else {
             let model = self.model.as_deref().unwrap_or("this sensor");
             let why = format!("no metadata of {model} are in the table, so that nothing says where the part should be (turned by {turned_deg:.2} deg from what all have)");
