@@ -5,15 +5,19 @@ mod cloud;
 mod covariance;
 mod fixes;
 mod imu;
+mod laser;
 pub(super) mod motion;
 mod odometry;
 mod path;
+mod radar;
+mod runs;
 mod slices;
 pub(super) mod steps;
 
 use std::collections::BTreeMap;
 
 use crate::read::messages::content::{Body, Fix, Imu, Odometry, Pose, Twist};
+use crate::read::messages::radar::Columns;
 use crate::world::content::{ContentEvidence, CovarianceEvidence};
 
 use super::point::{On, Point};
@@ -24,8 +28,10 @@ use cloud::Clouds;
 use covariance::Covariances;
 use fixes::Fixes;
 use imu::Inertial;
+use laser::Lasers;
 use motion::Motion;
 use odometry::Odometries;
+use radar::Radars;
 
 /// Poses and twists have six degrees of freedom, positions and vectors three.
 type Six = Covariances<6, 36>;
@@ -42,6 +48,8 @@ pub(super) struct Contents {
     calibrations: Option<Box<Calibrations>>,
     images: Option<Box<Images>>,
     clouds: Option<Box<Clouds>>,
+    lasers: Option<Box<Lasers>>,
+    radar: Option<Box<Radars>>,
     motion: Motion,
 }
 
@@ -57,6 +65,8 @@ impl Contents {
             calibrations: None,
             images: None,
             clouds: None,
+            lasers: None,
+            radar: None,
             motion: Motion::new(room),
         }
     }
@@ -71,6 +81,12 @@ impl Contents {
         }
         if let Some(clouds) = &mut self.clouds {
             clouds.seam();
+        }
+        if let Some(lasers) = &mut self.lasers {
+            lasers.seam();
+        }
+        if let Some(radar) = &mut self.radar {
+            radar.seam();
         }
         self.motion.seam();
     }
@@ -100,7 +116,17 @@ impl Contents {
                 self.clouds
                     .get_or_insert_with(|| Box::new(Clouds::new(share)))
                     .push(point, cloud);
+                if let Some(columns) = Columns::of(cloud) {
+                    self.radar(point).cloud(point, cloud, &columns);
+                }
             }
+            Body::LaserScan(scan) => {
+                let share = self.share;
+                self.lasers
+                    .get_or_insert_with(|| Box::new(Lasers::new(share, point)))
+                    .push(point, scan);
+            }
+            Body::Radar(radar) => self.radar(point).push(point, radar),
             Body::Nothing
             | Body::ChildFrame(_)
             | Body::Transforms(_)
@@ -108,6 +134,11 @@ impl Contents {
             | Body::Frames(_)
             | Body::Clock(_) => {}
         }
+    }
+
+    fn radar(&mut self, point: Point) -> &mut Radars {
+        let share = self.share;
+        self.radar.get_or_insert_with(|| Box::new(Radars::new(share, point)))
     }
 
     fn odometry(&mut self, point: Point, odometry: &Odometry<'_>) {
@@ -192,6 +223,8 @@ impl Contents {
             calibrations: self.calibrations.map(|calibrations| calibrations.finish(on)),
             images: self.images.map(|images| images.finish(on)),
             clouds: self.clouds.map(|clouds| clouds.finish(on)),
+            lasers: self.lasers.map(|lasers| Box::new(lasers.finish(on))),
+            radar: self.radar.and_then(|radar| radar.finish(on).map(Box::new)),
             motion: self.motion.finish(),
         }
     }

@@ -1,9 +1,9 @@
-//! The standard types of cameras: calibrations and images.
+//! The standard types of cameras and planar scanners: calibrations, images, scans.
 //!
 //! Owns the order of their fields. Sources: sensor_msgs (common_interfaces, common_msgs); the order is the same in ROS 1 and
 //! ROS 2. The bytes of an image are never touched.
 
-use super::content::{Body, CameraInfo, Image, MAX_DISTORTION, Roi};
+use super::content::{Body, CameraInfo, Image, LaserScan, MAX_DISTORTION, Roi};
 use super::{Cursor, DecodeError};
 
 /// Reads the rest of a `sensor_msgs/CameraInfo` behind its header.
@@ -48,4 +48,23 @@ pub(super) fn image<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError
         width,
         encoding: cursor.name()?.into(),
     }))
+}
+
+/// Reads a `sensor_msgs/LaserScan` behind its header, as far as its ranges.
+pub(super) fn laser_scan<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
+    let mut of = || cursor.f32().map(f64::from);
+    let angles = [of()?, of()?, of()?];
+    let [time_increment, scan_time] = [of()?, of()?];
+    let range = [of()?, of()?];
+    let count = cursor.u32()?;
+    // Nothing is set aside for the number that a message claims.
+    let ranges = (0..count).map(|_| cursor.f32().map(f64::from));
+    Ok(Body::LaserScan(Box::new(LaserScan {
+        angles,
+        time_increment,
+        scan_time,
+        range,
+        ranges: ranges.collect::<Result<_, DecodeError>>()?,
+        pose: None,
+    })))
 }
