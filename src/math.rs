@@ -7,6 +7,7 @@ pub mod axis_maps;
 pub mod circular;
 pub mod constants;
 pub mod distortion;
+pub mod doppler;
 pub mod earth_turns;
 pub mod effective;
 pub mod euler;

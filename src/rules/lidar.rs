@@ -1,6 +1,6 @@
 //! The clouds of a world, each with what its fields say of the sensor. Must not judge.
 
-use crate::rules::names;
+use crate::rules::{names, radar};
 use crate::source::Place;
 use crate::tables::{self, CloudDriver};
 use crate::world::bag::TopicEvidence;
@@ -115,7 +115,7 @@ impl<'w> Clouds<'w> {
         let words = self.topic.words();
         let has_word = words.iter().any(|word| LIDARS.contains(&word.as_str()));
         let has_colour = ["rgb", "rgba"].iter().any(|name| self.datatype(name).is_some());
-        !is_registered && !has_colour && (self.driver.is_some() || has_field || has_word)
+        !is_registered && !has_colour && !radar::is_of_a_radar(self.topic) && (self.driver.is_some() || has_field || has_word)
     }
 
     /// From one cloud to the next, seconds.

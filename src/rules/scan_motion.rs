@@ -33,12 +33,17 @@ pub(crate) struct Moment {
 }
 
 impl Moment {
-    fn of(slice: &CloudSlice, start_ns: i64) -> Self {
+    /// Of a message with such a stamp, where it has one, and such a log time.
+    pub(crate) fn new(stamp_ns: Option<i64>, log_ns: i64, start_ns: i64) -> Self {
         let seconds = |ns: i64| ns.saturating_sub(start_ns) as f64 * 1e-9;
         Self {
-            stamp_s: slice.stamp_ns.map(seconds),
-            log_s: seconds(slice.log_ns),
+            stamp_s: stamp_ns.map(seconds),
+            log_s: seconds(log_ns),
         }
+    }
+
+    fn of(slice: &CloudSlice, start_ns: i64) -> Self {
+        Self::new(slice.stamp_ns, slice.log_ns, start_ns)
     }
 
     /// The same moment on the clock of a stream whose stamps are so much later than its log times.
