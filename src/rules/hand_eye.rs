@@ -36,7 +36,8 @@ pub(crate) struct Pair {
     pub(crate) body: Isometry3<f64>,
     /// Of the lidar, in its own axes, by its scans.
     pub(crate) lidar: Isometry3<f64>,
-    /// Standard error of the scans' match, metres.
+    /// Standard errors of the scans' match, radians and metres.
+    pub(crate) sigma_rad: f64,
     pub(crate) sigma_m: f64,
 }
 
@@ -54,8 +55,27 @@ impl Pair {
 }
 
 impl HandEye {
-    /// The pairs of a lidar, of steps put together until they are enough; or why there are none.
+    /// The pairs of a lidar, of steps put together until they are enough; or why there are none. A planar scanner that turns against
+    /// the poses has none: what that is, AXES11 says.
     pub(crate) fn of(
+        world: &World,
+        clouds: &Clouds,
+        is_enough: impl Fn(&Moved) -> bool + Copy,
+    ) -> Result<Self, (NotEvaluated, String)> {
+        let known = Self::unchecked(world, clouds, is_enough)?;
+        let both = |pair: &Pair| {
+            let lidar = known.told.rotation * pair.lidar.rotation.scaled_axis();
+            pair.body.rotation.scaled_axis().z * lidar.z
+        };
+        if clouds.laser.is_some() && known.pairs.iter().map(both).sum::<f64>() < 0.0 {
+            let why = format!("it turns against {}, which is for AXES11 to judge", known.poses.0);
+            return Err((NotEvaluated::TooLittleEvidence, why));
+        }
+        Ok(known)
+    }
+
+    /// [`Self::of`], whichever way it turns.
+    pub(crate) fn unchecked(
         world: &World,
         clouds: &Clouds,
         is_enough: impl Fn(&Moved) -> bool + Copy,
@@ -70,8 +90,7 @@ impl HandEye {
         let no_poses = || missing("no poses of a frame that is tied to it say how the platform moved");
         let steps = scans.steps(clouds).ok_or_else(no_poses)?;
         if steps.is_up.is_none() {
-            let why = "no ground shows that the plane of its x and y is level".to_owned();
-            return Err((NotEvaluated::TooLittleEvidence, why));
+            return Err((NotEvaluated::TooLittleEvidence, steps.why.to_owned()));
         }
         let poses = motion.bags.get(clouds.index).map_or(&[][..], |bag| &bag.poses);
         let tied = poses.iter().filter(|poses| poses.is_way()).filter_map(|poses| {
@@ -101,6 +120,7 @@ fn pairs(steps: &Steps, poses: &Stream<PoseRow>, is_enough: impl Fn(&Moved) -> b
         Some(Pair {
             body: from.inv_mul(&to),
             lidar: in_space(&moved.motion),
+            sigma_rad: moved.sigma[0],
             sigma_m: moved.sigma[1],
         })
     };

@@ -12,6 +12,10 @@ use super::runs::Runs;
 
 /// Cosine of the angle from which on the plane of a scan is no longer that of its frame's x and y.
 const LEVEL: f64 = 0.99;
+/// Scans of a run are so far apart at least, nanoseconds: robots in halls hardly move from one of forty scans a second to the next.
+const APART_NS: i64 = 90_000_000;
+/// Scans of a run: twice as many as of clouds, in half as many runs.
+const RUN_SCANS: usize = 2 * RUN_CLOUDS;
 
 /// Takes in scans in recording order.
 pub(super) struct Lasers {
@@ -19,6 +23,8 @@ pub(super) struct Lasers {
     count: u64,
     scans: Thinned<LaserScanAt>,
     runs: Runs<CloudSlice>,
+    /// Log time of the last scan of a run.
+    last_ns: Option<i64>,
 }
 
 impl Lasers {
@@ -27,13 +33,15 @@ impl Lasers {
             first,
             count: 0,
             scans: Thinned::new(MAX_SCANS.min(share.stamps)),
-            runs: Runs::new(share.runs, RUN_CLOUDS),
+            runs: Runs::new(share.runs / 2, RUN_SCANS),
+            last_ns: None,
         }
     }
 
     /// Scans were left out here.
     pub(super) fn seam(&mut self) {
         self.runs.seam();
+        self.last_ns = None;
     }
 
     pub(super) fn push(&mut self, point: Point, scan: &LaserScan) {
@@ -49,6 +57,11 @@ impl Lasers {
             rays: number(scan.ranges.len()),
             returns: number(returns),
         });
+        let near = |last_ns: i64| (0..APART_NS).contains(&point.log_ns.saturating_sub(last_ns));
+        if self.last_ns.is_some_and(near) {
+            return;
+        }
+        self.last_ns = Some(point.log_ns);
         self.runs.push(|| CloudSlice {
             stamp_ns: point.stamp_ns.filter(|stamp| *stamp != 0),
             log_ns: point.log_ns,

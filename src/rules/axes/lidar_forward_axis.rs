@@ -45,7 +45,7 @@ impl Rule for LidarForwardAxis {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        for clouds in Clouds::all(world) {
+        for clouds in Clouds::scanners(world) {
             let known = HandEye::of(world, &clouds, |moved| moved.way_m() >= limits.min_way_m);
             match known.and_then(|known| Ok((yaw(&known, limits)?, known))) {
                 Ok((yaw, known)) => judge_yaw(world, &clouds, &known, &yaw, limits, out),

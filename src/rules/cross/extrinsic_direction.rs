@@ -65,7 +65,7 @@ impl Rule for ExtrinsicDirection {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        for clouds in Clouds::all(world) {
+        for clouds in Clouds::scanners(world) {
             match look(world, &clouds, limits) {
                 Ok(seen) => judge_seen(&clouds, &seen, limits, out),
                 Err((reason, why)) => out.not_evaluated(clouds.subject("direction of the mounting"), reason, why),

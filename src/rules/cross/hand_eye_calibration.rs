@@ -37,7 +37,7 @@ impl Rule for HandEyeCalibration {
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        for clouds in Clouds::all(world) {
+        for clouds in Clouds::scanners(world) {
             let known = HandEye::of(world, &clouds, |moved| {
                 moved.way_m() >= limits.min_way_m || moved.turned_rad().abs().to_degrees() >= limits.min_turn_deg
             });

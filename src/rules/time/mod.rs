@@ -5,6 +5,7 @@ pub mod epoch_offset;
 mod gaps;
 mod known_offsets;
 mod lateness;
+mod laser;
 pub mod leap_table_expiry;
 mod naming;
 mod offsets;

@@ -8,6 +8,8 @@ use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
+use super::laser;
+
 /// TIME06.
 pub struct PointTimeUnit;
 
@@ -17,6 +19,7 @@ pub struct PointTimeUnit;
 pub struct Limits {
     min_clouds: usize,
     min_agreement: f64,
+    scan_share: [f64; 2],
 }
 
 impl Rule for PointTimeUnit {
@@ -27,6 +30,9 @@ impl Rule for PointTimeUnit {
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         for clouds in Clouds::all(world).filter(|clouds| clouds.timed().next().is_some()) {
             judge_clouds(&clouds, limits, out);
+        }
+        for scans in Clouds::lasers(world) {
+            laser::judge_times(&scans, limits.scan_share, out);
         }
     }
 }
