@@ -26,7 +26,8 @@ pub struct Limits {
     max_sigma_deg: f64,
     min_pairs: usize,
     min_turn_deg: f64,
-    gain: [f64; 2],
+    min_gain: f64,
+    max_gain: f64,
     min_t: f64,
 }
 
@@ -246,10 +247,9 @@ fn turned(steps: &Steps, pairs: &[(f64, f64)], limits: &Limits) -> Result<Turned
     }
     let line = fit_huber(pairs, Through::Origin, pairs.len() as f64);
     let told = line.and_then(|line| Some((line.slope, line.t?.abs())));
-    let Some((gain, t)) = told.filter(|(gain, t)| {
-        let [low, high] = limits.gain;
-        (low..=high).contains(&gain.abs()) && *t >= limits.min_t
-    }) else {
+    let Some((gain, t)) =
+        told.filter(|(gain, t)| (limits.min_gain..=limits.max_gain).contains(&gain.abs()) && *t >= limits.min_t)
+    else {
         let (gain, t) = told.unwrap_or_default();
         return Err(format!(
             "the scans turn {gain:+.2} times as the gyro or the poses do, t {t:.1}: that is neither with them nor against them"

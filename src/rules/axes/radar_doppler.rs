@@ -32,7 +32,8 @@ pub struct Limits {
     still: f64,
     min_still: f64,
     max_as_expected: f64,
-    scale: [f64; 2],
+    min_scale: f64,
+    max_scale: f64,
     max_sideways_deg: f64,
     min_resultant: f64,
     max_error_deg: f64,
@@ -206,9 +207,8 @@ fn seen(way: &Way, scans: &[Scan], limits: &Limits) -> Result<Seen, Why> {
         ));
     }
     let scale = of(&|scan| scan.fitted.norm() / scan.expected.norm());
-    let [low, high] = limits.scale;
     // Also true where it is no number.
-    if !(low..=high).contains(&scale) {
+    if !(limits.min_scale..=limits.max_scale).contains(&scale) {
         return little(format!(
             "by the range rates it goes {scale:.2} times as fast as by {}: one of them is no measure for the other",
             way.subject

@@ -19,7 +19,8 @@ pub struct PointTimeUnit;
 pub struct Limits {
     min_clouds: usize,
     min_agreement: f64,
-    scan_share: [f64; 2],
+    min_scan_share: f64,
+    max_scan_share: f64,
 }
 
 impl Rule for PointTimeUnit {
@@ -32,7 +33,7 @@ impl Rule for PointTimeUnit {
             judge_clouds(&clouds, limits, out);
         }
         for scans in Clouds::lasers(world) {
-            laser::judge_times(&scans, limits.scan_share, out);
+            laser::judge_times(&scans, [limits.min_scan_share, limits.max_scan_share], out);
         }
     }
 }
