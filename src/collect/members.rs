@@ -23,6 +23,7 @@ const LATER: usize = 16;
 /// The members of one topic.
 pub(super) struct Members {
     rank: usize,
+    of_type: usize,
     known: BTreeMap<Arc<str>, Box<One>>,
     /// Those that found no room.
     pub(super) refused: u64,
@@ -37,10 +38,11 @@ struct One {
 }
 
 impl Members {
-    /// Those of the topic that came `rank`-th, from 0.
-    pub(super) fn new(rank: usize) -> Self {
+    /// Those of the topic that came `rank`-th, from 0, and `of_type`-th among those of its type.
+    pub(super) fn new(rank: usize, of_type: usize) -> Self {
         Self {
             rank,
+            of_type,
             known: BTreeMap::new(),
             refused: 0,
         }
@@ -66,7 +68,7 @@ impl Members {
             };
             *room = left;
             let rank = self.rank + LATER * self.known.len();
-            let share = Share::of(rank);
+            let share = Share::of(rank).with_clouds(self.of_type + self.known.len());
             let one = One {
                 guessed: member.guessed,
                 first: point,

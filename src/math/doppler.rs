@@ -59,7 +59,9 @@ pub fn ego(sights: &[Sight], tolerance: f64) -> Option<Ego> {
     };
     let mut best = (cost(&Vector2::zeros()), Vector2::zeros());
     for (a, b) in pairs(sights.len()) {
-        let (Some(a), Some(b)) = (sights.get(a), sights.get(b)) else { continue };
+        let (Some(a), Some(b)) = (sights.get(a), sights.get(b)) else {
+            continue;
+        };
         let Some(velocity) = of_two(a, b) else { continue };
         let cost = cost(&velocity);
         if cost < best.0 {
@@ -86,7 +88,9 @@ fn pairs(count: usize) -> Vec<(usize, usize)> {
     // A generator of numbers with a fixed seed: the same detections give the same velocity.
     let mut state = 0x2545_f491_4f6c_dd1d_u64;
     let mut next = || {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state = state
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         usize::try_from(state >> 33).unwrap_or(0) % count
     };
     (0..TRIED).map(|_| (next(), next())).filter(|(a, b)| a != b).collect()
@@ -143,7 +147,8 @@ pub fn found(from: &[Vector3<f64>], to: &[Vector3<f64>], to_from_from: &Isometry
     let is_found = |place: &&Vector3<f64>| {
         let expected = to_from_from * nalgebra::Point3::from(**place);
         to.iter().any(|seen| {
-            (seen.norm() - expected.coords.norm()).abs() <= near.range_m && seen.angle(&expected.coords) <= near.angle_rad
+            (seen.norm() - expected.coords.norm()).abs() <= near.range_m
+                && seen.angle(&expected.coords) <= near.angle_rad
         })
     };
     from.iter().filter(is_found).count()
@@ -208,7 +213,11 @@ mod tests {
                     one.rate += 0.1 * rng.normal();
                     if index % 3 == 0 {
                         // Half of them drive along at the speed of the sensor.
-                        one.rate = if index % 2 == 0 { 0.1 * rng.normal() } else { rng.range(-40.0, 10.0) };
+                        one.rate = if index % 2 == 0 {
+                            0.1 * rng.normal()
+                        } else {
+                            rng.range(-40.0, 10.0)
+                        };
                     }
                     one
                 })
@@ -238,7 +247,9 @@ mod tests {
     #[test]
     fn one_direction_too_few_and_what_is_no_number_give_nothing() {
         let velocity = Vector3::new(8.0, 0.0, 0.0);
-        let same: Vec<Sight> = (0..20).map(|k| sight(0.3 + f64::from(k) * 1e-4, 0.0, &velocity)).collect();
+        let same: Vec<Sight> = (0..20)
+            .map(|k| sight(0.3 + f64::from(k) * 1e-4, 0.0, &velocity))
+            .collect();
         assert!(ego(&same, 0.3).is_none());
         assert!(ego(&[], 0.3).is_none());
         assert!(ego(&same[..1], 0.3).is_none());
@@ -248,7 +259,9 @@ mod tests {
         });
         assert!(ego(&odd, 0.3).is_none());
         // Among others they do no harm.
-        let mut mixed: Vec<Sight> = (0..20).map(|k| sight(f64::from(k) * 0.1 - 1.0, 0.0, &velocity)).collect();
+        let mut mixed: Vec<Sight> = (0..20)
+            .map(|k| sight(f64::from(k) * 0.1 - 1.0, 0.0, &velocity))
+            .collect();
         mixed.extend(odd);
         mixed.push(Sight {
             direction: Vector3::y(),

@@ -23,7 +23,17 @@ const COURSES_S: f64 = 0.6;
 const RADARS: [&str; 6] = ["radar", "umrr", "ars408", "ars430", "ars548", "mmwave"];
 /// Fields that only the points of radars have.
 const OF_A_RADAR: [&str; 11] = [
-    "rcs", "snr", "snr_db", "noise", "noise_db", "power", "amplitude", "doppler_bin", "dyn_prop", "ambig_state", "vx_comp",
+    "rcs",
+    "snr",
+    "snr_db",
+    "noise",
+    "noise_db",
+    "power",
+    "amplitude",
+    "doppler_bin",
+    "dyn_prop",
+    "ambig_state",
+    "vx_comp",
 ];
 
 /// Whether a topic's clouds are a radar's: their points have a speed, and its name or their fields say so.
@@ -59,16 +69,19 @@ impl<'w> Radar<'w> {
     /// Those of a world: points with a `velocity` or its components count where something else says that they are a radar's.
     pub(crate) fn all(world: &'w World) -> impl Iterator<Item = Self> {
         world.bags.iter().enumerate().flat_map(|(index, bag)| {
-            bag.topics.values().flat_map(TopicEvidence::said).filter_map(move |said| {
-                let evidence = said.content.radar.as_deref()?;
-                let is_sure = evidence.form != RadarForm::Cloud || evidence.speeds == SpeedForm::Radial;
-                (is_sure || is_of_a_radar(said.topic)).then_some(Self {
-                    index,
-                    bag,
-                    said,
-                    evidence,
+            bag.topics
+                .values()
+                .flat_map(TopicEvidence::said)
+                .filter_map(move |said| {
+                    let evidence = said.content.radar.as_deref()?;
+                    let is_sure = evidence.form != RadarForm::Cloud || evidence.speeds == SpeedForm::Radial;
+                    (is_sure || is_of_a_radar(said.topic)).then_some(Self {
+                        index,
+                        bag,
+                        said,
+                        evidence,
+                    })
                 })
-            })
         })
     }
 
@@ -115,19 +128,23 @@ impl Way {
         let (Some(frame), Some(bag)) = (radar.frame(), motion.bags.get(radar.index)) else {
             return Vec::new();
         };
-        let poses = bag.poses.iter().filter(|poses| poses.is_way()).filter_map(|poses: &Stream<PoseRow>| {
-            let body = poses.child.clone()?;
-            let (body_from_radar, _) = world.graph().chain(&body, &frame, |edge| edge.is_rigid)?;
-            Some(Self {
-                subject: poses.subject.clone(),
-                place: poses.place(),
-                body,
-                radar: frame.clone(),
-                body_from_radar,
-                stamp_offset_s: poses.stamp_offset_s,
-                by: By::Poses(Turned::of(poses), poses.track()),
-            })
-        });
+        let poses = bag
+            .poses
+            .iter()
+            .filter(|poses| poses.is_way())
+            .filter_map(|poses: &Stream<PoseRow>| {
+                let body = poses.child.clone()?;
+                let (body_from_radar, _) = world.graph().chain(&body, &frame, |edge| edge.is_rigid)?;
+                Some(Self {
+                    subject: poses.subject.clone(),
+                    place: poses.place(),
+                    body,
+                    radar: frame.clone(),
+                    body_from_radar,
+                    stamp_offset_s: poses.stamp_offset_s,
+                    by: By::Poses(Turned::of(poses), poses.track()),
+                })
+            });
         let fixes = bag.fixes.iter().filter_map(|fixes| {
             let mount = mount(world, &frame)?;
             Some(Self {
@@ -232,8 +249,9 @@ pub(crate) fn scans<'w>(radar: &Radar<'w>, way: &Way, wanted: &Wanted) -> (Vec<S
             let Some([velocity, rate]) = way.at(t_s) else { continue };
             let at_radar = velocity + rate.cross(&way.body_from_radar.translation.vector);
             let speed = velocity.xy().norm();
-            // Also true where it is no number.
-            if !(speed >= wanted.min_speed_m_s && at_radar.xy().norm() > 0.5 * wanted.min_speed_m_s) {
+            // Also false where it is no number.
+            let is_fast = speed >= wanted.min_speed_m_s && at_radar.xy().norm() > 0.5 * wanted.min_speed_m_s;
+            if !is_fast {
                 continue;
             }
             let tolerance = wanted.tolerance_m_s + wanted.tolerance_share * speed;
@@ -286,7 +304,12 @@ pub(crate) fn found_again(scans: &[Scan], way: &Way, least_m: f64, near: Near) -
             })
             .map(|([x, y, z, _], _)| Vector3::new(*x, *y, *z))
             .collect();
-        let to: Vec<Vector3<f64>> = later.sweep.echoes.iter().map(|[x, y, z, _]| Vector3::new(*x, *y, *z)).collect();
+        let to: Vec<Vector3<f64>> = later
+            .sweep
+            .echoes
+            .iter()
+            .map(|[x, y, z, _]| Vector3::new(*x, *y, *z))
+            .collect();
         let way_m = radar_from_body * Vector3::new(scan.fitted.x, scan.fitted.y, 0.0) * seconds;
         let turn = UnitQuaternion::from_scaled_axis(radar_from_body * scan.body[1] * -seconds);
         for (count, sign) in counts.iter_mut().zip([1.0, -1.0]) {

@@ -52,7 +52,10 @@ impl Moment {
 
     /// The same moment on the clock of a stream whose stamps are so much later than its log times.
     pub(crate) fn on(&self, stamp_offset_s: Option<f64>) -> f64 {
-        let by_stamps = self.stamp_s.zip(stamp_offset_s).map(|(stamp_s, offset_s)| stamp_s - offset_s);
+        let by_stamps = self
+            .stamp_s
+            .zip(stamp_offset_s)
+            .map(|(stamp_s, offset_s)| stamp_s - offset_s);
         by_stamps
             .filter(|t_s| (t_s - self.log_s).abs() < SAME_CLOCK_S)
             .unwrap_or(self.log_s)
@@ -204,7 +207,8 @@ fn steps(world: &World, clouds: &Clouds, planes: &Planes) -> Steps {
 /// Whether z of a planar scanner points up, as the transforms say.
 fn level(world: &World, clouds: &Clouds) -> Result<bool, &'static str> {
     let frame = clouds.frame().ok_or("the scans name no frame")?;
-    let mount = mount(world, &frame).ok_or("nothing ties the scanner to a base, so that its plane may lie in any way")?;
+    let mount =
+        mount(world, &frame).ok_or("nothing ties the scanner to a base, so that its plane may lie in any way")?;
     let up = (mount.base_from_sensor.rotation * Vector3::z()).z;
     if up.abs() < LEVEL {
         return Err("by its transform the plane of the scanner is not level");

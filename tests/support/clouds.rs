@@ -15,6 +15,7 @@ use super::encode::Field;
 /// A lidar of a recipe's drive.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[allow(clippy::struct_excessive_bools)] // switches of a recipe
 pub struct Lidar {
     #[serde(default)]
     pub driver: Driver,
@@ -288,11 +289,7 @@ impl Lidar {
                 point.push(("ambient", Number::U16(1)));
                 point.push(("range", Number::U32((range * 1000.0) as u32)));
             }
-            Driver::Velodyne => {
-                point.push(("ring", ring16));
-                point.extend(time);
-            }
-            Driver::Hesai | Driver::Robosense => {
+            Driver::Velodyne | Driver::Hesai | Driver::Robosense => {
                 point.push(("ring", ring16));
                 point.extend(time);
             }

@@ -109,11 +109,13 @@ impl Radar {
             }
             RadarDriver::Smartmicro => cloud(
                 &["x", "y", "z", "radial_speed", "power", "RCS", "Noise"],
-                told.iter().map(|[x, y, z, rate]| vec![*x, *y, *z, *rate, 90.0, 4.0, 30.0]),
+                told.iter()
+                    .map(|[x, y, z, rate]| vec![*x, *y, *z, *rate, 90.0, 4.0, 30.0]),
             ),
             RadarDriver::Nuscenes => cloud(
                 &["x", "y", "z", "rcs", "vx", "vy", "vx_comp", "vy_comp"],
-                told.iter().map(|[x, y, z, rate]| vec![*x, *y, *z, 5.0, *rate, 0.0, 0.0, 0.0]),
+                told.iter()
+                    .map(|[x, y, z, rate]| vec![*x, *y, *z, 5.0, *rate, 0.0, 0.0, 0.0]),
             ),
             RadarDriver::TiMmwave => {
                 let one = |(id, one): (u16, &[f64; 4])| {
@@ -155,7 +157,11 @@ impl Radar {
 
     /// x, y, z and the rate as the driver tells them.
     fn told(&self, echo: &Echo) -> [f64; 4] {
-        let rate = if self.compensated { echo.rate - echo.still_rate } else { echo.rate };
+        let rate = if self.compensated {
+            echo.rate - echo.still_rate
+        } else {
+            echo.rate
+        };
         let sign = |is_other: bool| if is_other { -1.0 } else { 1.0 };
         let [x, y, z] = echo.place.into();
         [x, sign(self.mirrored) * y, z, sign(self.reversed) * rate]
@@ -165,7 +171,10 @@ impl Radar {
 /// A cloud of points of four-byte numbers.
 fn cloud<'a>(names: &[&str], points: impl Iterator<Item = Vec<f64>>) -> Vec<Field<'a>> {
     let points: Vec<Vec<f64>> = points.collect();
-    let (step, width) = (4 * u32::try_from(names.len()).unwrap(), u32::try_from(points.len()).unwrap());
+    let (step, width) = (
+        4 * u32::try_from(names.len()).unwrap(),
+        u32::try_from(points.len()).unwrap(),
+    );
     let mut fields = vec![Field::U32(1), Field::U32(width), Field::Count(names.len())];
     for (place, name) in (0..).zip(names) {
         fields.extend([
@@ -175,7 +184,11 @@ fn cloud<'a>(names: &[&str], points: impl Iterator<Item = Vec<f64>>) -> Vec<Fiel
             Field::U32(1),
         ]);
     }
-    let data = points.iter().flatten().flat_map(|value| (*value as f32).to_le_bytes()).collect();
+    let data = points
+        .iter()
+        .flatten()
+        .flat_map(|value| (*value as f32).to_le_bytes())
+        .collect();
     fields.extend([
         Field::U8(0),
         Field::U32(step),

@@ -87,9 +87,9 @@ impl Lasers {
 /// NaN, zero, or more than the largest.
 fn counts(scan: &LaserScan, range: f64) -> bool {
     let [least, most] = scan.range;
-    // Also true where a limit is no number.
-    let is_within = !(range < least) && !(range > most);
-    range.is_finite() && range > 0.0 && is_within
+    // Neither where a limit is no number.
+    let is_beyond = range < least || range > most;
+    range.is_finite() && range > 0.0 && !is_beyond
 }
 
 /// The points of a scan in the axes of its frame, evenly thinned, ray by ray; none where its plane is not that of x and y, or an
@@ -163,7 +163,10 @@ mod tests {
             ..scan(&[31.0, 0.05], None)
         };
         let points = projected(&free);
-        assert!((points[0][0] - 31.0).abs() < 1e-12 && (points[1][1] - 0.05).abs() < 1e-12, "{points:?}");
+        assert!(
+            (points[0][0] - 31.0).abs() < 1e-12 && (points[1][1] - 0.05).abs() < 1e-12,
+            "{points:?}"
+        );
         let wild = LaserScan {
             angles: [f64::NAN, 1.0, f64::INFINITY],
             ..scan(&[2.0; 3], None)
@@ -174,7 +177,10 @@ mod tests {
     #[test]
     fn the_pose_of_the_plane_is_taken_in_where_it_is_level() {
         let points = projected(&scan(&[2.0, 3.0], pose([1.0, 0.0, 0.0, 0.0])));
-        assert!((points[1][1] + 3.0).abs() < 1e-12 && (points[0][2] - 1.0).abs() < 1e-12, "{points:?}");
+        assert!(
+            (points[1][1] + 3.0).abs() < 1e-12 && (points[0][2] - 1.0).abs() < 1e-12,
+            "{points:?}"
+        );
         assert_eq!(projected(&scan(&[2.0, 3.0], pose([0.0; 4]))).len(), 2);
         let half = FRAC_PI_2 / 2.0;
         assert!(projected(&scan(&[2.0], pose([half.sin(), 0.0, 0.0, half.cos()]))).is_empty());

@@ -240,7 +240,9 @@ mod tests {
     #[test]
     fn large_scans_are_thinned_evenly() {
         let mut radars = Radars::new(Share::of(0), at(0, 0));
-        let echoes: Vec<Echo> = (1..=1000).map(|x| echo([f64::from(x), 0.0, 0.0], Speed::Radial(0.0))).collect();
+        let echoes: Vec<Echo> = (1..=1000)
+            .map(|x| echo([f64::from(x), 0.0, 0.0], Speed::Radial(0.0)))
+            .collect();
         radars.push(at(0, 0), &radar(Form::Scan, &echoes));
         let seen = evidence(radars);
         let kept = &seen.runs[0][0].echoes;

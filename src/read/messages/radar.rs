@@ -107,8 +107,24 @@ const ELEVATION: &[&str] = &["elevation", "elevation_angle", "el", "ele", "f_el_
 const X: &[&str] = &["x", "pos_x", "position_x", "dist_long", "longitude_dist", "dist_x"];
 const Y: &[&str] = &["y", "pos_y", "position_y", "dist_lat", "lateral_dist", "dist_y"];
 const Z: &[&str] = &["z", "pos_z", "position_z"];
-const VX: &[&str] = &["vx", "v_x", "vel_x", "velocity_x", "vrel_long", "longitude_vel", "rel_vel_x"];
-const VY: &[&str] = &["vy", "v_y", "vel_y", "velocity_y", "vrel_lat", "lateral_vel", "rel_vel_y"];
+const VX: &[&str] = &[
+    "vx",
+    "v_x",
+    "vel_x",
+    "velocity_x",
+    "vrel_long",
+    "longitude_vel",
+    "rel_vel_x",
+];
+const VY: &[&str] = &[
+    "vy",
+    "v_y",
+    "vel_y",
+    "velocity_y",
+    "vrel_lat",
+    "lateral_vel",
+    "rel_vel_y",
+];
 const VZ: &[&str] = &["vz", "v_z", "vel_z", "velocity_z"];
 const NUMBER: &[&str] = &["id", "point_id", "track_id", "detection_id", "esr_track_id"];
 /// What only radars have, or hardly anything else.
@@ -163,7 +179,13 @@ pub(super) fn scan<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError>
             });
         }
     }
-    Ok(body(Form::Scan, "doppler_velocity".into(), Speeds::Radial, total, echoes))
+    Ok(body(
+        Form::Scan,
+        "doppler_velocity".into(),
+        Speeds::Radial,
+        total,
+        echoes,
+    ))
 }
 
 /// Reads the rest of a `radar_msgs/RadarTracks` behind its header.
@@ -201,11 +223,7 @@ fn body<'m>(form: Form, field: Arc<str>, speeds: Speeds, total: u32, echoes: Vec
 /// x forward, y left, z up of a range with an azimuth from x towards y and an elevation from there up, radians.
 fn spherical(range: f64, azimuth: f64, elevation: f64) -> [f64; 3] {
     let flat = range * elevation.cos();
-    [
-        flat * azimuth.cos(),
-        flat * azimuth.sin(),
-        range * elevation.sin(),
-    ]
+    [flat * azimuth.cos(), flat * azimuth.sin(), range * elevation.sin()]
 }
 
 /// The columns of a cloud whose points have a speed.
@@ -225,7 +243,9 @@ impl Columns {
         let place = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
         let named = |known: &[&str]| {
             let mut fields = cloud.fields.iter();
-            fields.find(|field| is_one_of(&plain(&field.name), known)).map(|field| &*field.name)
+            fields
+                .find(|field| is_one_of(&plain(&field.name), known))
+                .map(|field| &*field.name)
         };
         let one = |name: &str| Some([cloud.column(name), None, None]);
         let (field, speeds, speed): (Arc<str>, _, _) = if let Some(name) = named(RADIAL) {
@@ -303,7 +323,8 @@ impl Detection {
     pub(super) fn of(one: &Struct) -> Option<Self> {
         let names: Vec<String> = one.fields.iter().map(|field| plain(&field.name)).collect();
         let is_delphi = one.name == "delphi_esr_msgs/EsrTrack";
-        let is_float = |field: &Field| matches!(field.kind, Kind::Number(Number::Float(_))) && field.count == Count::One;
+        let is_float =
+            |field: &Field| matches!(field.kind, Kind::Number(Number::Float(_))) && field.count == Count::One;
         let find = |known: &[&str], unit: &str| {
             let is_it = |(at, name): &(usize, &String)| {
                 let bare = name.strip_suffix(unit).unwrap_or(name);

@@ -122,7 +122,9 @@ impl Route {
             Item::Detections(_, list) => list.1.len(),
             _ => 0,
         };
-        self.items.len() + self.items.iter().map(listed).sum::<usize>() + self.schema.types.iter().map(|one| one.fields.len()).sum::<usize>()
+        self.items.len()
+            + self.items.iter().map(listed).sum::<usize>()
+            + self.schema.types.iter().map(|one| one.fields.len()).sum::<usize>()
     }
 
     /// Whether the message is read by its header alone, which stands first.

@@ -79,7 +79,8 @@ impl Rule for CloudMirror {
                     None => out.not_evaluated(subject, NotEvaluated::MissingInput, why),
                 },
                 (None, _) => {
-                    let why = "no gyro turns beside it: a mirror image has every distance right, and shows in turns alone";
+                    let why =
+                        "no gyro turns beside it: a mirror image has every distance right, and shows in turns alone";
                     out.not_evaluated(subject, NotEvaluated::MissingInput, why);
                 }
             }
@@ -101,7 +102,12 @@ fn gyro<'m>(known: impl Iterator<Item = (&'m Imu, &'m Sensor)>) -> Result<&'m Im
     sound.first().copied().ok_or_else(|| {
         doubted.first().map_or_else(
             || "no gyro turns beside it: a mirror image has every distance right, and shows in turns alone".to_owned(),
-            |imu| format!("its gyro would be `{}`, of which another rule reports a fault", imu.stream.topic),
+            |imu| {
+                format!(
+                    "its gyro would be `{}`, of which another rule reports a fault",
+                    imu.stream.topic
+                )
+            },
         )
     })
 }
@@ -112,7 +118,9 @@ impl Beside {
         let offset_s = imu.stream.stamp_offset_s;
         let seconds = |moved: &Moved| moved.to.on(offset_s) - moved.from.on(offset_s);
         let chained = steps.chained(|moved| seconds(moved) >= limits.pair_s);
-        let sure = chained.iter().filter(|moved| moved.sigma[0].to_degrees() <= limits.max_sigma_deg);
+        let sure = chained
+            .iter()
+            .filter(|moved| moved.sigma[0].to_degrees() <= limits.max_sigma_deg);
         Self {
             name: format!("the gyro of `{}`", imu.stream.topic),
             place: imu.stream.place(),
@@ -133,7 +141,10 @@ impl Beside {
         clouds.laser?;
         let seconds = |moved: &Moved| moved.to.on(None) - moved.from.on(None);
         let known = HandEye::unchecked(world, clouds, |moved| seconds(moved) >= limits.pair_s).ok()?;
-        let sure = known.pairs.iter().filter(|pair| pair.sigma_rad.to_degrees() <= limits.max_sigma_deg);
+        let sure = known
+            .pairs
+            .iter()
+            .filter(|pair| pair.sigma_rad.to_degrees() <= limits.max_sigma_deg);
         let turns = sure.map(|pair| (pair.body.rotation.scaled_axis().z, pair.lidar.rotation.scaled_axis().z));
         Some(Self {
             name: known.poses.0.clone(),

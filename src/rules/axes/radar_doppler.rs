@@ -96,7 +96,10 @@ fn subject(radar: &Radar) -> String {
 fn judge_radar(world: &World, radar: &Radar, limits: &Limits, out: &mut Judge) -> Result<(), Why> {
     let evidence = radar.evidence;
     if evidence.speeds == SpeedForm::Components && evidence.sideways == 0 {
-        let why = format!("`{}` are components of which the second is always zero: nothing says along what", evidence.field);
+        let why = format!(
+            "`{}` are components of which the second is always zero: nothing says along what",
+            evidence.field
+        );
         return Err((NotEvaluated::TooLittleEvidence, why));
     }
     let wanted = Wanted {
@@ -158,7 +161,10 @@ fn judge_still(radar: &Radar, way: &Way, agreed: &[Scan], limits: &Limits, out: 
     let (share, as_expected) = (of(|scan| scan.share), of(|scan| scan.as_expected));
     let little = |why: String| Err((NotEvaluated::TooLittleEvidence, why));
     if radar.evidence.form == RadarForm::Tracks {
-        return little("the tracks' velocities are those over ground, which their type leaves open: they do not show the mounting".to_owned());
+        return little(
+            "the tracks' velocities are those over ground, which their type leaves open: they do not show the mounting"
+                .to_owned(),
+        );
     }
     // Among vehicles of the same speed most rates are nothing, too, but those of the roadside are not.
     if as_expected > limits.max_as_expected {
@@ -171,7 +177,9 @@ fn judge_still(radar: &Radar, way: &Way, agreed: &[Scan], limits: &Limits, out: 
     let message = format!(
         "`{}` on {} is {fitted:.2} m/s by what most detections agree on, at {speed:.1} m/s by {}: the platform's own motion has been taken out \
          of it already",
-        radar.evidence.field, radar.said.subject(), way.subject
+        radar.evidence.field,
+        radar.said.subject(),
+        way.subject
     );
     let finding = Finding::warning(subject, message, radar.place())
         .confidence(confidence(radar))
@@ -214,7 +222,12 @@ fn seen(way: &Way, scans: &[Scan], limits: &Limits) -> Result<Seen, Why> {
             way.subject
         ));
     }
-    let angle = |scan: &Scan| difference(scan.fitted.y.atan2(scan.fitted.x), scan.expected.y.atan2(scan.expected.x));
+    let angle = |scan: &Scan| {
+        difference(
+            scan.fitted.y.atan2(scan.fitted.x),
+            scan.expected.y.atan2(scan.expected.x),
+        )
+    };
     let runs: BTreeSet<usize> = scans.iter().map(|scan| scan.run).collect();
     let mean = circular_mean(scans.iter().map(|scan| (angle(scan), 1.0)));
     let steady = mean.filter(|mean| mean.resultant >= limits.min_resultant);
@@ -230,7 +243,8 @@ fn seen(way: &Way, scans: &[Scan], limits: &Limits) -> Result<Seen, Why> {
         angle_rad: limits.near_deg.to_radians(),
     };
     let found = found_again(scans, way, limits.least_way_m, near);
-    let is_more = |more: usize, less: usize| more >= limits.min_found && more as f64 >= limits.found_ratio * less as f64;
+    let is_more =
+        |more: usize, less: usize| more >= limits.min_found && more as f64 >= limits.found_ratio * less as f64;
     let sign = match found {
         [told, other] if is_more(told, other) => Sign::AsTold,
         [told, other] if is_more(other, told) => Sign::Reversed,
@@ -241,7 +255,10 @@ fn seen(way: &Way, scans: &[Scan], limits: &Limits) -> Result<Seen, Why> {
         let turned = difference(scan.expected.y.atan2(scan.expected.x), body.y.atan2(body.x)).abs();
         [(scan.expected - body).norm(), turned]
     };
-    let most = scans.iter().map(lever).fold([0.0_f64; 2], |[a, b], [c, d]| [a.max(c), b.max(d)]);
+    let most = scans
+        .iter()
+        .map(lever)
+        .fold([0.0_f64; 2], |[a, b], [c, d]| [a.max(c), b.max(d)]);
     Ok(Seen {
         off_rad: mean.mean_rad,
         error_rad: error(mean.sd_rad()),
@@ -260,7 +277,10 @@ fn judge_seen(radar: &Radar, way: &Way, seen: &Seen, limits: &Limits, out: &mut 
     let half_turn_off_deg = (PI - seen.off_rad.abs()).to_degrees();
     let is_half_turn = half_turn_off_deg <= limits.half_turn_deg;
     if is_back && !way.knows_forward() && seen.sign != Sign::Reversed {
-        let why = format!("it goes backward by its range rates, and {} do not tell forward from backward", way.subject);
+        let why = format!(
+            "it goes backward by its range rates, and {} do not tell forward from backward",
+            way.subject
+        );
         return Err((NotEvaluated::TooLittleEvidence, why));
     }
     let is_reversed = seen.sign == Sign::Reversed;
@@ -269,7 +289,11 @@ fn judge_seen(radar: &Radar, way: &Way, seen: &Seen, limits: &Limits, out: &mut 
         out.fail(reversed(radar, way, seen, is_reversed, limits));
     }
     // With the sign as it should be, the way lies opposite.
-    let off_rad = if is_reversed || is_open { wrapped(seen.off_rad + PI) } else { seen.off_rad };
+    let off_rad = if is_reversed || is_open {
+        wrapped(seen.off_rad + PI)
+    } else {
+        seen.off_rad
+    };
     let off_deg = off_rad.abs().to_degrees();
     if off_deg <= limits.pass_deg {
         if !(is_reversed || is_open) {
@@ -318,7 +342,9 @@ fn reversed(radar: &Radar, way: &Way, seen: &Seen, is_sure: bool, limits: &Limit
             "publish range rates: negative for what comes nearer, v_r = -v . d for what stands still; or tell every consumer the sign of \
              this driver",
         );
-    measured(seen, seen.off_rad, limits).into_iter().fold(finding, Finding::measured)
+    measured(seen, seen.off_rad, limits)
+        .into_iter()
+        .fold(finding, Finding::measured)
 }
 
 /// The mounting lacks a yaw.
@@ -337,7 +363,10 @@ fn turned(radar: &Radar, way: &Way, seen: &Seen, off_rad: f64, limits: &Limits) 
     };
     let message = format!(
         "`{}_from_{}` lacks a yaw of {lacks_deg:+.1} deg: what stands still around {} comes from another side than {} goes to{also}",
-        way.body, way.radar, radar.said.subject(), way.subject
+        way.body,
+        way.radar,
+        radar.said.subject(),
+        way.subject
     );
     let finding = if off_deg.abs() > limits.error_deg {
         Finding::error(subject(radar), message, radar.place())
@@ -352,22 +381,36 @@ fn turned(radar: &Radar, way: &Way, seen: &Seen, off_rad: f64, limits: &Limits) 
             "turn the mounting by {lacks_deg:+.1} deg about z of `{}`, in front of the rotation that is there",
             way.body
         ));
-    measured(seen, off_rad, limits).into_iter().fold(finding, Finding::measured)
+    measured(seen, off_rad, limits)
+        .into_iter()
+        .fold(finding, Finding::measured)
 }
 
 fn measured(seen: &Seen, off_rad: f64, limits: &Limits) -> Vec<Measured> {
     let [lever_m_s, lever_rad] = seen.lever;
     let [told, other] = seen.found;
     vec![
-        Measured::new("yaw between the way by the rates and by the platform", off_rad.to_degrees(), "deg")
-            .limit(limits.pass_deg)
-            .spread(seen.error_rad.to_degrees())
-            .samples(seen.scans as u64),
+        Measured::new(
+            "yaw between the way by the rates and by the platform",
+            off_rad.to_degrees(),
+            "deg",
+        )
+        .limit(limits.pass_deg)
+        .spread(seen.error_rad.to_degrees())
+        .samples(seen.scans as u64),
         Measured::new("resultant", seen.resultant, "1").limit(limits.min_resultant),
         Measured::new("speed by the rates over that of the platform", seen.scale, "1"),
         Measured::new("share of the detections that agree", seen.share, "1").limit(limits.min_share),
-        Measured::new("what turning adds at the radar (yaw rate times lever arm), at most", lever_m_s, "m/s"),
-        Measured::new("direction that this turns its way by, at most", lever_rad.to_degrees(), "deg"),
+        Measured::new(
+            "what turning adds at the radar (yaw rate times lever arm), at most",
+            lever_m_s,
+            "m/s",
+        ),
+        Measured::new(
+            "direction that this turns its way by, at most",
+            lever_rad.to_degrees(),
+            "deg",
+        ),
         Measured::count("detections found again with the sign as told", told),
         Measured::count("detections found again with the other sign", other),
     ]

@@ -14,9 +14,17 @@ const UNITS: [(f64, &str); 3] = [(1e3, "milliseconds"), (1e6, "microseconds"), (
 pub(super) fn judge_times(scans: &Clouds, share: [f64; 2], out: &mut Judge) {
     let told = [
         ("scan_time", of(scans, |scan| scan.scan_time_s)),
-        ("time_increment", of(scans, |scan| scan.time_increment_s * f64::from(scan.rays.saturating_sub(1)))),
+        (
+            "time_increment",
+            of(scans, |scan| {
+                scan.time_increment_s * f64::from(scan.rays.saturating_sub(1))
+            }),
+        ),
     ];
-    let told: Vec<(&str, f64)> = told.iter().filter_map(|(name, value)| Some((*name, (*value)?))).collect();
+    let told: Vec<(&str, f64)> = told
+        .iter()
+        .filter_map(|(name, value)| Some((*name, (*value)?)))
+        .collect();
     // Scans that tell no times have all rays at once, which is right for a simulator and for a slice of a depth image.
     if told.is_empty() {
         return;
@@ -48,21 +56,32 @@ pub(super) fn judge_times(scans: &Clouds, share: [f64; 2], out: &mut Judge) {
         let finding = Finding::error(subject, message, scans.place())
             .likely()
             .relation("unit")
-            .help(format!("publish `{name}` in seconds: who takes the motion out of a scan multiplies by it"));
+            .help(format!(
+                "publish `{name}` in seconds: who takes the motion out of a scan multiplies by it"
+            ));
         return out.fail(measured.fold(finding, Finding::measured));
     }
     if told.iter().any(|(_, value)| fits(*value)) {
         return out.pass(subject, measured);
     }
-    let values: Vec<String> = told.iter().map(|(name, value)| format!("{} is {value} s", what(name))).collect();
-    let why = format!("{}, where scans come every {period_s:.3} s: no unit explains that", values.join(", "));
+    let values: Vec<String> = told
+        .iter()
+        .map(|(name, value)| format!("{} is {value} s", what(name)))
+        .collect();
+    let why = format!(
+        "{}, where scans come every {period_s:.3} s: no unit explains that",
+        values.join(", ")
+    );
     out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
 }
 
 /// The median of what the scans tell, where they tell it: zero says nothing.
 fn of(scans: &Clouds, value: impl Fn(&LaserScanAt) -> f64) -> Option<f64> {
     let told = scans.laser?.scans.iter().map(value);
-    let told: Vec<f64> = told.filter(|value| value.is_finite() && *value != 0.0).map(f64::abs).collect();
+    let told: Vec<f64> = told
+        .filter(|value| value.is_finite() && *value != 0.0)
+        .map(f64::abs)
+        .collect();
     median(&told)
 }
 
@@ -86,9 +105,13 @@ pub(super) fn judge_angles(scans: &Clouds, most: f64, out: &mut Judge) {
     let steps = |scan: &LaserScanAt| ((span(scan) - by_rays(scan)) / scan.angles[2]).abs();
     let is_back = |scan: &LaserScanAt| span(scan) * scan.angles[2] < 0.0;
     let off: Vec<f64> = usable.iter().map(|scan| steps(scan)).collect();
-    let measured = Measured::new("steps between the last ray and the last angle", median(&off).unwrap_or(f64::NAN), "1")
-        .limit(most)
-        .samples(off.len() as u64);
+    let measured = Measured::new(
+        "steps between the last ray and the last angle",
+        median(&off).unwrap_or(f64::NAN),
+        "1",
+    )
+    .limit(most)
+    .samples(off.len() as u64);
     let backward = usable.iter().find(|scan| is_back(scan));
     let beside = usable.iter().find(|scan| steps(scan) > most);
     let (relation, scan, message) = match (backward, beside) {

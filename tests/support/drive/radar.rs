@@ -80,7 +80,11 @@ impl Drive {
             for j in number(from.y) - reach..=number(from.y) + reach {
                 let mut fixed = Random::new(self.description.seed, &format!("reflectors {i} {j}"));
                 for _ in 0..antenna.reflectors {
-                    let [x, y, z] = [fixed.between(0.0, SQUARE_M), fixed.between(0.0, SQUARE_M), fixed.between(0.0, 2.0)];
+                    let [x, y, z] = [
+                        fixed.between(0.0, SQUARE_M),
+                        fixed.between(0.0, SQUARE_M),
+                        fixed.between(0.0, 2.0),
+                    ];
                     let place = Vector3::new(i as f64 * SQUARE_M + x, j as f64 * SQUARE_M + y, position.z + z);
                     see(&mut random, place, Vector3::zeros());
                 }

@@ -14,7 +14,8 @@ use crate::read::messages::{Cursor, DecodeError};
 pub(super) fn is_read(format: &Format<'_>, kind: Kind) -> bool {
     let is_ours = format.message_type.starts_with("foxglove_msgs/");
     let is_transform = matches!(kind, Kind::Transform | Kind::Transforms);
-    is_ours && (is_transform || kind != Kind::LaserScan && begins_with_frame(format, &[]) || is_laser_scan(format, kind))
+    is_ours
+        && (is_transform || kind != Kind::LaserScan && begins_with_frame(format, &[]) || is_laser_scan(format, kind))
 }
 
 /// Whether it is a scan with the fields that are published.

@@ -7,6 +7,7 @@ mod nmea;
 mod places;
 mod plain;
 mod radar;
+mod sensing;
 mod unknown;
 
 use re_cdr::{BigEndian, ByteOrder, CdrWriter, LittleEndian};

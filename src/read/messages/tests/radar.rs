@@ -32,7 +32,10 @@ fn radar(content: Content<'_>) -> (bool, Radar) {
 fn assert_near(echo: &Echo, place: [f64; 3], speed: f64) {
     let near = |(a, b): (&f64, &f64)| (a - b).abs() < 1e-5;
     assert!(echo.place.iter().zip(&place).all(near), "{echo:?} {place:?}");
-    assert!(matches!(echo.speed, Speed::Radial(seen) if (seen - speed).abs() < 1e-5), "{echo:?}");
+    assert!(
+        matches!(echo.speed, Speed::Radial(seen) if (seen - speed).abs() < 1e-5),
+        "{echo:?}"
+    );
 }
 
 #[test]
@@ -40,9 +43,16 @@ fn returns_of_a_scan_have_places_counter_clockwise_and_up() {
     let sixth = std::f32::consts::FRAC_PI_6;
     for form in FORMS {
         let decoder = decoder("/radar", "radar_msgs/msg/RadarScan", form, "");
-        let message = form.write(&returns(&[[10.0, 0.0, 0.0, -5.0, 3.0], [2.0, sixth, 0.0, 1.0, 3.0], [2.0, 0.0, sixth, 2.0, 3.0]]));
+        let message = form.write(&returns(&[
+            [10.0, 0.0, 0.0, -5.0, 3.0],
+            [2.0, sixth, 0.0, 1.0, 3.0],
+            [2.0, 0.0, sixth, 2.0, 3.0],
+        ]));
         let (guessed, radar) = radar(decoder.decode(&message).unwrap());
-        assert_eq!((guessed, radar.form, radar.speeds, radar.total), (false, Stands::Scan, Speeds::Radial, 3));
+        assert_eq!(
+            (guessed, radar.form, radar.speeds, radar.total),
+            (false, Stands::Scan, Speeds::Radial, 3)
+        );
         let half = 3_f64.sqrt();
         assert_near(&radar.echoes[0], [10.0, 0.0, 0.0], -5.0);
         assert_near(&radar.echoes[1], [half, 1.0, 0.0], 1.0);
@@ -62,7 +72,12 @@ fn a_list_of_a_driver_is_read_by_its_definition_and_is_a_guess() {
         let mut pieces = vec![header("radar"), byte(9), Piece::Len(2)];
         for (range, rate) in [(4.0, -1.5), (6.0, 2.5)] {
             pieces.extend([byte(0), single(0.0), Piece::Len(3), byte(1), byte(2), byte(3)]);
-            pieces.extend([Piece::Float(range), single(rate), single(0.1), Piece::Text("x".to_owned())]);
+            pieces.extend([
+                Piece::Float(range),
+                single(rate),
+                single(0.1),
+                Piece::Text("x".to_owned()),
+            ]);
         }
         let message = form.write(&pieces);
         let content = decoder.decode(&message).unwrap();
@@ -85,11 +100,30 @@ fn one_detection_a_message_and_clockwise_degrees() {
             let message = form.write(pieces);
             radar(decoder.decode(&message).unwrap())
         };
-        let pieces = [header("r"), Piece::Bits(2, 7), single(3.0), single(-4.0), single(0.5), single(5.0), single(-2.0), Piece::Bits(2, 1)];
+        let pieces = [
+            header("r"),
+            Piece::Bits(2, 7),
+            single(3.0),
+            single(-4.0),
+            single(0.5),
+            single(5.0),
+            single(-2.0),
+            Piece::Bits(2, 1),
+        ];
         let (guessed, seen) = of("ti_mmwave_rospkg/msg/RadarScan", mmwave, &pieces);
-        assert_eq!((guessed, seen.form, seen.speeds), (true, Stands::Single(Some(7)), Speeds::Plain));
+        assert_eq!(
+            (guessed, seen.form, seen.speeds),
+            (true, Stands::Single(Some(7)), Speeds::Plain)
+        );
         assert_near(&seen.echoes[0], [3.0, -4.0, 0.5], -2.0);
-        let pieces = [header("r"), Piece::Text("510".to_owned()), byte(64), single(90.0), single(8.0), single(1.0)];
+        let pieces = [
+            header("r"),
+            Piece::Text("510".to_owned()),
+            byte(64),
+            single(90.0),
+            single(8.0),
+            single(1.0),
+        ];
         let (_, seen) = of("delphi_esr_msgs/EsrTrack", delphi, &pieces);
         assert_eq!(seen.form, Stands::Single(Some(64)));
         assert_near(&seen.echoes[0], [0.0, -8.0, 0.0], 1.0);
@@ -105,7 +139,13 @@ fn the_state_of_a_vehicle_is_no_detection() {
         "float32 x\nfloat32 y\nfloat32 doppler\n",
     ] {
         let decoder = decoder("/t", "acme/State", Form::Little, own);
-        let message = Form::Little.write(&[header("a"), Piece::Float(1.0), Piece::Float(1.0), Piece::Float(1.0), Piece::Float(1.0)]);
+        let message = Form::Little.write(&[
+            header("a"),
+            Piece::Float(1.0),
+            Piece::Float(1.0),
+            Piece::Float(1.0),
+            Piece::Float(1.0),
+        ]);
         let content = decoder.decode(&message).unwrap();
         assert!(content.members.is_empty(), "{own}: {:?}", content.members);
     }
@@ -147,7 +187,9 @@ fn a_scan_of_a_plane_is_read_with_what_is_no_range() {
         let Body::LaserScan(scan) = decoder.decode(&message).unwrap().body else {
             panic!("no scan");
         };
-        let LaserScan { angles, range, ranges, .. } = *scan;
+        let LaserScan {
+            angles, range, ranges, ..
+        } = *scan;
         assert_eq!((angles, ranges.len()), ([-1.0, 1.0, 0.5], 4));
         assert!((range[1] - 30.0).abs() < 1e-6 && ranges[1].is_infinite() && ranges[2].is_nan());
     }
@@ -172,12 +214,19 @@ fn counts_that_lie_end_with_the_bytes_and_large_scans_are_thinned() {
         let mut pieces = vec![header("laser")];
         pieces.extend([0.0; 7].map(single));
         pieces.push(Piece::Len(u32::MAX));
-        let error = decoder("/t", "sensor_msgs/LaserScan", form, "").decode(&form.write(&pieces)).unwrap_err().0;
+        let error = decoder("/t", "sensor_msgs/LaserScan", form, "")
+            .decode(&form.write(&pieces))
+            .unwrap_err()
+            .0;
         assert!(error.contains("run past the end"), "{error}");
         assert!(started.elapsed() < Duration::from_secs(5));
         let many = vec![[5.0, 0.1, 0.0, -1.0, 0.0]; 3 * MAX_ECHOES as usize];
         let message = form.write(&returns(&many));
-        let (_, seen) = radar(decoder("/t", "radar_msgs/RadarScan", form, "").decode(&message).unwrap());
+        let (_, seen) = radar(
+            decoder("/t", "radar_msgs/RadarScan", form, "")
+                .decode(&message)
+                .unwrap(),
+        );
         assert_eq!((seen.total, seen.echoes.len()), (3 * MAX_ECHOES, MAX_ECHOES as usize));
     }
 }

@@ -169,7 +169,13 @@ fn fixes_and_poses_are_read() {
 
 #[test]
 fn scans_of_planes_keep_all_their_ranges() {
-    let ranges = (0..500).map(|ray| if ray == 7 { "null".to_owned() } else { format!("{ray}.5") });
+    let ranges = (0..500).map(|ray| {
+        if ray == 7 {
+            "null".to_owned()
+        } else {
+            format!("{ray}.5")
+        }
+    });
     let ranges = ranges.collect::<Vec<_>>().join(",");
     let head = r#"{"timestamp":{"sec":1,"nsec":0},"frame_id":"laser","start_angle":-1,"end_angle":1,"ranges":["#;
     let message = format!("{head}{ranges}]}}");
@@ -180,5 +186,10 @@ fn scans_of_planes_keep_all_their_ranges() {
     assert!(scan.ranges[7].is_nan() && scan.time_increment.is_nan() && scan.pose.is_none());
     assert!((scan.angles[2] - 2.0 / 499.0).abs() < 1e-12);
     let without = head.replace(r#","ranges":["#, "}");
-    assert!(json("foxglove.LaserScan", &without).unwrap_err().0.contains("lacks `ranges`"));
+    assert!(
+        json("foxglove.LaserScan", &without)
+            .unwrap_err()
+            .0
+            .contains("lacks `ranges`")
+    );
 }
