@@ -8,6 +8,7 @@ pub mod circular;
 pub mod constants;
 pub mod crispness;
 pub mod distortion;
+pub mod doppler;
 pub mod earth_turns;
 pub mod effective;
 pub mod euler;

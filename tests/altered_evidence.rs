@@ -40,6 +40,8 @@ topics:
   - {topic: /gps, from_drive: gps_fix, rate_hz: 5, frame_id: gps, xyz: [0, 0, 1.5], errors: [msl]}
   - {topic: /vel, from_drive: gnss_velocity, type: geometry_msgs/msg/TwistWithCovarianceStamped, rate_hz: 5, frame_id: gps}
   - {topic: /heading, from_drive: heading, rate_hz: 5, frame_id: base_link, errors: [compass_yaw]}
+  - {topic: /scan, from_drive: laser, rate_hz: 5, frame_id: base_link, laser: {rays: 61}, until_s: 4}
+  - {topic: /radar, from_drive: radar, rate_hz: 10, frame_id: base_link, radar: {}, until_s: 5}
   - {topic: /nmea, from_drive: nmea, rate_hz: 5, frame_id: gps, xyz: [0, 0, 1.5], sentences: [GGA, RMC, HDT]}
 ";
 

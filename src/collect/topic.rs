@@ -79,7 +79,7 @@ impl Topic {
             children: Names::new(share),
             stamps: Stamps::new(share),
             contents: Contents::new(share, Room::of(rank), Arc::clone(time_fields)),
-            members: Members::new(rank, Arc::clone(time_fields)),
+            members: Members::new(rank, of_type, Arc::clone(time_fields)),
         }
     }
 

@@ -42,7 +42,8 @@ pub(crate) struct Pair {
     pub(crate) body: Isometry3<f64>,
     /// Of the lidar, in its own axes, by its scans.
     pub(crate) lidar: Isometry3<f64>,
-    /// Standard error of the scans' match, metres.
+    /// Standard errors of the scans' match, radians and metres.
+    pub(crate) sigma_rad: f64,
     pub(crate) sigma_m: f64,
 }
 
@@ -60,8 +61,27 @@ impl Pair {
 }
 
 impl HandEye {
-    /// The pairs of a lidar, of the motions that are picked of its steps; or why there are none.
+    /// The pairs of a lidar, of the motions that are picked of its steps; or why there are none. A planar scanner that turns against
+    /// the poses has none: what that is, AXES11 says.
     pub(crate) fn of(
+        world: &World,
+        clouds: &Clouds,
+        pick: impl Fn(&Steps) -> Vec<Moved>,
+    ) -> Result<Self, (NotEvaluated, String)> {
+        let known = Self::unchecked(world, clouds, pick)?;
+        let both = |pair: &Pair| {
+            let lidar = known.told.rotation * pair.lidar.rotation.scaled_axis();
+            pair.body.rotation.scaled_axis().z * lidar.z
+        };
+        if clouds.laser.is_some() && known.pairs.iter().map(both).sum::<f64>() < 0.0 {
+            let why = format!("it turns against {}, which is for AXES11 to judge", known.poses.0);
+            return Err((NotEvaluated::TooLittleEvidence, why));
+        }
+        Ok(known)
+    }
+
+    /// [`Self::of`], whichever way it turns.
+    pub(crate) fn unchecked(
         world: &World,
         clouds: &Clouds,
         pick: impl Fn(&Steps) -> Vec<Moved>,
@@ -76,8 +96,7 @@ impl HandEye {
         let no_poses = || missing("no poses of a frame that is tied to it say how the platform moved");
         let steps = scans.steps(clouds).ok_or_else(no_poses)?;
         if steps.is_up.is_none() {
-            let why = "no ground shows that the plane of its x and y is level".to_owned();
-            return Err((NotEvaluated::TooLittleEvidence, why));
+            return Err((NotEvaluated::TooLittleEvidence, steps.why.to_owned()));
         }
         let tied = tied(world, &motion, clouds, &lidar);
         if !tied.is_empty() && tied.iter().all(|(poses, ..)| is_by_scans(poses)) {
@@ -141,6 +160,7 @@ fn pairs(moved: &[Moved], poses: &Stream<PoseRow>) -> Vec<Pair> {
         Some(Pair {
             body: from.inv_mul(&to),
             lidar: in_space(&moved.motion),
+            sigma_rad: moved.sigma[0],
             sigma_m: moved.sigma[1],
         })
     };

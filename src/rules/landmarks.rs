@@ -58,7 +58,7 @@ pub(crate) fn maps(
     for run in &clouds.evidence.runs {
         let mut placed: Vec<(Isometry3<f64>, &[[f64; 3]])> = Vec::new();
         for slice in run {
-            let t_s = Moment::of(slice, start_ns).on(poses.stamp_offset_s);
+            let t_s = Moment::new(slice.stamp_ns, slice.log_ns, start_ns).on(poses.stamp_offset_s);
             if let Some(pose) = track.at(t_s).and_then(|place| pose_at(&turned, &place, t_s)) {
                 placed.push((pose, &slice.points));
             }

@@ -1,11 +1,12 @@
-//! The clouds of a world, each with what its fields say of the sensor. Must not judge.
+//! The clouds of a world, each with what its fields say of the sensor; and the scans of planes, as clouds. Must not judge.
 
-use crate::rules::{Judge, names};
+use crate::rules::{Judge, names, radar};
 use crate::source::Place;
 use crate::tables::{CloudDriver, Lidar};
 use crate::verdict::NotEvaluated;
 use crate::world::bag::TopicEvidence;
 use crate::world::cloud::{CloudEvidence, CloudSample, PointTimes};
+use crate::world::laser::LaserEvidence;
 use crate::world::{BagEvidence, FrameId, World};
 
 /// Units that times of points come in, seconds.
@@ -61,6 +62,8 @@ pub(crate) struct Clouds<'w> {
     pub(crate) index: usize,
     pub(crate) topic: &'w TopicEvidence,
     pub(crate) evidence: &'w CloudEvidence,
+    /// The scans of a plane that these are, where they are no clouds: the evidence has their runs alone then.
+    pub(crate) laser: Option<&'w LaserEvidence>,
     /// The driver that its fields tell.
     pub(crate) driver: Option<&'w CloudDriver>,
 }
@@ -82,6 +85,7 @@ impl<'w> Clouds<'w> {
                     index,
                     topic,
                     evidence,
+                    laser: None,
                     driver: world.tables.cloud_driver(fields.map(|field| (field.name.as_str(), field.datatype.as_str()))),
                 })
             })
@@ -114,6 +118,28 @@ impl<'w> Clouds<'w> {
         }
     }
 
+    /// The scans of planes of a world.
+    pub(crate) fn lasers(world: &'w World) -> impl Iterator<Item = Self> {
+        world.bags.iter().enumerate().flat_map(|(index, bag)| {
+            bag.topics.values().filter_map(move |topic| {
+                let laser = topic.content.lasers.as_deref()?;
+                Some(Self {
+                    bag,
+                    index,
+                    topic,
+                    evidence: &laser.projected,
+                    laser: Some(laser),
+                    driver: None,
+                })
+            })
+        })
+    }
+
+    /// Both: for rules that look at motion in the plane of x and y.
+    pub(crate) fn scanners(world: &'w World) -> impl Iterator<Item = Self> {
+        Self::all(world).chain(Self::lasers(world))
+    }
+
     /// What reports call it.
     pub(crate) fn subject(&self, of: &str) -> String {
         format!("{of} of topic `{}`", self.topic.topic)
@@ -121,7 +147,8 @@ impl<'w> Clouds<'w> {
 
     /// The first cloud.
     pub(crate) fn place(&self) -> Place {
-        let first = self.evidence.layouts.first().map(|layout| &layout.at);
+        let of_cloud = self.evidence.layouts.first().map(|layout| &layout.at);
+        let first = self.laser.map(|laser| &laser.first).or(of_cloud);
         Place::of(self.bag.source, first)
     }
 
@@ -145,7 +172,8 @@ impl<'w> Clouds<'w> {
         let words = self.topic.words();
         let has_word = words.iter().any(|word| LIDARS.contains(&word.as_str()));
         let has_colour = ["rgb", "rgba"].iter().any(|name| self.datatype(name).is_some());
-        !is_registered && !has_colour && (self.driver.is_some() || has_field || has_word)
+        let is_lidar = self.laser.is_some() || self.driver.is_some() || has_field || has_word;
+        is_lidar && !is_registered && !has_colour && !radar::is_of_a_radar(self.topic)
     }
 
     /// From one cloud to the next, seconds.

@@ -27,6 +27,7 @@ mod places;
 pub mod prec;
 mod promised;
 pub mod quat;
+mod radar;
 mod relate;
 pub mod rot;
 mod scan_motion;
@@ -211,6 +212,7 @@ pub static RULES: &[Entry] = &[
     entry::<axes::lidar_forward_axis::LidarForwardAxis>(),
     entry::<axes::base_frame_flu::BaseFrameFlu>(),
     entry::<axes::map_z_up::MapZUp>(),
+    entry::<axes::radar_doppler::RadarDoppler>(),
     entry::<quat::quaternion_convention::QuaternionConvention>(),
     entry::<quat::quaternion_order_static::QuaternionOrderStatic>(),
     entry::<quat::euler_sequence::EulerSequence>(),

@@ -14,12 +14,16 @@ use crate::rules::axes::up_axis_flip::UpAxisFlip;
 use crate::rules::ground::{Planes, SIDES};
 use crate::rules::lidar::Clouds;
 use crate::rules::limits_of;
-use crate::rules::motion::Motion;
+use crate::rules::motion::{Motion, mount};
 use crate::world::World;
 use crate::world::cloud::CloudSlice;
 
 /// Points lower than this over the ground are left out, metres: the rings of beams on it move with the sensor.
 const CLEAR_M: f64 = 0.3;
+/// Cosine of the tilt up to which a planar scanner is level: 5 degrees.
+const LEVEL: f64 = 0.996;
+/// Why it is not known which way z of a cloud points.
+const NO_GROUND: &str = "no ground shows that the plane of its x and y is level";
 /// Stamps of one clock differ from log times by less than this, seconds.
 const SAME_CLOCK_S: f64 = 1.0;
 /// Where a first scan may have come from, metres in x and y.
@@ -33,12 +37,17 @@ pub(crate) struct Moment {
 }
 
 impl Moment {
-    pub(crate) fn of(slice: &CloudSlice, start_ns: i64) -> Self {
+    /// Of a message with such a stamp, where it has one, and such a log time.
+    pub(crate) fn new(stamp_ns: Option<i64>, log_ns: i64, start_ns: i64) -> Self {
         let seconds = |ns: i64| ns.saturating_sub(start_ns) as f64 * 1e-9;
         Self {
-            stamp_s: slice.stamp_ns.map(seconds),
-            log_s: seconds(slice.log_ns),
+            stamp_s: stamp_ns.map(seconds),
+            log_s: seconds(log_ns),
         }
+    }
+
+    fn of(slice: &CloudSlice, start_ns: i64) -> Self {
+        Self::new(slice.stamp_ns, slice.log_ns, start_ns)
     }
 
     /// The same moment on the clock of a stream whose stamps are so much later than its log times.
@@ -89,8 +98,11 @@ impl Moved {
 /// The steps of one topic's clouds.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct Steps {
-    /// Whether the ground lies beneath z of the cloud; `None` where none shows, or z is not upright.
+    /// Whether the ground lies beneath z of the cloud; `None` where none shows, or z is not upright. A planar scanner sees no ground:
+    /// its transforms tell it.
     pub(crate) is_up: Option<bool>,
+    /// Why that is not known.
+    pub(crate) why: &'static str,
     runs: Vec<Vec<Moved>>,
 }
 
@@ -141,11 +153,11 @@ impl ScanMotion {
                 clouds.is_of_a_lidar() && bag.is_some_and(|bag| !bag.imus.is_empty() || !bag.poses.is_empty())
             };
             Self {
-                by_topic: Clouds::all(world)
+                by_topic: Clouds::scanners(world)
                     .filter(moves)
                     .map(|clouds| {
                         let key = (clouds.index, clouds.topic.topic.clone());
-                        (key, steps(&clouds, &planes))
+                        (key, steps(world, &clouds, &planes))
                     })
                     .collect(),
             }
@@ -158,7 +170,20 @@ impl ScanMotion {
     }
 }
 
-fn steps(clouds: &Clouds, planes: &Planes) -> Steps {
+fn steps(world: &World, clouds: &Clouds, planes: &Planes) -> Steps {
+    if clouds.laser.is_some() {
+        return match level(world, clouds) {
+            Ok(is_up) => Steps {
+                is_up: Some(is_up),
+                why: "",
+                runs: runs(clouds, |_| true),
+            },
+            Err(why) => Steps {
+                why,
+                ..Steps::default()
+            },
+        };
+    }
     let Some(limits) = limits_of::<UpAxisFlip>() else {
         return Steps::default();
     };
@@ -168,12 +193,38 @@ fn steps(clouds: &Clouds, planes: &Planes) -> Steps {
         Some("z") => Some(true),
         Some("-z") => Some(false),
         // The plane that was cut stands upright.
-        Some(_) => return Steps::default(),
+        Some(_) => {
+            return Steps {
+                why: NO_GROUND,
+                ..Steps::default()
+            };
+        }
         None => None,
     };
     let height_m = is_up.and_then(|_| median(&grounds.iter().map(|ground| ground.plane.height_m).collect::<Vec<_>>()));
     let sign = if is_up == Some(false) { -1.0 } else { 1.0 };
     let is_clear = |z: f64| height_m.is_none_or(|height_m| sign * z > CLEAR_M - height_m);
+    Steps {
+        is_up,
+        why: NO_GROUND,
+        runs: runs(clouds, is_clear),
+    }
+}
+
+/// Whether z of a planar scanner points up, as the transforms say.
+fn level(world: &World, clouds: &Clouds) -> Result<bool, &'static str> {
+    let frame = clouds.frame().ok_or("the scans name no frame")?;
+    let mount =
+        mount(world, &frame).ok_or("nothing ties the scanner to a base, so that its plane may lie in any way")?;
+    let up = (mount.base_from_sensor.rotation * Vector3::z()).z;
+    if up.abs() < LEVEL {
+        return Err("by its transform the plane of the scanner is not level");
+    }
+    Ok(up > 0.0)
+}
+
+/// The steps of each run, of the points that count.
+fn runs(clouds: &Clouds, is_clear: impl Fn(f64) -> bool) -> Vec<Vec<Moved>> {
     let scan = |slice: &CloudSlice| {
         let points = slice.points.iter().filter(|point| is_clear(point[2]));
         Scan::new(points.map(|[x, y, _]| Vector2::new(*x, *y)))
@@ -183,7 +234,7 @@ fn steps(clouds: &Clouds, planes: &Planes) -> Steps {
     for run in &clouds.evidence.runs {
         let scans: Vec<(Moment, Scan)> = run
             .iter()
-            .map(|slice| (Moment::of(slice, start_ns), scan(slice)))
+            .map(|slice| (Moment::new(slice.stamp_ns, slice.log_ns, start_ns), scan(slice)))
             .collect();
         let mut steps: Vec<Moved> = Vec::new();
         for pair in scans.windows(2) {
@@ -203,7 +254,7 @@ fn steps(clouds: &Clouds, planes: &Planes) -> Steps {
         runs.push(steps);
     }
     runs.retain(|run| !run.is_empty());
-    Steps { is_up, runs }
+    runs
 }
 
 /// One step: about as the last one, else from the best of several guesses.

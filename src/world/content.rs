@@ -9,8 +9,10 @@ use crate::source::MessageRef;
 use super::camera::{CalibrationEvidence, ImageEvidence};
 use super::claim::Pose;
 use super::cloud::CloudEvidence;
+use super::laser::LaserEvidence;
 use super::motion::MotionEvidence;
 use super::projection::GridEvidence;
+use super::radar::RadarEvidence;
 
 /// A pose at a message.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -201,6 +203,12 @@ pub struct ContentEvidence {
     /// Grids.
     #[serde(default)]
     pub grids: Option<GridEvidence>,
+    /// Scans of a plane.
+    #[serde(default)]
+    pub lasers: Option<Box<LaserEvidence>>,
+    /// Detections of a radar; also those of a cloud whose points have a speed.
+    #[serde(default)]
+    pub radar: Option<Box<RadarEvidence>>,
     /// What it says of motion, row by row.
     #[serde(default)]
     pub motion: MotionEvidence,

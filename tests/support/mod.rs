@@ -27,6 +27,7 @@ pub mod foxglove;
 pub mod heard;
 pub mod motion;
 pub mod program;
+pub mod radars;
 pub mod raw;
 pub mod reading;
 pub mod recipe;

@@ -70,6 +70,9 @@
 //! longitude, altitude), `gnss_velocity` (TwistStamped; ENU), `heading` (QuaternionStamped), `nmea` (nmea_msgs/msg/Sentence;
 //! `sentences: [GGA, RMC, HDT]` are sent at every tick, 5 ms apart), `odometry`, `pose` (PoseStamped, in the map = ENU). A `type` may
 //! name the variant WithCovariance of TwistStamped and PoseStamped, and be any name for `ins` and `custom_gps`.
+//! `lidar` with `lidar: {..}` (see `clouds.rs`); `radar` with `radar: {driver: scan | smartmicro | ti_mmwave | nebula | delphi |
+//! nuscenes, sides_deg: 60, reflectors: 4 (in 25 m x 25 m), movers: 4, reversed, compensated, mirrored}`; `laser` with `laser: {rays:
+//! 361, sides_deg: 135, period_s: 0.1, time_scale, increment_scale, backward}` (sensor_msgs/msg/LaserScan).
 //! `from_drive` of a transform: `odometry` (odom from base), `pose` (map from base), `map_odom` (map from odom), `earth`
 //! (earth from map). GNSS topics of one `frame_id` are of one receiver and share its noise.
 //!
@@ -110,7 +113,6 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use super::drive::{Description, Drive};
-use super::driven::sentence_ns;
 use super::raw::{self, Layout};
 use super::topic::{Topic, active, nanoseconds};
 
@@ -201,7 +203,7 @@ impl Recipe {
                 let stamp_ns = topic.stamp_ns(nanoseconds(self.start_s), stamped_s, stamped);
                 let of_tick = topic.messages(at_s, number, stamp_ns, &driven);
                 for (k, message) in of_tick.into_iter().enumerate() {
-                    messages.push((log_ns + sentence_ns(k), index, message));
+                    messages.push((log_ns + topic.later_ns(k), index, message));
                 }
             }
         }

@@ -6,9 +6,12 @@ mod covariance;
 mod fixes;
 mod grid;
 mod imu;
+mod laser;
 pub(super) mod motion;
 mod odometry;
 mod path;
+mod radar;
+mod runs;
 mod slices;
 pub(super) mod steps;
 
@@ -16,6 +19,7 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::read::messages::content::{Body, Fix, Imu, Odometry, Pose, Twist};
+use crate::read::messages::radar::Columns;
 use crate::world::content::{ContentEvidence, CovarianceEvidence};
 
 use super::point::{On, Point};
@@ -27,8 +31,10 @@ use covariance::Covariances;
 use fixes::Fixes;
 use grid::Grids;
 use imu::Inertial;
+use laser::Lasers;
 use motion::Motion;
 use odometry::Odometries;
+use radar::Radars;
 
 /// Poses and twists have six degrees of freedom, positions and vectors three.
 type Six = Covariances<6, 36>;
@@ -48,6 +54,8 @@ pub(super) struct Contents {
     images: Option<Box<Images>>,
     clouds: Option<Box<Clouds>>,
     grids: Option<Box<Grids>>,
+    lasers: Option<Box<Lasers>>,
+    radar: Option<Box<Radars>>,
     motion: Motion,
 }
 
@@ -65,6 +73,8 @@ impl Contents {
             images: None,
             clouds: None,
             grids: None,
+            lasers: None,
+            radar: None,
             motion: Motion::new(room),
         }
     }
@@ -79,6 +89,12 @@ impl Contents {
         }
         if let Some(clouds) = &mut self.clouds {
             clouds.seam();
+        }
+        if let Some(lasers) = &mut self.lasers {
+            lasers.seam();
+        }
+        if let Some(radar) = &mut self.radar {
+            radar.seam();
         }
         self.motion.seam();
     }
@@ -108,11 +124,21 @@ impl Contents {
                 self.clouds
                     .get_or_insert_with(|| Box::new(Clouds::new(share, Arc::clone(&self.time_fields))))
                     .push(point, cloud);
+                if let Some(columns) = Columns::of(cloud) {
+                    self.radar(point).cloud(point, cloud, &columns);
+                }
             }
             Body::Grid(grid) => self
                 .grids
                 .get_or_insert_with(|| Box::new(Grids::new()))
                 .push(point, grid),
+            Body::LaserScan(scan) => {
+                let share = self.share;
+                self.lasers
+                    .get_or_insert_with(|| Box::new(Lasers::new(share, point)))
+                    .push(point, scan);
+            }
+            Body::Radar(radar) => self.radar(point).push(point, radar),
             Body::Nothing
             | Body::ChildFrame(_)
             | Body::Transforms(_)
@@ -121,6 +147,11 @@ impl Contents {
             | Body::Frames(_)
             | Body::Clock(_) => {}
         }
+    }
+
+    fn radar(&mut self, point: Point) -> &mut Radars {
+        let share = self.share;
+        self.radar.get_or_insert_with(|| Box::new(Radars::new(share, point)))
     }
 
     fn odometry(&mut self, point: Point, odometry: &Odometry<'_>) {
@@ -206,6 +237,8 @@ impl Contents {
             images: self.images.map(|images| images.finish(on)),
             clouds: self.clouds.map(|clouds| clouds.finish(on)),
             grids: self.grids.map(|grids| grids.finish(on)),
+            lasers: self.lasers.map(|lasers| Box::new(lasers.finish(on))),
+            radar: self.radar.and_then(|radar| radar.finish(on).map(Box::new)),
             motion: self.motion.finish(),
         }
     }

@@ -6,65 +6,23 @@ use crate::read::messages::cloud::{Cloud, Column};
 use crate::world::cloud::{CloudSlice, RUN_CLOUDS, SLICE_BINS, SLICE_SLOPE};
 
 use super::super::point::Point;
+use super::runs::Runs;
 
 /// Takes in clouds in recording order.
-#[derive(Default)]
-pub(super) struct Slices {
-    /// Runs that are kept, with their numbers.
-    runs: Vec<(u64, Vec<CloudSlice>)>,
-    /// How many runs are kept at most.
-    most: usize,
-    /// Every `stride`-th run is kept.
-    stride: u64,
-    /// The number of the run that is being made, and how many clouds it has so far.
-    number: u64,
-    made: usize,
-}
+pub(super) struct Slices(Runs<CloudSlice>);
 
 impl Slices {
     pub(super) fn new(most: usize) -> Self {
-        Self {
-            most,
-            stride: 1,
-            ..Self::default()
-        }
+        Self(Runs::new(most, RUN_CLOUDS))
     }
 
-    /// Clouds were left out here: the next one is no neighbour of the last.
+    /// Clouds were left out here.
     pub(super) fn seam(&mut self) {
-        if self.made > 0 {
-            self.next();
-        }
-    }
-
-    fn next(&mut self) {
-        self.made = 0;
-        self.number += 1;
+        self.0.seam();
     }
 
     pub(super) fn push(&mut self, point: Point, cloud: &Cloud<'_>) {
-        if self.made == RUN_CLOUDS {
-            self.next();
-        }
-        self.made += 1;
-        if !self.number.is_multiple_of(self.stride) || self.most == 0 {
-            return;
-        }
-        if self.made == 1 {
-            if self.runs.len() >= self.most {
-                self.stride *= 2;
-                let stride = self.stride;
-                self.runs.retain(|(number, _)| number.is_multiple_of(stride));
-                if !self.number.is_multiple_of(stride) {
-                    return;
-                }
-            }
-            self.runs.push((self.number, Vec::with_capacity(RUN_CLOUDS)));
-        }
-        let Some((_, run)) = self.runs.last_mut().filter(|(number, _)| *number == self.number) else {
-            return;
-        };
-        run.push(CloudSlice {
+        self.0.push(|| CloudSlice {
             stamp_ns: point.stamp_ns.filter(|stamp| *stamp != 0),
             log_ns: point.log_ns,
             points: slice(cloud).unwrap_or_default(),
@@ -72,8 +30,7 @@ impl Slices {
     }
 
     pub(super) fn finish(self) -> Vec<Vec<CloudSlice>> {
-        let runs = self.runs.into_iter().map(|(_, run)| run);
-        runs.filter(|run| run.len() > 1).collect()
+        self.0.finish(2)
     }
 }
 

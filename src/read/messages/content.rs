@@ -5,6 +5,7 @@ use std::sync::Arc;
 
 use super::cloud::Cloud;
 use super::header::Header;
+use super::radar::Radar;
 use super::tf::Transform;
 
 /// Most coefficients of a distortion that are read; OpenCV's largest model has 14.
@@ -83,6 +84,10 @@ pub enum Body<'m> {
     Image(Image<'m>),
     /// A grid, its cells aside.
     Grid(Box<Grid>),
+    /// A scan of a plane.
+    LaserScan(Box<LaserScan>),
+    /// Detections of a radar.
+    Radar(Box<Radar>),
     /// The text of a robot description.
     Description(Cow<'m, str>),
     /// A text that may be what a sensor says of itself.
@@ -291,4 +296,37 @@ pub struct Image<'m> {
     pub width: u32,
     /// `encoding`.
     pub encoding: Cow<'m, str>,
+}
+
+/// `sensor_msgs/msg/LaserScan` or `foxglove.LaserScan`, numbers as published.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LaserScan {
+    /// Of the first and the last ray, and from one to the next, radians from x towards y.
+    pub angles: [f64; 3],
+    /// From one ray to the next, seconds; NaN where the type has no such field.
+    pub time_increment: f64,
+    /// From one scan to the next, seconds; NaN where the type has no such field.
+    pub scan_time: f64,
+    /// The least and the largest range that counts, metres; NaN where the type does not say.
+    pub range: [f64; 2],
+    /// Metres, ray by ray.
+    pub ranges: Vec<f64>,
+    /// Where the plane lies in the frame of the message, where the type says it.
+    pub pose: Option<Pose>,
+}
+
+impl LaserScan {
+    /// A scan whose rays are spread evenly from the first angle to the last, and that tells no times and no limits of ranges.
+    pub(super) fn spread(start: f64, end: f64, ranges: Vec<f64>, pose: Option<Pose>) -> Self {
+        let steps = ranges.len().saturating_sub(1);
+        let increment = if steps == 0 { 0.0 } else { (end - start) / steps as f64 };
+        Self {
+            angles: [start, end, increment],
+            time_increment: f64::NAN,
+            scan_time: f64::NAN,
+            range: [f64::NAN; 2],
+            ranges,
+            pose,
+        }
+    }
 }

@@ -13,6 +13,7 @@ pub mod foxglove;
 mod guess;
 pub mod header;
 mod nmea;
+pub mod radar;
 mod route;
 mod sensing;
 mod standard;

@@ -1,10 +1,10 @@
-//! The standard types of cameras, calibrations and images, and of grids.
+//! The standard types of cameras, planar scanners and grids: calibrations, images, scans, grids.
 //!
 //! Owns the order of their fields. Sources: sensor_msgs (common_interfaces, common_msgs); the order is the same in ROS 1 and
 //! ROS 2. The bytes of an image and the cells of a grid are never touched.
 //! nav_msgs (OccupancyGrid), grid_map_msgs (GridMap: in ROS 1 the header is that of its GridMapInfo, in ROS 2 its own: the bytes are the same).
 
-use super::content::{Body, CameraInfo, Grid, Image, MAX_DISTORTION, Roi};
+use super::content::{Body, CameraInfo, Grid, Image, LaserScan, MAX_DISTORTION, Roi};
 use super::{Cursor, DecodeError};
 
 /// Reads the rest of a `sensor_msgs/CameraInfo` behind its header.
@@ -72,5 +72,24 @@ pub(super) fn grid_map<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeEr
         position: cursor.f64s()?,
         orientation: cursor.f64s()?,
         data: None,
+    })))
+}
+
+/// Reads a `sensor_msgs/LaserScan` behind its header, as far as its ranges.
+pub(super) fn laser_scan<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
+    let mut of = || cursor.f32().map(f64::from);
+    let angles = [of()?, of()?, of()?];
+    let [time_increment, scan_time] = [of()?, of()?];
+    let range = [of()?, of()?];
+    let count = cursor.u32()?;
+    // Nothing is set aside for the number that a message claims.
+    let ranges = (0..count).map(|_| cursor.f32().map(f64::from));
+    Ok(Body::LaserScan(Box::new(LaserScan {
+        angles,
+        time_increment,
+        scan_time,
+        range,
+        ranges: ranges.collect::<Result<_, DecodeError>>()?,
+        pose: None,
     })))
 }

@@ -6,7 +6,7 @@ use std::borrow::Cow;
 
 use super::content::{Body, Content, Member};
 use super::header::Header;
-use super::{Cursor, DecodeError, bodies, cloud, nmea, sensing, tf};
+use super::{Cursor, DecodeError, bodies, cloud, nmea, radar, sensing, tf};
 
 /// A standard type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,6 +36,9 @@ pub(super) enum Standard {
     Image,
     Cloud,
     LivoxCloud,
+    LaserScan,
+    RadarScan,
+    RadarTracks,
     Nmea,
     NmeaText,
     Description,
@@ -111,6 +114,9 @@ impl Standard {
             "sensor_msgs/CameraInfo" => Self::CameraInfo,
             "sensor_msgs/Image" => Self::Image,
             "sensor_msgs/PointCloud2" => Self::Cloud,
+            "sensor_msgs/LaserScan" => Self::LaserScan,
+            "radar_msgs/RadarScan" => Self::RadarScan,
+            "radar_msgs/RadarTracks" => Self::RadarTracks,
             _ => return None,
         })
     }
@@ -169,6 +175,9 @@ impl Standard {
             Self::GridMap => sensing::grid_map(cursor),
             Self::Cloud => cloud::point_cloud(cursor),
             Self::LivoxCloud => cloud::livox(cursor),
+            Self::LaserScan => sensing::laser_scan(cursor),
+            Self::RadarScan => radar::scan(cursor),
+            Self::RadarTracks => radar::tracks(cursor),
             Self::Tf | Self::Transform | Self::NmeaText | Self::Description | Self::Metadata | Self::Clock => {
                 Ok(Body::Nothing)
             },

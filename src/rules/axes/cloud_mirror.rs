@@ -3,12 +3,14 @@
 use serde::Deserialize;
 
 use crate::math::regress::{Through, fit_huber};
+use crate::rules::hand_eye::HandEye;
 use crate::rules::lidar::Clouds;
 use crate::rules::motion::{Imu, Motion, mount};
 use crate::rules::scan_motion::{Moved, ScanMotion, Steps};
 use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
+use crate::world::{FrameId, World};
 
 use super::rates::Integrals;
 use super::sensors::{Sensor, Sensors};
@@ -29,6 +31,19 @@ pub struct Limits {
     min_t: f64,
 }
 
+/// What turns beside the scans.
+struct Beside {
+    /// `the gyro of `/imu``.
+    name: String,
+    place: Place,
+    /// The frame whose turning it is, and whether that is tied to a base.
+    frame: Option<FrameId>,
+    is_tied: bool,
+    is_of_poses: bool,
+    /// Its turning, and that of the scans, radians, over the same times.
+    pairs: Vec<(f64, f64)>,
+}
+
 /// The scans' turning over that of a gyro.
 struct Turned {
     gain: f64,
@@ -46,7 +61,7 @@ impl Rule for CloudMirror {
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         Clouds::say_packets(world, "handedness", out);
         let (motion, sensors, scans) = (Motion::of(world), Sensors::of(world), ScanMotion::of(world));
-        for clouds in Clouds::all(world) {
+        for clouds in Clouds::scanners(world) {
             let subject = clouds.subject("handedness");
             if !clouds.is_of_a_lidar() {
                 let why = "nothing says that these are the points of a lidar as it measured them";
@@ -56,13 +71,19 @@ impl Rule for CloudMirror {
             let imus = motion.bags.get(clouds.index).map_or(&[][..], |bag| &bag.imus);
             let known = imus.iter().zip(sensors.of_bag(clouds.index));
             match (scans.steps(&clouds), gyro(known)) {
-                (Some(steps), Ok(imu)) => judge_clouds(world, &clouds, steps, imu, limits, out),
+                (Some(steps), Ok(imu)) => {
+                    let beside = Beside::gyro(steps, imu, limits);
+                    judge_clouds(world, &clouds, steps, &beside, limits, out);
+                }
+                (Some(steps), Err(why)) => match Beside::poses(world, &clouds, limits) {
+                    Some(beside) => judge_clouds(world, &clouds, steps, &beside, limits, out),
+                    None => out.not_evaluated(subject, NotEvaluated::MissingInput, why),
+                },
                 (None, _) => {
                     let why =
                         "no gyro turns beside it: a mirror image has every distance right, and shows in turns alone";
                     out.not_evaluated(subject, NotEvaluated::MissingInput, why);
                 }
-                (_, Err(why)) => out.not_evaluated(subject, NotEvaluated::MissingInput, why),
             }
         }
     }
@@ -92,9 +113,57 @@ fn gyro<'m>(known: impl Iterator<Item = (&'m Imu, &'m Sensor)>) -> Result<&'m Im
     })
 }
 
-fn judge_clouds(world: &World, clouds: &Clouds, steps: &Steps, imu: &Imu, limits: &Limits, out: &mut Judge) {
+impl Beside {
+    fn gyro(steps: &Steps, imu: &Imu, limits: &Limits) -> Self {
+        let integrals = Integrals::of(imu);
+        let offset_s = imu.stream.stamp_offset_s;
+        let seconds = |moved: &Moved| moved.to.on(offset_s) - moved.from.on(offset_s);
+        let chained = steps.chained(|moved| seconds(moved) >= limits.pair_s);
+        let sure = chained
+            .iter()
+            .filter(|moved| moved.sigma[0].to_degrees() <= limits.max_sigma_deg);
+        Self {
+            name: format!("the gyro of `{}`", imu.stream.topic),
+            place: imu.stream.place(),
+            frame: imu.stream.frame.clone(),
+            is_tied: imu.mount.is_some(),
+            is_of_poses: false,
+            pairs: sure
+                .filter_map(|moved| {
+                    let by_gyro = integrals.turned_rad(moved.from.on(offset_s), moved.to.on(offset_s))?;
+                    Some((by_gyro, moved.turned_rad()))
+                })
+                .collect(),
+        }
+    }
+
+    /// For planar scanners, which robots have that have no gyro; the wheels may be mirrored themselves, so that it is a hint.
+    fn poses(world: &World, clouds: &Clouds, limits: &Limits) -> Option<Self> {
+        clouds.laser?;
+        let seconds = |moved: &Moved| moved.to.on(None) - moved.from.on(None);
+        let known = HandEye::unchecked(world, clouds, |steps| steps.chained(|moved| seconds(moved) >= limits.pair_s)).ok()?;
+        let sure = known
+            .pairs
+            .iter()
+            .filter(|pair| pair.sigma_rad.to_degrees() <= limits.max_sigma_deg);
+        let turns = sure.map(|pair| (pair.body.rotation.scaled_axis().z, pair.lidar.rotation.scaled_axis().z));
+        Some(Self {
+            name: known.poses.0.clone(),
+            place: known.poses.1.clone(),
+            frame: None,
+            is_tied: true,
+            is_of_poses: true,
+            pairs: turns.collect(),
+        })
+    }
+}
+
+fn judge_clouds(world: &World, clouds: &Clouds, steps: &Steps, beside: &Beside, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("handedness");
-    let turned = match turned(steps, imu, limits) {
+    if let (Some(_), None) = (clouds.laser, steps.is_up) {
+        return out.not_evaluated(subject, NotEvaluated::MissingInput, steps.why);
+    }
+    let turned = match turned(steps, &beside.pairs, limits) {
         Ok(turned) => turned,
         Err(why) => return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
     };
@@ -105,8 +174,8 @@ fn judge_clouds(world: &World, clouds: &Clouds, steps: &Steps, imu: &Imu, limits
     ];
     let Some(is_up) = steps.is_up else {
         let why = format!(
-            "it turns {:+.2} times as `{}` does, and no ground shows whether its z points up: with z down that is right",
-            turned.gain, imu.stream.topic
+            "it turns {:+.2} times as {} does, and no ground shows whether its z points up: with z down that is right",
+            turned.gain, beside.name
         );
         return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
     };
@@ -114,7 +183,14 @@ fn judge_clouds(world: &World, clouds: &Clouds, steps: &Steps, imu: &Imu, limits
     if is_up == (turned.gain > 0.0) {
         return out.pass(subject, measured);
     }
-    let (relation, what, help) = if is_up {
+    let (relation, what, help) = if clouds.laser.is_some() {
+        (
+            if is_up { "upside-down" } else { "upright" },
+            "it hangs the other way up than its transform says, or its ranges are told in the other order, which is the same in one plane",
+            "give the transform a roll of 180 deg more if the scanner hangs so; if not, let its driver tell the ranges in the order of \
+             growing angles (`inverted`, `flip_x_axis` or the like, once)",
+        )
+    } else if is_up {
         (
             "mirrored",
             "x or y has the wrong sign, or the two are exchanged",
@@ -130,20 +206,31 @@ fn judge_clouds(world: &World, clouds: &Clouds, steps: &Steps, imu: &Imu, limits
     };
     let frame = clouds.frame();
     let mount = frame.as_ref().and_then(|frame| mount(world, frame));
-    let message = format!(
-        "the cloud on `{}` is a mirror image: it turns {:+.2} times as the gyro of `{}` does, with the ground {} its z: {what}",
-        clouds.topic.topic,
-        turned.gain,
-        imu.stream.topic,
-        if is_up { "beneath" } else { "above" }
-    );
+    let message = if clouds.laser.is_some() {
+        format!(
+            "the scans on `{}` turn {:+.2} times as {} does, where by its transform z points {}: {what}",
+            clouds.topic.topic,
+            turned.gain,
+            beside.name,
+            if is_up { "up" } else { "down" }
+        )
+    } else {
+        format!(
+            "the cloud on `{}` is a mirror image: it turns {:+.2} times as {} does, with the ground {} its z: {what}",
+            clouds.topic.topic,
+            turned.gain,
+            beside.name,
+            if is_up { "beneath" } else { "above" }
+        )
+    };
     let finding = Finding::error(subject, message, clouds.place())
         .likely()
         .relation(relation)
-        .related(imu.stream.place(), "the gyro")
+        .related(beside.place.clone(), "what it is held against")
         .help(help);
     // Nothing says how a gyro sits that is tied to no base.
-    let finding = if imu.mount.is_none() && mount.is_none() && imu.stream.frame != frame {
+    let is_loose = !beside.is_tied && mount.is_none() && beside.frame != frame;
+    let finding = if is_loose || beside.is_of_poses {
         finding.hint()
     } else {
         finding
@@ -151,23 +238,11 @@ fn judge_clouds(world: &World, clouds: &Clouds, steps: &Steps, imu: &Imu, limits
     out.fail(measured.into_iter().fold(finding, Finding::measured));
 }
 
-/// How the scans turn against a gyro.
-fn turned(steps: &Steps, imu: &Imu, limits: &Limits) -> Result<Turned, String> {
-    let integrals = Integrals::of(imu);
-    let offset_s = imu.stream.stamp_offset_s;
-    let seconds = |moved: &Moved| moved.to.on(offset_s) - moved.from.on(offset_s);
-    let pairs: Vec<(f64, f64)> = steps
-        .chained(|moved| seconds(moved) >= limits.pair_s)
-        .iter()
-        .filter(|moved| moved.sigma[0].to_degrees() <= limits.max_sigma_deg)
-        .filter_map(|moved| {
-            let by_gyro = integrals.turned_rad(moved.from.on(offset_s), moved.to.on(offset_s))?;
-            Some((by_gyro, moved.turned_rad()))
-        })
-        .collect();
+/// How the scans turn against a gyro, by pairs of their turning.
+fn turned(steps: &Steps, pairs: &[(f64, f64)], limits: &Limits) -> Result<Turned, String> {
     if pairs.len() < limits.min_pairs {
         return Err(format!(
-            "{} pairs of scans could be matched while the gyro ran ({} steps between neighbours); {} are needed",
+            "{} pairs of scans could be matched beside the gyro or the poses ({} steps between neighbours); {} are needed",
             pairs.len(),
             steps.count(),
             limits.min_pairs
@@ -182,14 +257,14 @@ fn turned(steps: &Steps, imu: &Imu, limits: &Limits) -> Result<Turned, String> {
             limits.pair_s, limits.min_turn_deg
         ));
     }
-    let line = fit_huber(&pairs, Through::Origin, pairs.len() as f64);
+    let line = fit_huber(pairs, Through::Origin, pairs.len() as f64);
     let told = line.and_then(|line| Some((line.slope, line.t?.abs())));
     let Some((gain, t)) =
         told.filter(|(gain, t)| (limits.min_gain..=limits.max_gain).contains(&gain.abs()) && *t >= limits.min_t)
     else {
         let (gain, t) = told.unwrap_or_default();
         return Err(format!(
-            "the scans turn {gain:+.2} times as the gyro does, t {t:.1}: that is neither with it nor against it"
+            "the scans turn {gain:+.2} times as the gyro or the poses do, t {t:.1}: that is neither with them nor against them"
         ));
     };
     Ok(Turned {

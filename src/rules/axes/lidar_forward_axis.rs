@@ -53,6 +53,7 @@ impl Yaw {
     pub(crate) fn measured(&self, limits: &Limits) -> [Measured; 2] {
         [
             Measured::new("yaw that the mounting lacks", self.off_deg, "deg")
+                .turn()
                 .limit(limits.pass_deg)
                 .spread(self.error_deg)
                 .samples(self.pairs as u64),
@@ -81,7 +82,7 @@ impl Rule for LidarForwardAxis {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         Clouds::say_packets(world, "forward", out);
-        for clouds in Clouds::all(world) {
+        for clouds in Clouds::scanners(world) {
             match look(world, &clouds, limits) {
                 Ok((yaw, known)) => judge_yaw(world, &clouds, &known, &yaw, limits, out),
                 Err((reason, why)) => out.not_evaluated(clouds.subject("forward"), reason, why),

@@ -69,7 +69,7 @@ impl Rule for ExtrinsicDirection {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         Clouds::say_packets(world, "direction of the mounting", out);
-        for clouds in Clouds::all(world) {
+        for clouds in Clouds::scanners(world) {
             match look(world, &clouds, limits) {
                 Ok(seen) => judge_seen(&clouds, &seen, limits, out),
                 Err((reason, why)) => out.not_evaluated(clouds.subject("direction of the mounting"), reason, why),

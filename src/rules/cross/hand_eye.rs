@@ -38,7 +38,7 @@ impl Rule for HandEyeCalibration {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         Clouds::say_packets(world, "mounting", out);
-        for clouds in Clouds::all(world) {
+        for clouds in Clouds::scanners(world) {
             let known = HandEye::of(world, &clouds, |steps| {
                 steps.chained(|moved| {
                     moved.way_m() >= limits.min_way_m || moved.turned_rad().abs().to_degrees() >= limits.min_turn_deg

@@ -4,6 +4,7 @@ pub mod clock_domain;
 pub mod epoch_offset;
 mod gaps;
 mod known_offsets;
+mod laser;
 mod lateness;
 pub mod leap_table_expiry;
 mod naming;

@@ -14,6 +14,8 @@ use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 use crate::world::cloud::CloudSample;
 
+use super::laser;
+
 /// TIME07.
 pub struct PointTimeSweep;
 
@@ -26,6 +28,7 @@ pub struct Limits {
     min_resultant: f64,
     min_ratio: f64,
     upright: f64,
+    max_angle_steps: f64,
 }
 
 impl Rule for PointTimeSweep {
@@ -37,6 +40,9 @@ impl Rule for PointTimeSweep {
         Clouds::say_packets(world, "order of the times of the points", out);
         for clouds in Clouds::all(world).filter(|clouds| clouds.timed().next().is_some()) {
             judge_clouds(world, &clouds, limits, out);
+        }
+        for scans in Clouds::lasers(world) {
+            laser::judge_angles(&scans, limits.max_angle_steps, out);
         }
     }
 }

@@ -9,6 +9,8 @@ use crate::tables::CloudDriver;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
+use super::laser;
+
 /// TIME06.
 pub struct PointTimeUnit;
 
@@ -18,6 +20,8 @@ pub struct PointTimeUnit;
 pub struct Limits {
     min_clouds: usize,
     min_agreement: f64,
+    min_scan_share: f64,
+    max_scan_share: f64,
 }
 
 impl Rule for PointTimeUnit {
@@ -29,6 +33,9 @@ impl Rule for PointTimeUnit {
         Clouds::say_packets(world, "unit of the times of the points", out);
         for clouds in Clouds::all(world).filter(|clouds| clouds.timed().next().is_some()) {
             judge_clouds(&clouds, limits, out);
+        }
+        for scans in Clouds::lasers(world) {
+            laser::judge_times(&scans, [limits.min_scan_share, limits.max_scan_share], out);
         }
     }
 }

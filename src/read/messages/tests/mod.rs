@@ -6,6 +6,7 @@ mod members;
 mod nmea;
 mod places;
 mod plain;
+mod radar;
 mod sensing;
 mod unknown;
 
