@@ -94,7 +94,8 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
     let message = format!(
-        "the points on `{}` sweep {} about z as time goes on, where a {} sweeps {}: the cloud is mirrored, or its z points down",
+        "the points on `{}` sweep {} about z as time goes on, where a {} sweeps {}: the cloud is mirrored, or its z points down, or the times of \
+         the points run backwards",
         clouds.topic.topic,
         words(seen),
         driver.name,
@@ -103,7 +104,8 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
     let finding = Finding::warning(subject, message, clouds.place())
         .likely()
         .relation("mirrored")
-        .help("look for y (or x) with the wrong sign where the points are made, or an angle that is counted the other way");
+        .help("look for y (or x) with the wrong sign where the points are made, an angle that is counted the other way, or times that count from the \
+             end of the scan");
     out.fail(measured.into_iter().fold(finding, Finding::measured));
 }
 
