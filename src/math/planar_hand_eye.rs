@@ -3,7 +3,7 @@
 //! Owns the least squares, which are linear in the place and in cosine and sine of the yaw, and their errors by the jackknife. Metres
 //! and radians. Source: rule catalogue, CROSS05; the jackknife after Efron and Tibshirani (1993), chapter 11.
 
-use nalgebra::{Isometry2, Matrix4, Rotation2, Vector2, Vector4};
+use nalgebra::{Isometry2, Matrix2, Matrix4, Rotation2, Vector2, Vector4};
 
 use super::stats::median;
 
@@ -40,7 +40,7 @@ pub fn mounted(pairs: &[(Isometry2<f64>, Isometry2<f64>)]) -> Option<Mounted> {
     let limit = OUTLIER * median(&all)?.max(1e-9);
     let kept: Vec<_> = pairs.iter().filter(|pair| left_m(pair, &first) <= limit).collect();
     let whole = solved(kept.iter().copied())?;
-    let (yaw_rad, place) = (yaw(&whole), Vector2::new(whole[2], whole[3]));
+    let (yaw_rad, place) = (yaw(&whole), Vector2::new(whole.z, whole.w));
     let mut squares = [0.0; 3];
     let size = kept.len().div_ceil(GROUPS);
     for group in 0..GROUPS {
@@ -52,8 +52,8 @@ pub fn mounted(pairs: &[(Isometry2<f64>, Isometry2<f64>)]) -> Option<Mounted> {
         let part = solved(rest)?;
         let off = [
             Rotation2::new(yaw(&part)).rotation_to(&Rotation2::new(yaw_rad)).angle(),
-            part[2] - place.x,
-            part[3] - place.y,
+            part.z - place.x,
+            part.w - place.y,
         ];
         for (sum, off) in squares.iter_mut().zip(off) {
             *sum += off * off;
@@ -64,7 +64,7 @@ pub fn mounted(pairs: &[(Isometry2<f64>, Isometry2<f64>)]) -> Option<Mounted> {
     Some(Mounted {
         yaw_rad,
         place,
-        scale: whole[0].hypot(whole[1]),
+        scale: whole.x.hypot(whole.y),
         sigma: squares.map(|sum: f64| (share * sum).sqrt()),
         residual_m: median(&left)?,
         pairs: kept.len(),
@@ -72,22 +72,16 @@ pub fn mounted(pairs: &[(Isometry2<f64>, Isometry2<f64>)]) -> Option<Mounted> {
 }
 
 fn yaw(solution: &Vector4<f64>) -> f64 {
-    solution[1].atan2(solution[0])
+    solution.y.atan2(solution.x)
 }
 
 /// The two equations of a pair in cosine, sine, x and y: `(R_A - 1) t - R t_B = -t_A`.
 fn equations((body, sensor): &(Isometry2<f64>, Isometry2<f64>)) -> [(Vector4<f64>, f64); 2] {
-    let turned = body.rotation.to_rotation_matrix().into_inner();
+    let turned = body.rotation.to_rotation_matrix().into_inner() - Matrix2::identity();
     let (a, b) = (body.translation.vector, sensor.translation.vector);
     [
-        (
-            Vector4::new(-b.x, b.y, turned[(0, 0)] - 1.0, turned[(0, 1)]),
-            -a.x,
-        ),
-        (
-            Vector4::new(-b.y, -b.x, turned[(1, 0)], turned[(1, 1)] - 1.0),
-            -a.y,
-        ),
+        (Vector4::new(-b.x, b.y, turned.m11, turned.m12), -a.x),
+        (Vector4::new(-b.y, -b.x, turned.m21, turned.m22), -a.y),
     ]
 }
 
@@ -112,13 +106,16 @@ mod tests {
     use super::*;
     use crate::math::tests_support::Rng;
 
-    fn pairs(mount: &Isometry2<f64>, count: usize, turn_rad: f64, noise: [f64; 2], rng: &mut Rng) -> Vec<(Isometry2<f64>, Isometry2<f64>)> {
+    fn pairs(
+        mount: &Isometry2<f64>,
+        count: usize,
+        turn_rad: f64,
+        noise: [f64; 2],
+        rng: &mut Rng,
+    ) -> Vec<(Isometry2<f64>, Isometry2<f64>)> {
         (0..count)
             .map(|_| {
-                let body = Isometry2::new(
-                    Vector2::new(rng.range(0.3, 0.8), 0.0),
-                    turn_rad * rng.normal(),
-                );
+                let body = Isometry2::new(Vector2::new(rng.range(0.3, 0.8), 0.0), turn_rad * rng.normal());
                 let shaken = Isometry2::new(
                     Vector2::new(noise[0] * rng.normal(), noise[0] * rng.normal()),
                     noise[1] * rng.normal(),
@@ -148,7 +145,11 @@ mod tests {
         for _ in 0..200 {
             let found = mounted(&pairs(&mount, 80, 0.1, [0.02, 0.002], &mut rng)).unwrap();
             let off = [found.yaw_rad - 0.3, found.place.x - 0.7, found.place.y + 0.2];
-            beyond += off.iter().zip(found.sigma).filter(|(off, sigma)| off.abs() > 3.0 * sigma).count();
+            beyond += off
+                .iter()
+                .zip(found.sigma)
+                .filter(|(off, sigma)| off.abs() > 3.0 * sigma)
+                .count();
         }
         // Of 600, normal errors pass three deviations in 1.6; the jackknife of ten groups has heavier tails (Student, nine degrees
         // of freedom: 1.5 per cent, 9 of 600).
@@ -161,6 +162,9 @@ mod tests {
         let mount = Isometry2::new(Vector2::new(0.7, -0.2), 0.3);
         assert!(mounted(&pairs(&mount, 10, 0.1, [0.0, 0.0], &mut rng)).is_none());
         let straight = mounted(&pairs(&mount, 40, 0.0, [0.02, 0.0], &mut rng));
-        assert!(straight.is_none_or(|found| found.sigma[1].max(found.sigma[2]) > 1.0), "{straight:?}");
+        assert!(
+            straight.is_none_or(|found| found.sigma[1].max(found.sigma[2]) > 1.0),
+            "{straight:?}"
+        );
     }
 }

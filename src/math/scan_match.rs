@@ -103,7 +103,7 @@ fn normal(points: &[Vector2<f64>], index: usize) -> Option<Vector2<f64>> {
         .sum();
     let eigen = SymmetricEigen::try_new(spread, 1e-15, 50)?;
     let least = eigen.eigenvalues.imin();
-    let (across, along) = (eigen.eigenvalues[least], eigen.eigenvalues[1 - least]);
+    let (across, along) = (eigen.eigenvalues.min(), eigen.eigenvalues.max());
     // A heap of points is no line.
     (across <= 0.1 * along).then(|| eigen.eigenvectors.column(least).into())
 }
@@ -135,7 +135,7 @@ pub fn matched(target: &Scan, source: &Scan, guess: &Isometry2<f64>) -> Option<M
     let off: Vec<f64> = pairs.iter().map(|pair| pair.off_m.abs()).collect();
     Some(Matched {
         motion,
-        sigma_rad: covariance[(2, 2)].sqrt(),
+        sigma_rad: covariance.m33.max(0.0).sqrt(),
         sigma_m: place.eigenvalues.max().max(0.0).sqrt(),
         residual_m: median(&off)?,
         overlap,
@@ -219,8 +219,14 @@ mod tests {
             let error = found.motion.inv_mul(&truth);
             assert!(error.rotation.angle().abs() < 0.003, "{trial}: {found:?} {truth:?}");
             assert!(error.translation.vector.norm() < 0.02, "{trial}: {found:?} {truth:?}");
-            assert!(error.rotation.angle().abs() < 5.0 * found.sigma_rad, "{trial}: {found:?}");
-            assert!(error.translation.vector.norm() < 5.0 * found.sigma_m, "{trial}: {found:?}");
+            assert!(
+                error.rotation.angle().abs() < 5.0 * found.sigma_rad,
+                "{trial}: {found:?}"
+            );
+            assert!(
+                error.translation.vector.norm() < 5.0 * found.sigma_m,
+                "{trial}: {found:?}"
+            );
         }
     }
 

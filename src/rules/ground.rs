@@ -118,9 +118,7 @@ pub(crate) fn sides(clouds: &Clouds, sensor_in_cloud: &Vector3<f64>) -> Vec<Side
         .map(|sample| {
             let step = sample.points.len().div_ceil(POINTS).max(1);
             let points = sample.points.iter().step_by(step);
-            let points: Vec<Vector3<f64>> = points
-                .map(|point| Vector3::from(point.xyz) - sensor_in_cloud)
-                .collect();
+            let points: Vec<Vector3<f64>> = points.map(|point| Vector3::from(point.xyz) - sensor_in_cloud).collect();
             SIDES.map(|(side, _)| support(&points, &Vector3::from(side), &Options::default()))
         })
         .collect()

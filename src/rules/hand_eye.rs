@@ -86,7 +86,13 @@ impl HandEye {
             lidar: lidar.clone(),
             told,
         };
-        let best = tied.map(of).reduce(|best, other| if other.pairs.len() > best.pairs.len() { other } else { best });
+        let best = tied.map(of).reduce(|best, other| {
+            if other.pairs.len() > best.pairs.len() {
+                other
+            } else {
+                best
+            }
+        });
         best.ok_or_else(no_poses)
     }
 }
@@ -97,7 +103,9 @@ fn pairs(steps: &Steps, poses: &Stream<PoseRow>, is_enough: impl Fn(&Moved) -> b
     let at = |t_s: f64| pose_at(&turned, &track.at(t_s)?, t_s);
     let pair = |moved: Moved| {
         let times = [moved.from, moved.to].map(|moment| moment.on(poses.stamp_offset_s));
-        let [Some(from), Some(to)] = times.map(at) else { return None };
+        let [Some(from), Some(to)] = times.map(at) else {
+            return None;
+        };
         Some(Pair {
             body: from.inv_mul(&to),
             lidar: in_space(&moved.motion),

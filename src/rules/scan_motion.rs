@@ -43,7 +43,10 @@ impl Moment {
 
     /// The same moment on the clock of a stream whose stamps are so much later than its log times.
     pub(crate) fn on(&self, stamp_offset_s: Option<f64>) -> f64 {
-        let by_stamps = self.stamp_s.zip(stamp_offset_s).map(|(stamp_s, offset_s)| stamp_s - offset_s);
+        let by_stamps = self
+            .stamp_s
+            .zip(stamp_offset_s)
+            .map(|(stamp_s, offset_s)| stamp_s - offset_s);
         by_stamps
             .filter(|t_s| (t_s - self.log_s).abs() < SAME_CLOCK_S)
             .unwrap_or(self.log_s)

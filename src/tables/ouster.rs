@@ -39,8 +39,8 @@ struct Table {
 /// Every place that is known of a part.
 pub fn ouster_places(part: OusterPart) -> impl Iterator<Item = &'static OusterPlace> {
     static TABLE: OnceLock<Table> = OnceLock::new();
-    let table = TABLE
-        .get_or_init(|| serde_yaml::from_str(include_str!("../../rules/tables/ouster.yaml")).unwrap_or_default());
+    let table =
+        TABLE.get_or_init(|| serde_yaml::from_str(include_str!("../../rules/tables/ouster.yaml")).unwrap_or_default());
     table.rows.iter().filter(move |row| row.part == part)
 }
 

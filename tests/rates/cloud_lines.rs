@@ -88,7 +88,12 @@ fn ask(table: &mut Table, group: &'static str, kind: Kind, name: &'static str) {
 fn simulations(table: &mut Table) {
     let of = |motion: Motion, seconds: u32| Kind { motion, seconds, ..CAR };
     let ups = [
-        (SHORT, &["clouds, short", "z down", "z forward"][..], 0.94, ".94 of one cloud"),
+        (
+            SHORT,
+            &["clouds, short", "z down", "z forward"][..],
+            0.94,
+            ".94 of one cloud",
+        ),
         (
             SHORT,
             &["warehouse", "warehouse, z down", "warehouse, z forward"],
@@ -131,7 +136,12 @@ fn simulations(table: &mut Table) {
     )];
     simulated(table, "Clouds: S7 Ouster's frames (SENSOR01)", OUSTER, S7, &window);
     let directions = [
-        (of(Motion::Turning, 30), &["clouds", "mounting inverse"][..], 0.98, ".98-1.00"),
+        (
+            of(Motion::Turning, 30),
+            &["clouds", "mounting inverse"][..],
+            0.98,
+            ".98-1.00",
+        ),
         (
             of(Motion::Turning, 30),
             &["clouds, yaw 180 deg", "mounting inverse, yaw 180 deg"],

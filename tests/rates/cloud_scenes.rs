@@ -49,10 +49,7 @@ const WRONG: Seen = Seen {
 };
 
 /// One whose fault takes motion to be seen.
-const MOVING: Seen = Seen {
-    is_long: true,
-    ..WRONG
-};
+const MOVING: Seen = Seen { is_long: true, ..WRONG };
 
 const OF_OUSTER: Seen = Seen {
     sensor: Sensor::Ouster,

@@ -97,7 +97,10 @@ impl Seen {
     /// Whether a finding names the fault.
     pub fn is_named_by(&self, finding: &Finding) -> bool {
         let (relations, texts) = self.names;
-        let is_told = finding.relation.as_deref().is_some_and(|word| relations.contains(&word))
+        let is_told = finding
+            .relation
+            .as_deref()
+            .is_some_and(|word| relations.contains(&word))
             || texts.iter().any(|text| finding.message.contains(text));
         is_told && (!self.hints_alone || finding.confidence == Confidence::Hint)
     }
@@ -178,7 +181,12 @@ impl Sensor {
             Self::SolidState => {
                 let livox = Lidar {
                     solid_state: true,
-                    ..spinning([Driver::Livox, Driver::LivoxPoints][(seed % 2) as usize], Beams::Even, 6, 600)
+                    ..spinning(
+                        [Driver::Livox, Driver::LivoxPoints][(seed % 2) as usize],
+                        Beams::Even,
+                        6,
+                        600,
+                    )
                 };
                 return (livox, "livox_frame");
             }

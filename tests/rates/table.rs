@@ -8,10 +8,10 @@ use frames_lint::engine::Rules;
 use rayon::prelude::*;
 
 use crate::answers::{self, Answer};
+use crate::cloud_worlds::{self, Shared};
 use crate::drives::Kind;
 use crate::faults::Fault;
 use crate::support::drive::description::{Gnss, Grade, Motion, Vehicle};
-use crate::cloud_worlds::{self, Shared};
 use crate::{frame_worlds, place_lines};
 
 /// Share of wrong answers that a rule may have in a group of lines.
@@ -167,7 +167,8 @@ impl Table {
         ]);
         let rules = rules.unwrap();
         let sensing = Rules::select(&[
-            "AXES", "QUAT", "TIME05", "TIME06", "TIME07", "TIME08", "TIME09", "TREE16", "SENSOR", "PREC", "CROSS04", "CROSS05",
+            "AXES", "QUAT", "TIME05", "TIME06", "TIME07", "TIME08", "TIME09", "TREE16", "SENSOR", "PREC", "CROSS04",
+            "CROSS05",
         ]);
         let sensing = sensing.unwrap();
         // Whoever is through early takes the next of the long drives first.

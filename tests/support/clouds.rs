@@ -15,6 +15,7 @@ use super::encode::Field;
 /// A lidar of a recipe's drive.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[allow(clippy::struct_excessive_bools)] // switches of a recipe
 pub struct Lidar {
     #[serde(default)]
     pub driver: Driver,
@@ -233,7 +234,10 @@ impl Lidar {
             matches!(self.driver, Driver::Ouster | Driver::Robosense) && !self.solid_state && !self.filtered;
         // A scan that is cut to a window begins with the window.
         let first_s = match (self.driver, self.window_deg) {
-            (Driver::Ouster, Some(_)) => rays.iter().find(|ray| self.is_in_window(ray)).map_or(0.0, |ray| ray.after_s),
+            (Driver::Ouster, Some(_)) => rays
+                .iter()
+                .find(|ray| self.is_in_window(ray))
+                .map_or(0.0, |ray| ray.after_s),
             _ => 0.0,
         };
         let mut points = Points::default();
@@ -330,7 +334,9 @@ impl Lidar {
             Driver::Robosense => f64::NAN,
             _ => 0.0,
         };
-        let [x, y, z] = place.map_or([nothing; 3], Into::into).map(|value| Number::F32(value as f32));
+        let [x, y, z] = place
+            .map_or([nothing; 3], Into::into)
+            .map(|value| Number::F32(value as f32));
         let range = place.map_or(0.0, |place| place.norm());
         let ring16 = Number::U16(u16::try_from(*ring).unwrap());
         let after_s = self.after_s((*after_s - first_s).max(0.0));
@@ -345,12 +351,12 @@ impl Lidar {
             Driver::Plain | Driver::Livox => return,
             Driver::Ouster => ("t", nanoseconds),
             Driver::Velodyne if self.epoch_single => ("time", Number::F32(absolute_s as f32)),
-            Driver::Velodyne => (
-                "time",
-                Number::F32((scaled_s - PERIOD_S * self.time_scale) as f32),
-            ),
+            Driver::Velodyne => ("time", Number::F32((scaled_s - PERIOD_S * self.time_scale) as f32)),
             Driver::Hesai | Driver::Robosense => ("timestamp", Number::F64(absolute_s)),
-            Driver::LivoxPoints => ("timestamp", Number::F64((stamp_ns as f64 + after_s * 1e9) * self.time_scale)),
+            Driver::LivoxPoints => (
+                "timestamp",
+                Number::F64((stamp_ns as f64 + after_s * 1e9) * self.time_scale),
+            ),
             Driver::Nebula => ("time_stamp", nanoseconds),
             Driver::Unknown => ("time_offset", Number::F32(scaled_s as f32)),
         };

@@ -155,7 +155,9 @@ impl Body<'_> {
                         Field::Count(count) => out.write_sequence_length(*count),
                         Field::Bytes(bytes) => {
                             out.write_sequence_length(bytes.len());
-                            bytes.iter().for_each(|byte| out.write_u8(*byte));
+                            for byte in bytes {
+                                out.write_u8(*byte);
+                            }
                         }
                         Field::Owned(text) => out.write_string(text),
                         Field::I8(value) => out.write_i8(*value),

@@ -182,10 +182,11 @@ fn is_cut(cloud: &Cloud<'_>) -> bool {
     last.is_some_and(|(row, column)| cloud.point(row, column).is_none())
 }
 
-/// Steps over rows and columns that leave about so many points: columns first, for rows are few and apart. Beams take turns in a
+/// Steps over rows and columns that leave about so many points: columns first, for rows are few and apart where they are beams. Beams take turns in a
 /// cloud of one row: a step that shares no factor with their number meets them all.
 fn strides(cloud: &Cloud<'_>, most: usize) -> (u32, u32) {
-    let rows = u64::from(cloud.height).min(64);
+    let enough = (most as u64).div_ceil(u64::from(cloud.width).max(1));
+    let rows = u64::from(cloud.height).min(enough.max(64));
     let row_step = u64::from(cloud.height).div_ceil(rows.max(1));
     let column_step = (u64::from(cloud.width) * rows).div_ceil(most.max(1) as u64);
     let step = |step: u64| u32::try_from(step).unwrap_or(u32::MAX).max(1);
@@ -200,7 +201,7 @@ fn strides(cloud: &Cloud<'_>, most: usize) -> (u32, u32) {
 fn prime(from: u32) -> u32 {
     let is_prime = |number: &u32| {
         let mut factors = (2..).take_while(|factor| u64::from(*factor) * u64::from(*factor) <= u64::from(*number));
-        factors.all(|factor| number % factor != 0)
+        factors.all(|factor| !number.is_multiple_of(factor))
     };
     (from..=u32::MAX).find(is_prime).unwrap_or(from)
 }
@@ -212,7 +213,7 @@ fn sampled(cloud: &Cloud<'_>, most: usize) -> Option<Sampled> {
     let (row_step, column_step) = strides(cloud, most);
     let (mut points, mut times) = (Vec::new(), Vec::new());
     let (mut looked_at, mut farthest) = (0, 0.0_f64);
-    let rows = (0..cloud.height).step_by(usize::try_from(row_step).unwrap_or(usize::MAX));
+    let rows = (0..cloud.rows()).step_by(usize::try_from(row_step).unwrap_or(usize::MAX));
     for row in rows {
         let columns = (0..cloud.width).step_by(usize::try_from(column_step).unwrap_or(usize::MAX));
         for column in columns {
@@ -300,5 +301,8 @@ mod tests {
         assert_eq!(strides(&cloud(1, 262_144), 4096), (1, 67));
         assert_eq!(strides(&cloud(1, 4096), 4096), (1, 1));
         assert_eq!(strides(&cloud(128, 2048), 4096), (2, 32));
+        // Some write a cloud that is not organised as one column.
+        assert_eq!(strides(&cloud(262_144, 1), 4096), (64, 1));
+        assert_eq!(strides(&cloud(0, 0), 4096), (1, 1));
     }
 }

@@ -82,7 +82,7 @@ fn slice(cloud: &Cloud<'_>) -> Option<Vec<[f64; 3]>> {
     let axes: [Column; 3] = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
     // Those beneath, and those above.
     let mut nearest = vec![[None::<(f64, [f64; 3])>; 2]; SLICE_BINS as usize];
-    for row in 0..cloud.height {
+    for row in 0..cloud.rows() {
         for column in 0..cloud.width {
             let Some(bytes) = cloud.point(row, column) else { break };
             let [Some(x), Some(y), Some(z)] = axes.map(|axis| axis.of(bytes)) else {
@@ -90,10 +90,13 @@ fn slice(cloud: &Cloud<'_>) -> Option<Vec<[f64; 3]>> {
             };
             let flat = x * x + y * y;
             // Also false where one is not a number, or all are zero.
-            if !(z * z < SLICE_SLOPE * SLICE_SLOPE * flat) || !flat.is_finite() {
+            let is_level = z * z < SLICE_SLOPE * SLICE_SLOPE * flat && flat.is_finite();
+            if !is_level {
                 continue;
             }
-            let bin = nearest.get_mut(bin(x, y)).and_then(|bin| bin.get_mut(usize::from(z >= 0.0)));
+            let bin = nearest
+                .get_mut(bin(x, y))
+                .and_then(|bin| bin.get_mut(usize::from(z >= 0.0)));
             if let Some(kept) = bin.filter(|kept| kept.is_none_or(|(least, _)| flat < least)) {
                 *kept = Some((flat, [x, y, z]));
             }
@@ -164,7 +167,10 @@ mod tests {
         let kept = slice(&cloud(&data, 8)).unwrap();
         let near = |a: f64, b: f64| (a - b).abs() < 1e-6;
         assert_eq!(kept.len(), 3);
-        assert!(near(kept[0][1], -4.0) && near(kept[1][0], 2.0) && near(kept[2][0], 3.0), "{kept:?}");
+        assert!(
+            near(kept[0][1], -4.0) && near(kept[1][0], 2.0) && near(kept[2][0], 3.0),
+            "{kept:?}"
+        );
     }
 
     #[test]

@@ -152,9 +152,24 @@ impl Cloud<'_> {
         })
     }
 
+    /// From one row to the next, bytes: rows do not overlap, whatever is stated.
+    fn row_bytes(&self) -> u64 {
+        u64::from(self.row_step).max(u64::from(self.width) * u64::from(self.point_step))
+    }
+
+    /// How many rows have a point in the data: what is stated may be anything.
+    pub fn rows(&self) -> u32 {
+        if self.width == 0 || self.point_step == 0 {
+            return 0;
+        }
+        let begun = (self.data.len() as u64).div_ceil(self.row_bytes());
+        u32::try_from(begun).map_or(self.height, |begun| begun.min(self.height))
+    }
+
     /// The bytes of the point in this row and column; `None` where the data end before it.
     pub fn point(&self, row: u32, column: u32) -> Option<&[u8]> {
-        let place = u64::from(row) * u64::from(self.row_step) + u64::from(column) * u64::from(self.point_step);
+        let in_row = u64::from(column) * u64::from(self.point_step);
+        let place = u64::from(row).checked_mul(self.row_bytes())?.checked_add(in_row)?;
         let place = usize::try_from(place).ok()?;
         let rest = self.data.get(place..)?;
         let step = usize::try_from(self.point_step).ok()?;

@@ -56,7 +56,8 @@ impl Rule for CloudMirror {
             match (scans.steps(&clouds), gyro(known)) {
                 (Some(steps), Ok(imu)) => judge_clouds(world, &clouds, steps, imu, limits, out),
                 (None, _) => {
-                    let why = "no gyro turns beside it: a mirror image has every distance right, and shows in turns alone";
+                    let why =
+                        "no gyro turns beside it: a mirror image has every distance right, and shows in turns alone";
                     out.not_evaluated(subject, NotEvaluated::MissingInput, why);
                 }
                 (_, Err(why)) => out.not_evaluated(subject, NotEvaluated::MissingInput, why),
@@ -79,7 +80,12 @@ fn gyro<'m>(known: impl Iterator<Item = (&'m Imu, &'m Sensor)>) -> Result<&'m Im
     sound.first().copied().ok_or_else(|| {
         doubted.first().map_or_else(
             || "no gyro turns beside it: a mirror image has every distance right, and shows in turns alone".to_owned(),
-            |imu| format!("its gyro would be `{}`, of which another rule reports a fault", imu.stream.topic),
+            |imu| {
+                format!(
+                    "its gyro would be `{}`, of which another rule reports a fault",
+                    imu.stream.topic
+                )
+            },
         )
     })
 }

@@ -324,9 +324,10 @@ fn judge_tilt(
         .map(|ground| over.mount.rotation * ground.plane.normal)
         .collect();
     let part = |axis: usize| normals.iter().map(|normal| normal[axis]).collect::<Vec<_>>();
-    let ([Some(x), Some(y)], [Some(spread_x), Some(spread_y)]) =
-        ([0, 1].map(|axis| median(&part(axis))), [0, 1].map(|axis| mad(&part(axis))))
-    else {
+    let ([Some(x), Some(y)], [Some(spread_x), Some(spread_y)]) = (
+        [0, 1].map(|axis| median(&part(axis))),
+        [0, 1].map(|axis| mad(&part(axis))),
+    ) else {
         return;
     };
     let tilt_deg = x.hypot(y).asin().to_degrees();

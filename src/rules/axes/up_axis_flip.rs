@@ -117,13 +117,16 @@ fn judge_side(
         return out.pass(subject, measured);
     }
     let is_indoors = of_side().any(|ground| ground.ceiling_cells >= limits.ceiling_cells);
-    let has_gravity = gravity_of_the_device(motion, clouds, frame.as_ref())
-        .is_some_and(|up| up.dot(&axis) >= limits.min_gravity);
+    let has_gravity =
+        gravity_of_the_device(motion, clouds, frame.as_ref()).is_some_and(|up| up.dot(&axis) >= limits.min_gravity);
     let (relation, what, help) = named(word);
     let told = match (&mount, &frame) {
         (Some(mount), _) if mount.is_base => format!("and `{}` has z up by its name", mount.base),
         (Some(mount), Some(frame)) => {
-            format!("and `{}_from_{frame}` turns that {off_deg:.0} deg away from up", mount.base)
+            format!(
+                "and `{}_from_{frame}` turns that {off_deg:.0} deg away from up",
+                mount.base
+            )
         }
         _ => "and nothing ties its frame to a base".to_owned(),
     };

@@ -25,8 +25,27 @@ pub struct Limits {
 
 /// Words of cameras that look up or down on purpose.
 const VERTICAL: &[&str] = &[
-    "up", "upward", "upwards", "ceiling", "sky", "zenith", "down", "downward", "downwards", "floor", "ground", "nadir",
-    "bottom", "belly", "wrist", "gripper", "hand", "tool", "arm", "mast", "head",
+    "up",
+    "upward",
+    "upwards",
+    "ceiling",
+    "sky",
+    "zenith",
+    "down",
+    "downward",
+    "downwards",
+    "floor",
+    "ground",
+    "nadir",
+    "bottom",
+    "belly",
+    "wrist",
+    "gripper",
+    "hand",
+    "tool",
+    "arm",
+    "mast",
+    "head",
 ];
 
 impl Rule for OpticalRotation {

@@ -94,10 +94,7 @@ impl Loop<'_> {
         let [a, b, c] = self.frames;
         let subject = format!("loop of `{a}`, `{b}` and `{c}` in {}", world.path(source));
         let closure = self.edges.iter().fold(Isometry3::identity(), |sum, edge| sum * edge.0);
-        let (angle_deg, distance_m) = (
-            closure.rotation.angle().to_degrees(),
-            closure.translation.vector.norm(),
-        );
+        let (angle_deg, distance_m) = (closure.rotation.angle().to_degrees(), closure.translation.vector.norm());
         let sigmas = (angle_deg / limits.edge_deg).max(distance_m / limits.edge_m) / 3_f64.sqrt();
         let measured = [
             Measured::new("angle that is left", angle_deg, "deg"),

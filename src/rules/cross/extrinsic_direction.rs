@@ -54,7 +54,9 @@ impl Seen {
 
     fn of(&self, reading: Reading) -> f64 {
         let mut known = self.residuals.iter();
-        known.find(|(other, _)| *other == reading).map_or(f64::NAN, |(_, residual)| *residual)
+        known
+            .find(|(other, _)| *other == reading)
+            .map_or(f64::NAN, |(_, residual)| *residual)
     }
 }
 
@@ -81,11 +83,20 @@ pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Se
     })?;
     let inverse = known.told.inverse();
     let apart = known.told.inv_mul(&inverse);
-    if apart.translation.vector.norm() < limits.min_apart_m && apart.rotation.angle().to_degrees() < limits.min_apart_deg {
-        let why = format!("`{}_from_{}` and its inverse are the same, about", known.body, known.lidar);
+    if apart.translation.vector.norm() < limits.min_apart_m
+        && apart.rotation.angle().to_degrees() < limits.min_apart_deg
+    {
+        let why = format!(
+            "`{}_from_{}` and its inverse are the same, about",
+            known.body, known.lidar
+        );
         return Err((NotEvaluated::NotApplicable, why));
     }
-    let sure: Vec<_> = known.pairs.iter().filter(|pair| pair.sigma_m <= limits.max_sigma_m).collect();
+    let sure: Vec<_> = known
+        .pairs
+        .iter()
+        .filter(|pair| pair.sigma_m <= limits.max_sigma_m)
+        .collect();
     if sure.len() < limits.min_pairs {
         let why = format!(
             "{} pairs of scans moved enough and matched well beside {}; {} are needed",
@@ -112,7 +123,9 @@ pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Se
     residuals.sort_by(|a, b| a.1.total_cmp(&b.1));
     let decided = match *residuals.as_slice() {
         [(best, least), (_, next), ..]
-            if least <= limits.max_residual_m && next >= limits.ratio * least && next - least >= limits.min_excess_m =>
+            if least <= limits.max_residual_m
+                && next >= limits.ratio * least
+                && next - least >= limits.min_excess_m =>
         {
             Some(best)
         }

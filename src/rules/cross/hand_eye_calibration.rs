@@ -52,7 +52,11 @@ impl Rule for HandEyeCalibration {
 /// What is left of a mounting that is told, in the plane of the body: its yaw and its place.
 fn solved(known: &HandEye, limits: &Limits) -> Result<Mounted, (NotEvaluated, String)> {
     let little = |why: String| (NotEvaluated::TooLittleEvidence, why);
-    let sure: Vec<_> = known.pairs.iter().filter(|pair| pair.sigma_m <= limits.max_sigma_m).collect();
+    let sure: Vec<_> = known
+        .pairs
+        .iter()
+        .filter(|pair| pair.sigma_m <= limits.max_sigma_m)
+        .collect();
     let turned_deg: f64 = sure.iter().map(|pair| pair.lidar.rotation.angle().to_degrees()).sum();
     if turned_deg < limits.min_turned_deg {
         return Err(little(format!(
@@ -66,9 +70,8 @@ fn solved(known: &HandEye, limits: &Limits) -> Result<Mounted, (NotEvaluated, St
         .iter()
         .map(|pair| (in_plane(&pair.body), in_plane(&(turn * pair.lidar * turn.inverse()))))
         .collect();
-    let found = mounted(&flat).ok_or_else(|| {
-        little(format!("{} pairs of scans do not determine where it is", flat.len()))
-    })?;
+    let found =
+        mounted(&flat).ok_or_else(|| little(format!("{} pairs of scans do not determine where it is", flat.len())))?;
     if (found.scale - 1.0).abs() > limits.max_scale {
         return Err(little(format!(
             "{} goes {:.2} m for a metre of the scans: one of them is no measure for the other",
@@ -100,7 +103,11 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Lim
     let told = known.told.translation.vector.xy();
     let off = found.place - told;
     let [sigma_yaw, sigma_x, sigma_y] = found.sigma;
-    let (yaw_deg, sigma_deg, sigma_m) = (found.yaw_rad.to_degrees(), sigma_yaw.to_degrees(), sigma_x.hypot(sigma_y));
+    let (yaw_deg, sigma_deg, sigma_m) = (
+        found.yaw_rad.to_degrees(),
+        sigma_yaw.to_degrees(),
+        sigma_x.hypot(sigma_y),
+    );
     let measured = [
         Measured::new("yaw that the mounting lacks", yaw_deg, "deg")
             .limit(limits.max_yaw_deg)

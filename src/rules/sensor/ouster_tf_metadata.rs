@@ -15,6 +15,7 @@ pub struct OusterTfMetadata;
 /// Limits of SENSOR02.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[allow(clippy::struct_field_names)] // each is a largest one
 pub struct Limits {
     max_off_mm: f64,
     max_turn_deg: f64,
@@ -23,7 +24,7 @@ pub struct Limits {
 
 /// A statement of where a part is in the Sensor frame.
 struct Part {
-    part: OusterPart,
+    of: OusterPart,
     /// `sensor_from_part`.
     pose: Isometry3<f64>,
     /// Whether it is the sensor's own metadata.
@@ -44,8 +45,14 @@ impl Rule for OusterTfMetadata {
     }
 }
 
+/// A frame of an Ouster.
+enum Named {
+    Sensor,
+    Part(OusterPart),
+}
+
 /// Which frame of an Ouster a name is: `os_sensor`, `os1_lidar`, `front/os_imu`.
-fn frame(frame: &FrameId, is_metadata: bool) -> Option<Option<OusterPart>> {
+fn named(frame: &FrameId, is_metadata: bool) -> Option<Named> {
     let tokens = frame.tokens();
     let is_ouster = |token: &String| {
         let rest = token.strip_prefix("os");
@@ -55,9 +62,9 @@ fn frame(frame: &FrameId, is_metadata: bool) -> Option<Option<OusterPart>> {
         return None;
     }
     match tokens.last().map(String::as_str)? {
-        "sensor" => Some(None),
-        "lidar" => Some(Some(OusterPart::Lidar)),
-        "imu" => Some(Some(OusterPart::Imu)),
+        "sensor" => Some(Named::Sensor),
+        "lidar" => Some(Named::Part(OusterPart::Lidar)),
+        "imu" => Some(Named::Part(OusterPart::Imu)),
         _ => None,
     }
 }
@@ -68,14 +75,14 @@ impl Part {
         if !statement.has_rotation || !statement.has_translation {
             return None;
         }
-        let known = [&statement.target, &statement.source_frame].map(|name| frame(name, is_metadata));
+        let known = [&statement.target, &statement.source_frame].map(|name| named(name, is_metadata));
         let (part, pose) = match known {
-            [Some(None), Some(Some(part))] => (part, statement.pose),
-            [Some(Some(part)), Some(None)] => (part, statement.pose.inverse()),
+            [Some(Named::Sensor), Some(Named::Part(part))] => (part, statement.pose),
+            [Some(Named::Part(part)), Some(Named::Sensor)] => (part, statement.pose.inverse()),
             _ => return None,
         };
         Some(Self {
-            part,
+            of: part,
             pose,
             is_metadata,
             statement,
@@ -84,7 +91,7 @@ impl Part {
 
     /// How it should be turned.
     fn turn(&self) -> UnitQuaternion<f64> {
-        match self.part {
+        match self.of {
             OusterPart::Lidar => UnitQuaternion::from_axis_angle(&Vector3::z_axis(), std::f64::consts::PI),
             OusterPart::Imu => UnitQuaternion::identity(),
         }
@@ -100,15 +107,23 @@ impl Part {
         // Metadata beside it say it exactly; of several sensors any may be meant.
         let stated: Vec<&Self> = parts
             .iter()
-            .filter(|other| !self.is_metadata && other.is_metadata && other.part == self.part)
+            .filter(|other| !self.is_metadata && other.is_metadata && other.of == self.of)
             .collect();
         let known: Vec<(Vector3<f64>, String)> = if stated.is_empty() {
-            let rows = ouster_places(self.part);
-            rows.map(|row| (Vector3::from(row.xyz_mm), row.models.clone())).collect()
+            let rows = ouster_places(self.of);
+            rows.map(|row| (Vector3::from(row.xyz_mm), row.models.clone()))
+                .collect()
         } else {
             let own = stated.iter().map(|other| {
                 let place = other.pose.translation.vector * 1e3;
-                (place, format!("{} in {}", other.statement.label, world.path(other.statement.place.source)))
+                (
+                    place,
+                    format!(
+                        "{} in {}",
+                        other.statement.label,
+                        world.path(other.statement.place.source)
+                    ),
+                )
             });
             own.collect()
         };
@@ -134,7 +149,7 @@ impl Part {
             known_place(&known, &place_mm).x,
             known_place(&known, &place_mm).y,
             known_place(&known, &place_mm).z,
-            match self.part {
+            match self.of {
                 OusterPart::Lidar => ", turned by 180 deg about z",
                 OusterPart::Imu => ", not turned",
             }
@@ -170,14 +185,19 @@ impl Part {
         if off_mm > limits.max_off_mm && is_inverse {
             return ("inverse", "it is told the wrong way round".to_owned());
         }
-        if is_turned && self.part == OusterPart::Lidar && self.pose.rotation.angle().to_degrees() <= limits.max_known_deg {
+        if is_turned && self.of == OusterPart::Lidar && self.pose.rotation.angle().to_degrees() <= limits.max_known_deg
+        {
             return (
                 "identity",
-                "it is not turned, where the Lidar frame is turned by half a turn: clouds come out behind the car".to_owned(),
+                "it is not turned, where the Lidar frame is turned by half a turn: clouds come out behind the car"
+                    .to_owned(),
             );
         }
         if is_turned {
-            return ("turned", format!("it is turned by {turned_deg:.2} deg from what it should be"));
+            return (
+                "turned",
+                format!("it is turned by {turned_deg:.2} deg from what it should be"),
+            );
         }
         ("place", format!("it is {off_mm:.2} mm from any place that is known"))
     }

@@ -7,7 +7,7 @@ use crate::rules::motion::{BagMotion, Motion, Stream};
 use crate::rules::{Evidence, Judge, Need, Rule, names};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
-use crate::world::motion::PoseRow;
+use crate::world::motion::{FixRow, PoseRow};
 
 /// TIME05.
 pub struct PointTimeMissing;
@@ -128,7 +128,7 @@ impl Fastest {
             .filter(|stream| !names::is_wish(&stream.topic) && is_long(stream.seconds()));
         let tracks = poses
             .map(Stream::<PoseRow>::track)
-            .chain(motion.fixes.iter().map(|stream| stream.track()));
+            .chain(motion.fixes.iter().map(Stream::<FixRow>::track));
         let speeds = tracks.map(|track| {
             let courses = track.courses(0.0);
             high(courses.iter().flatten().map(|course| course.speed_m_s))

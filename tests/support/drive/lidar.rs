@@ -65,7 +65,11 @@ impl Scanner {
             Beams::Even => even(15.0, -25.0, beams),
             Beams::Vlp16 => even(15.0, -15.0, 16),
             Beams::Pandar40 => {
-                let parts = [vec![15.0, 11.0, 8.0, 5.0, 3.0], even(2.0, -6.0, 25), even(-7.0, -14.0, 8)];
+                let parts = [
+                    vec![15.0, 11.0, 8.0, 5.0, 3.0],
+                    even(2.0, -6.0, 25),
+                    even(-7.0, -14.0, 8),
+                ];
                 [parts.concat(), vec![-19.0, -25.0]].concat()
             }
             Beams::Os1 => even(16.6, -16.6, beams),

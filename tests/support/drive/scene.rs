@@ -90,6 +90,7 @@ impl Scene {
                 (0..2).any(|axis| place[axis] < solid.low[axis] - CLEAR_M || place[axis] > solid.high[axis] + CLEAR_M)
             })
         };
+        #[allow(clippy::iter_over_hash_type)] // each by itself
         for solids in squares.values_mut() {
             solids.retain(is_clear);
         }
