@@ -16,18 +16,12 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use crate::cloud_scenes::SEEN;
 use crate::drives::{FIX_LATENCY_S, Messages};
 use crate::faults::Names;
-use crate::support;
 use crate::support::clouds::{Driver, Lidar};
 use crate::support::drive::description::Vehicle;
 use crate::support::drive::lidar::{Beams, Ray};
 use crate::support::drive::scene::Surroundings;
 use crate::support::driven_world::{Recording, START_NS};
-use crate::support::encode::{Body, Endian, Header};
-use crate::support::raw::{self, Layout, RawChannel};
-use crate::support::schemas;
-
-/// Scans of a second.
-const SCANS_HZ: f64 = 10.0;
+use crate::support::scans::{self, SCANS_HZ};
 
 /// What is around.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -223,38 +217,10 @@ impl Shared {
                 return topic.clone();
             }
         }
-        let topic = collected(lidar, frame, rays);
+        let topic = scans::collected(lidar, frame, rays, |number| {
+            [START_NS + (number as f64 / SCANS_HZ * 1e9).round() as i64; 2]
+        });
         *self.clouds.borrow_mut() = Some((key, topic.clone()));
         topic
     }
-}
-
-/// What is collected of a recording of the clouds.
-fn collected(lidar: &Lidar, frame: &str, rays: &[Vec<Ray>]) -> TopicEvidence {
-    let layout = Layout {
-        compression: None,
-        chunk_bytes: 4 << 20,
-        checksums: false,
-        ..Layout::default()
-    };
-    let message_type = lidar.message_type();
-    let bytes = raw::in_memory(layout, |bag| {
-        let channel = bag.channel(&RawChannel {
-            topic: "/points",
-            message_type,
-            schema: &schemas::definition(message_type),
-            ..RawChannel::default()
-        });
-        for (number, scan) in rays.iter().enumerate() {
-            let stamp_ns = START_NS + (number as f64 / SCANS_HZ * 1e9).round() as i64;
-            let header = Header {
-                stamp_ns,
-                frame_id: frame,
-            };
-            let message = Body::Fields(header, lidar.fields(scan, stamp_ns)).encode(Endian::Little);
-            bag.message(channel, stamp_ns, &message);
-        }
-    });
-    let (_, collected) = support::collected(&bytes);
-    support::bag(&collected).topics["/points"].clone()
 }

@@ -139,45 +139,61 @@ impl Drive {
 
     /// The rays of one scan that begins at a time, of a sensor whose axes are `base_from_sensor`.
     pub fn scan(&self, scene: &Scene, scanner: &Scanner, base_from_sensor: &Isometry3<f64>, start_s: f64) -> Vec<Ray> {
-        let mut random = Random::at(self.description.seed, "lidar", start_s);
-        let mut rays = Vec::new();
-        for column in 0..scanner.columns {
-            let after_s = scanner.period_s * f64::from(column) / f64::from(scanner.columns);
-            let lean = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), scene.lean_rad(start_s + after_s));
-            let state = self.truth.moment(start_s + after_s);
-            let position = self.truth.position(start_s + after_s);
-            // The ground is where the wheels are, and leans as they do.
-            let normal = state.orientation * lean * Vector3::z();
-            let from = position + state.orientation * base_from_sensor.translation.vector;
-            for ring in 0..scanner.beams() {
-                let elevation = scanner.elevations_deg[ring as usize].to_radians();
-                // Clockwise from above, beginning at the back.
-                let azimuth = match scanner.sides_deg {
-                    None => {
-                        let encoder = TAU / 2.0 - TAU * f64::from(column) / f64::from(scanner.columns);
-                        encoder - scanner.aside_deg(ring).to_radians()
-                    }
-                    Some(sides) => random.between(-sides, sides).to_radians(),
-                };
-                let direction = Vector3::new(
-                    elevation.cos() * azimuth.cos(),
-                    elevation.cos() * azimuth.sin(),
-                    elevation.sin(),
-                );
-                let in_world = state.orientation * base_from_sensor.rotation * direction;
-                let is_lost = random.between(0.0, 1.0) < scanner.lost;
-                let range = scene.range(&from, &in_world, (&position, &normal), scanner.reach_m);
-                let range = range
-                    .filter(|_| !is_lost)
-                    .map(|range| range + scanner.noise_m * random.normal());
-                rays.push(Ray {
-                    ring,
-                    column,
-                    after_s,
-                    place: range.map(|range| direction * range),
-                });
-            }
-        }
-        rays
+        let way = |t_s: f64| {
+            let orientation = self.truth.moment(t_s).orientation;
+            Isometry3::from_parts(self.truth.position(t_s).into(), orientation)
+        };
+        cast(&way, self.description.seed, scene, scanner, base_from_sensor, start_s)
     }
+}
+
+/// The rays of one scan that begins at a time, of a sensor on a base that goes a way (`world_from_base` at a time, z up) on the ground.
+pub fn cast(
+    way: &dyn Fn(f64) -> Isometry3<f64>,
+    seed: u64,
+    scene: &Scene,
+    scanner: &Scanner,
+    base_from_sensor: &Isometry3<f64>,
+    start_s: f64,
+) -> Vec<Ray> {
+    let mut random = Random::at(seed, "lidar", start_s);
+    let mut rays = Vec::new();
+    for column in 0..scanner.columns {
+        let after_s = scanner.period_s * f64::from(column) / f64::from(scanner.columns);
+        let lean = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), scene.lean_rad(start_s + after_s));
+        let base = way(start_s + after_s);
+        let (position, orientation) = (base.translation.vector, base.rotation);
+        // The ground is where the wheels are, and leans as they do.
+        let normal = orientation * lean * Vector3::z();
+        let from = position + orientation * base_from_sensor.translation.vector;
+        for ring in 0..scanner.beams() {
+            let elevation = scanner.elevations_deg[ring as usize].to_radians();
+            // Clockwise from above, beginning at the back.
+            let azimuth = match scanner.sides_deg {
+                None => {
+                    let encoder = TAU / 2.0 - TAU * f64::from(column) / f64::from(scanner.columns);
+                    encoder - scanner.aside_deg(ring).to_radians()
+                }
+                Some(sides) => random.between(-sides, sides).to_radians(),
+            };
+            let direction = Vector3::new(
+                elevation.cos() * azimuth.cos(),
+                elevation.cos() * azimuth.sin(),
+                elevation.sin(),
+            );
+            let in_world = orientation * base_from_sensor.rotation * direction;
+            let is_lost = random.between(0.0, 1.0) < scanner.lost;
+            let range = scene.range(&from, &in_world, (&position, &normal), scanner.reach_m);
+            let range = range
+                .filter(|_| !is_lost)
+                .map(|range| range + scanner.noise_m * random.normal());
+            rays.push(Ray {
+                ring,
+                column,
+                after_s,
+                place: range.map(|range| direction * range),
+            });
+        }
+    }
+    rays
 }
