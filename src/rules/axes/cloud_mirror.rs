@@ -24,7 +24,8 @@ pub struct Limits {
     max_sigma_deg: f64,
     min_pairs: usize,
     min_turn_deg: f64,
-    gain: [f64; 2],
+    least_gain: f64,
+    most_gain: f64,
     min_t: f64,
 }
 
@@ -183,8 +184,7 @@ fn turned(steps: &Steps, imu: &Imu, limits: &Limits) -> Result<Turned, String> {
     let line = fit_huber(&pairs, Through::Origin, pairs.len() as f64);
     let told = line.and_then(|line| Some((line.slope, line.t?.abs())));
     let Some((gain, t)) = told.filter(|(gain, t)| {
-        let [low, high] = limits.gain;
-        (low..=high).contains(&gain.abs()) && *t >= limits.min_t
+        (limits.least_gain..=limits.most_gain).contains(&gain.abs()) && *t >= limits.min_t
     }) else {
         let (gain, t) = told.unwrap_or_default();
         return Err(format!(
