@@ -183,9 +183,9 @@ fn turned(steps: &Steps, imu: &Imu, limits: &Limits) -> Result<Turned, String> {
     }
     let line = fit_huber(&pairs, Through::Origin, pairs.len() as f64);
     let told = line.and_then(|line| Some((line.slope, line.t?.abs())));
-    let Some((gain, t)) = told.filter(|(gain, t)| {
-        (limits.least_gain..=limits.most_gain).contains(&gain.abs()) && *t >= limits.min_t
-    }) else {
+    let Some((gain, t)) =
+        told.filter(|(gain, t)| (limits.least_gain..=limits.most_gain).contains(&gain.abs()) && *t >= limits.min_t)
+    else {
         let (gain, t) = told.unwrap_or_default();
         return Err(format!(
             "the scans turn {gain:+.2} times as the gyro does, t {t:.1}: that is neither with it nor against it"
