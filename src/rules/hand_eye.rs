@@ -15,6 +15,13 @@ use crate::world::{FrameId, World};
 /// Longest step between two poses, seconds.
 const MAX_STEP_S: f64 = 0.6;
 
+/// Least part of up that lies along z of the body, where the transforms turn the lidar's up to: 60 degrees. A turned axis is AXES10's.
+const LEAST_UP: f64 = 0.5;
+/// Turning of all pairs by the poses, root mean square, from which on its sign is looked at, radians: 0.5 degrees.
+const LEAST_TURN_RAD: f64 = 0.0087;
+/// Turning of the scans over that of the poses from which on they turn against each other.
+const AGAINST: f64 = -0.5;
+
 /// A lidar whose motion is known twice.
 pub(crate) struct HandEye {
     /// The frame that the poses move.
@@ -93,7 +100,32 @@ impl HandEye {
                 best
             }
         });
-        best.ok_or_else(no_poses)
+        let best = best.ok_or_else(no_poses)?;
+        let sign = if steps.is_up == Some(true) { 1.0 } else { -1.0 };
+        if sign * (best.told.rotation * Vector3::z()).z < LEAST_UP {
+            let why = format!("the ground does not lie beneath `{}`, which AXES10 judges", best.body);
+            return Err((NotEvaluated::NotApplicable, why));
+        }
+        if best.turns_against() {
+            let why = format!(
+                "its scans turn against {}: no mounting brings a mirror image together with them, which AXES11 judges",
+                best.poses.0
+            );
+            return Err((NotEvaluated::NotApplicable, why));
+        }
+        Ok(best)
+    }
+
+    /// Whether the scans turn to the other side than the poses do.
+    fn turns_against(&self) -> bool {
+        let turns = self.pairs.iter().map(|pair| {
+            let lidar = self.told.rotation * pair.lidar.rotation.scaled_axis();
+            (pair.body.rotation.scaled_axis().z, lidar.z)
+        });
+        let (squares, products) = turns.fold((0.0, 0.0), |(squares, products), (body, lidar)| {
+            (squares + body * body, products + body * lidar)
+        });
+        squares > LEAST_TURN_RAD.powi(2) * self.pairs.len() as f64 && products < AGAINST * squares
     }
 }
 
