@@ -220,7 +220,12 @@ impl Collector {
             None if next >= MAX_TOPICS || channel.topic.len() > MAX_TOPIC_NAME => return None,
             None => {
                 self.topic_of.insert(channel.topic.clone(), next);
-                self.topics.push(Topic::new(channel, &decoder, next));
+                let alike = self
+                    .topics
+                    .iter()
+                    .filter(|topic| topic.message_type == channel.message_type);
+                let of_type = alike.count();
+                self.topics.push(Topic::new(channel, &decoder, next, of_type));
                 next
             }
         };

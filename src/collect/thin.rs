@@ -44,12 +44,6 @@ impl Share {
             200..2_000 => (64, 2, 2),
             _ => (8, 1, 1),
         };
-        // No recording has so many lidars.
-        let (clouds, runs) = match rank {
-            0..64 => ([MAX_SAMPLES, MAX_POINTS], MAX_RUNS),
-            64..256 => ([MAX_SAMPLES, 256], 0),
-            _ => ([1, 16], 0),
-        };
         Self {
             stamps,
             steps,
@@ -59,9 +53,22 @@ impl Share {
             matrices,
             names,
             examples,
-            clouds,
-            runs,
+            clouds: [1, 16],
+            runs: 0,
         }
+        .with_clouds(rank)
+    }
+
+    /// The same with room for the clouds of the topic that came `rank`-th among those of its type: vehicles have eight lidars, and
+    /// forty other topics before them.
+    pub(super) fn with_clouds(self, rank: usize) -> Self {
+        let (clouds, runs) = match rank {
+            0..8 => ([MAX_SAMPLES, MAX_POINTS], MAX_RUNS),
+            8..32 => ([MAX_SAMPLES, 1024], 10),
+            32..256 => ([4, 256], 0),
+            _ => ([1, 16], 0),
+        };
+        Self { clouds, runs, ..self }
     }
 }
 

@@ -51,9 +51,9 @@ pub(super) struct Topic {
 }
 
 impl Topic {
-    /// A topic that came `rank`-th, from 0.
-    pub(super) fn new(channel: &Channel, decoder: &Decoder, rank: usize) -> Self {
-        let share = Share::of(rank);
+    /// A topic that came `rank`-th, from 0, and `of_type`-th among those of its type.
+    pub(super) fn new(channel: &Channel, decoder: &Decoder, rank: usize, of_type: usize) -> Self {
+        let share = Share::of(rank).with_clouds(of_type);
         Self {
             name: channel.topic.clone(),
             message_type: channel.message_type.clone(),

@@ -86,6 +86,7 @@ impl Radial {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::panic)]
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn a_cubic_folds_where_its_derivative_is_zero() {
@@ -125,6 +126,63 @@ mod tests {
         assert!((angle_rad - 1.75).abs() < 1e-3);
         let beyond = Radial::Fisheye([0.0; 4]).reach(4.0);
         assert!(matches!(beyond, Some(Reach::Folds { radius, .. }) if (radius - std::f64::consts::PI).abs() < 1e-2));
+    }
+
+    #[test]
+    fn the_models_are_those_of_opencv() {
+        // Worked out from the formulas of OpenCV's manual at r = 0.5 and theta = 0.9, with another program.
+        let half = 0.5_f64.atan();
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
+        let found = Radial::PlumbBob([-0.28, 0.07, 0.01]).distorted(half);
+        assert!(near(found, 0.46726562499999996), "{found}");
+        let found = Radial::Rational([8.0, 4.5, 0.2, 8.3, 6.6, 1.1]).distorted(half);
+        assert!(near(found, 0.4685688809629959), "{found}");
+        let found = Radial::Fisheye([-0.02, 0.004, -0.003, 0.0005]).distorted(0.9);
+        assert!(near(found, 0.8865407795445001), "{found}");
+    }
+
+    #[test]
+    fn a_quotient_that_falls_again_folds_at_its_top() {
+        // r / (1 + r^2) has its largest value, a half, at r = 1.
+        let Some(Reach::Folds { radius, angle_rad }) = Radial::Rational([0.0, 0.0, 0.0, 1.0, 0.0, 0.0]).reach(2.0)
+        else {
+            panic!("it folds")
+        };
+        assert!(
+            (radius - 0.5).abs() < 1e-6 && (angle_rad - 1.0_f64.atan()).abs() < 1e-3,
+            "{radius} {angle_rad}"
+        );
+        // r / (1 - r^2) has a pole at r = 1: every radius is reached before.
+        let Some(Reach::Whole { angle_rad }) = Radial::Rational([0.0, 0.0, 0.0, -1.0, 0.0, 0.0]).reach(100.0) else {
+            panic!("it reaches the pole")
+        };
+        assert!(angle_rad < 1.0_f64.atan());
+    }
+
+    proptest! {
+        #[test]
+        fn up_to_where_a_model_folds_it_only_grows(k in prop::array::uniform4(-0.5..0.5), to in 0.1..3.0) {
+            for radial in [Radial::PlumbBob([k[0], k[1], k[2]]), Radial::Fisheye(k)] {
+                let (end_rad, most) = match radial.reach(to) {
+                    Some(Reach::Whole { angle_rad }) => (angle_rad, f64::INFINITY),
+                    Some(Reach::Folds { radius, angle_rad }) => (angle_rad, radius + 1e-12),
+                    None => continue,
+                };
+                let mut last = 0.0;
+                for step in 1..200 {
+                    let radius = radial.distorted(end_rad * f64::from(step) / 200.0);
+                    prop_assert!(radius >= last && radius <= most, "{radial:?} {radius} {last}");
+                    last = radius;
+                }
+            }
+        }
+
+        #[test]
+        fn any_numbers_end_without_panic(k in prop::array::uniform6(prop::num::f64::ANY), to in prop::num::f64::ANY) {
+            let _ = Radial::Rational(k).reach(to);
+            let _ = Radial::PlumbBob([k[0], k[1], k[2]]).reach(to);
+            let _ = Radial::Fisheye([k[0], k[1], k[2], k[3]]).reach(to);
+        }
     }
 
     #[test]

@@ -32,13 +32,18 @@ pub struct Mounted {
 /// Solves for `body_from_sensor` from motions `(body, sensor)`, each the later pose in the earlier one's axes. `None` where they do
 /// not determine it: too few, or hardly any turning.
 pub fn mounted(pairs: &[(Isometry2<f64>, Isometry2<f64>)]) -> Option<Mounted> {
+    let is_finite = |motion: &Isometry2<f64>| motion.to_homogeneous().iter().all(|value| value.is_finite());
+    let pairs: Vec<_> = pairs
+        .iter()
+        .filter(|(body, sensor)| is_finite(body) && is_finite(sensor))
+        .collect();
     if pairs.len() < 2 * GROUPS {
         return None;
     }
-    let first = solved(pairs.iter())?;
+    let first = solved(pairs.iter().copied())?;
     let all: Vec<f64> = pairs.iter().map(|pair| left_m(pair, &first)).collect();
     let limit = OUTLIER * median(&all)?.max(1e-9);
-    let kept: Vec<_> = pairs.iter().filter(|pair| left_m(pair, &first) <= limit).collect();
+    let kept: Vec<_> = pairs.into_iter().filter(|pair| left_m(pair, &first) <= limit).collect();
     let whole = solved(kept.iter().copied())?;
     let (yaw_rad, place) = (yaw(&whole), Vector2::new(whole.z, whole.w));
     let mut squares = [0.0; 3];
@@ -154,6 +159,38 @@ mod tests {
         // Of 600, normal errors pass three deviations in 1.6; the jackknife of ten groups has heavier tails (Student, nine degrees
         // of freedom: 1.5 per cent, 9 of 600).
         assert!(beyond <= 20, "{beyond}");
+    }
+
+    #[test]
+    fn a_few_matches_that_failed_do_not_matter_nor_do_those_that_are_no_numbers() {
+        let mut rng = Rng::new(4);
+        let mount = Isometry2::new(Vector2::new(0.7, -0.2), 0.3);
+        let mut all = pairs(&mount, 80, 0.1, [0.005, 0.001], &mut rng);
+        for pair in all.iter_mut().step_by(20) {
+            // A match that stayed where it was.
+            pair.1 = Isometry2::identity();
+        }
+        all.push((Isometry2::new(Vector2::new(f64::NAN, 0.0), 0.0), Isometry2::identity()));
+        let found = mounted(&all).unwrap();
+        assert!((found.yaw_rad - 0.3).abs() < 0.02, "{found:?}");
+        assert!((found.place - Vector2::new(0.7, -0.2)).norm() < 0.05, "{found:?}");
+        assert!((70..=76).contains(&found.pairs), "{found:?}");
+    }
+
+    #[test]
+    fn a_sensor_that_measures_half_shows_a_scale_of_two() {
+        let mut rng = Rng::new(5);
+        // With the sensor at the origin of the body its place and the scale are apart.
+        let mount = Isometry2::new(Vector2::zeros(), 0.3);
+        let mut all = pairs(&mount, 40, 0.1, [0.0, 0.0], &mut rng);
+        for (_, sensor) in &mut all {
+            sensor.translation.vector *= 0.5;
+        }
+        let found = mounted(&all).unwrap();
+        assert!(
+            (found.scale - 2.0).abs() < 1e-9 && (found.yaw_rad - 0.3).abs() < 1e-9,
+            "{found:?}"
+        );
     }
 
     #[test]

@@ -9,8 +9,10 @@ use rstar::primitives::GeomWithData;
 
 use crate::math::stats::median;
 
-/// Neighbours to each side, in the order of the scan, that make the line of a point.
-const NEIGHBOURS: usize = 3;
+/// Neighbours to each side, in the order of the scan, that make the line of a point: at least, and at most.
+const NEIGHBOURS: [usize; 2] = [3, 10];
+/// More than the least only as far as this, metres: the nearer a wall, the closer its points, and the worse a short line points.
+const REACHES_M: f64 = 0.2;
 /// Neighbours farther away than this share of their range, and 0.1 m, belong to something else.
 const GAP: f64 = 0.06;
 /// How far from its line a point may be, metres, in the first round and from the last narrowing on.
@@ -25,6 +27,8 @@ const STILL: f64 = 1e-5;
 const ASKED: usize = 400;
 /// Pairs that are needed.
 const LEAST: usize = 30;
+/// What is left of the information in a direction that only noise tells.
+const UNKNOWN: f64 = 1e-6;
 /// The least share of the source that must find its line.
 const OVERLAP: f64 = 0.4;
 
@@ -32,7 +36,16 @@ const OVERLAP: f64 = 0.4;
 #[derive(Debug)]
 pub struct Scan {
     points: Vec<Vector2<f64>>,
-    lines: RTree<GeomWithData<[f64; 2], Vector2<f64>>>,
+    lines: RTree<GeomWithData<[f64; 2], Line>>,
+}
+
+/// The line through a point of a scan.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Line {
+    /// Its unit normal.
+    normal: Vector2<f64>,
+    /// Variance of the normal's direction, square radians.
+    turns: f64,
 }
 
 /// The motion between two scans.
@@ -59,7 +72,7 @@ impl Scan {
             .collect();
         let lines = (0..points.len()).filter_map(|index| {
             let point = points.get(index)?;
-            Some(GeomWithData::new([point.x, point.y], normal(&points, index)?))
+            Some(GeomWithData::new([point.x, point.y], line(&points, index)?))
         });
         Self {
             lines: RTree::bulk_load(lines.collect()),
@@ -83,16 +96,19 @@ impl Scan {
     }
 }
 
-/// The normal of the line through a point and its neighbours; `None` where they make none.
-fn normal(points: &[Vector2<f64>], index: usize) -> Option<Vector2<f64>> {
+/// The line through a point and its neighbours; `None` where they make none.
+fn line(points: &[Vector2<f64>], index: usize) -> Option<Line> {
+    let [least, most] = NEIGHBOURS;
     let point = points.get(index)?;
-    let gap = 0.1 + GAP * point.norm();
-    let mut near = Vec::with_capacity(2 * NEIGHBOURS + 1);
-    for other in points.get(index.saturating_sub(NEIGHBOURS)..(index + NEIGHBOURS + 1).min(points.len()))? {
-        if (other - point).norm() <= gap {
-            near.push(*other);
-        }
-    }
+    let gap_m = 0.1 + GAP * point.norm();
+    let is_near = |(place, other): &(usize, &Vector2<f64>)| {
+        let apart_m = (*other - point).norm();
+        apart_m <= gap_m && (*place < least || apart_m <= REACHES_M)
+    };
+    let before = points.get(..index)?.iter().rev().take(most).enumerate();
+    let behind = points.get(index + 1..)?.iter().take(most).enumerate();
+    let others = before.filter(is_near).chain(behind.filter(is_near));
+    let near: Vec<Vector2<f64>> = others.map(|(_, other)| *other).chain([*point]).collect();
     if near.len() < 4 {
         return None;
     }
@@ -105,7 +121,11 @@ fn normal(points: &[Vector2<f64>], index: usize) -> Option<Vector2<f64>> {
     let least = eigen.eigenvalues.imin();
     let (across, along) = (eigen.eigenvalues.min(), eigen.eigenvalues.max());
     // A heap of points is no line.
-    (across <= 0.1 * along).then(|| eigen.eigenvectors.column(least).into())
+    (across <= 0.1 * along).then(|| Line {
+        normal: eigen.eigenvectors.column(least).into(),
+        // The slope of a regression: the variance of a point over the spread along the line.
+        turns: (across / (near.len() - 2) as f64).max(0.0) / along.max(1e-12),
+    })
 }
 
 /// The motion `target_from_source` near a guess; `None` where too little of the one is seen in the other.
@@ -129,8 +149,8 @@ pub fn matched(target: &Scan, source: &Scan, guess: &Isometry2<f64>) -> Option<M
     }
     let (information, _, squares) = normal_equations(&pairs);
     // Neighbouring points share the errors of one surface: seven of them, which make a line, count as one.
-    let variance = squares / pairs.len() as f64 * (2 * NEIGHBOURS + 1) as f64;
-    let covariance = information.try_inverse()? * variance;
+    let variance = squares / pairs.len() as f64 * (2 * NEIGHBOURS[0] + 1) as f64;
+    let covariance = sure(&information, &pairs)?.try_inverse()? * variance;
     let place = SymmetricEigen::try_new(covariance.fixed_view::<2, 2>(0, 0).into_owned(), 1e-15, 50)?;
     let off: Vec<f64> = pairs.iter().map(|pair| pair.off_m.abs()).collect();
     Some(Matched {
@@ -146,7 +166,16 @@ pub fn matched(target: &Scan, source: &Scan, guess: &Isometry2<f64>) -> Option<M
 struct Pair {
     place: Vector2<f64>,
     normal: Vector2<f64>,
+    turns: f64,
     off_m: f64,
+}
+
+impl Pair {
+    /// How far a step in x, y and angle brings the point along a direction.
+    fn along(&self, direction: &Vector2<f64>) -> Vector3<f64> {
+        let turning = direction.dot(&Vector2::new(-self.place.y, self.place.x));
+        Vector3::new(direction.x, direction.y, turning)
+    }
 }
 
 fn pairs(target: &Scan, source: &Scan, motion: &Isometry2<f64>, reach_m: f64) -> Vec<Pair> {
@@ -154,10 +183,15 @@ fn pairs(target: &Scan, source: &Scan, motion: &Isometry2<f64>, reach_m: f64) ->
         let place = motion * nalgebra::Point2::from(*point);
         let place = place.coords;
         let nearest = target.lines.nearest_neighbor([place.x, place.y])?;
-        let normal = nearest.data;
+        let Line { normal, turns } = nearest.data;
         let off_m = normal.dot(&(place - Vector2::from(*nearest.geom())));
         let apart = (place - Vector2::from(*nearest.geom())).norm();
-        (apart <= reach_m.max(GAP * place.norm()) && off_m.abs() <= reach_m).then_some(Pair { place, normal, off_m })
+        (apart <= reach_m.max(GAP * place.norm()) && off_m.abs() <= reach_m).then_some(Pair {
+            place,
+            normal,
+            turns,
+            off_m,
+        })
     };
     source.asked().filter_map(pair).collect()
 }
@@ -169,13 +203,43 @@ fn normal_equations(pairs: &[Pair]) -> (Matrix3<f64>, Vector3<f64>, f64) {
     let (mut information, mut gradient, mut squares) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
     for pair in pairs {
         let weight = (usual / pair.off_m.abs().max(1e-12)).min(1.0);
-        let turning = pair.normal.dot(&Vector2::new(-pair.place.y, pair.place.x));
-        let row = Vector3::new(pair.normal.x, pair.normal.y, turning);
+        let row = pair.along(&pair.normal);
         information += weight * row * row.transpose();
         gradient += weight * pair.off_m * row;
         squares += weight * pair.off_m * pair.off_m;
     }
     (information, gradient, squares)
+}
+
+/// The information that is left without what normals seem to tell because they point wrongly: walls of a corridor tell nothing of
+/// the way along it, and the noise of their normals does (errors in variables; Fuller 1987, chapter 2). Directions in which that is
+/// half of all, or more, are not known.
+fn sure(information: &Matrix3<f64>, pairs: &[Pair]) -> Option<Matrix3<f64>> {
+    let of_noise: Matrix3<f64> = pairs
+        .iter()
+        .map(|pair| {
+            let row = pair.along(&Vector2::new(-pair.normal.y, pair.normal.x));
+            pair.turns * row * row.transpose()
+        })
+        .sum();
+    // Angles in units that bring points as far as metres do.
+    let squares: f64 = pairs.iter().map(|pair| pair.place.norm_squared()).sum();
+    let range_m = (squares / pairs.len().max(1) as f64).sqrt().max(1e-3);
+    let scale = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 1.0 / range_m));
+    let eigen = SymmetricEigen::try_new(scale * information * scale, 1e-15, 100)?;
+    let noise = scale * of_noise * scale;
+    let mut left = Matrix3::zeros();
+    for (value, axis) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+        let of_noise = axis.dot(&(noise * axis));
+        let kept = if *value > 2.0 * of_noise {
+            value - of_noise
+        } else {
+            UNKNOWN * value
+        };
+        left += kept.max(f64::MIN_POSITIVE) * axis * axis.transpose();
+    }
+    let back = Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, range_m));
+    Some(back * left * back)
 }
 
 #[cfg(test)]
@@ -228,6 +292,36 @@ mod tests {
                 "{trial}: {found:?}"
             );
         }
+    }
+
+    #[test]
+    fn a_scan_has_not_moved_against_itself() {
+        let scan = room(
+            &Isometry2::new(Vector2::new(1.0, 0.5), 0.4),
+            [9.0, 6.0],
+            &mut Rng::new(6),
+        );
+        let found = matched(&scan, &scan, &Isometry2::identity()).unwrap();
+        assert!(
+            found.motion.translation.vector.norm() < 1e-6 && found.motion.rotation.angle().abs() < 1e-6,
+            "{found:?}"
+        );
+        assert!(found.overlap > 0.9 && found.residual_m < 1e-6, "{found:?}");
+    }
+
+    #[test]
+    fn a_round_room_does_not_tell_how_it_was_turned() {
+        let mut rng = Rng::new(7);
+        let mut round = || {
+            let rays = (0..720).map(|index| {
+                let angle = TAU * f64::from(index) / 720.0;
+                (7.0 + 0.01 * rng.normal()) * Vector2::new(angle.cos(), angle.sin())
+            });
+            Scan::new(rays.collect::<Vec<_>>())
+        };
+        let (target, source) = (round(), round());
+        let found = matched(&target, &source, &Isometry2::identity());
+        assert!(found.is_none_or(|found| found.sigma_rad > 0.01), "{found:?}");
     }
 
     #[test]

@@ -6,7 +6,6 @@
 //! recordings, (g): beams near the horizon make false planes. The search is RANSAC (Fischler and Bolles 1981), its triples from a
 //! fixed sequence, then least squares over the inliers.
 
-use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
@@ -85,6 +84,7 @@ pub fn support(points: &[Vector3<f64>], up: &Vector3<f64>, options: &Options) ->
         return None;
     }
     let frame = Frame::of(up);
+    let [mut cells_under, mut cells_near] = [&under, &near].map(|points| Cells::of(points, &frame));
     let mut sequence = Sequence(0x9e37_79b9_7f4a_7c15);
     let mut best: Option<(usize, Vector3<f64>, f64)> = None;
     for _ in 0..options.trials {
@@ -95,7 +95,7 @@ pub fn support(points: &[Vector3<f64>], up: &Vector3<f64>, options: &Options) ->
         let Some((normal, height_m)) = plane(&a, &b, &c, up, options) else {
             continue;
         };
-        let cells = cells(&under, &normal, height_m, &frame, options).len();
+        let cells = cells_under.on(&normal, height_m, options.tolerance_m);
         if best.is_none_or(|(most, ..)| cells > most) {
             best = Some((cells, normal, height_m));
         }
@@ -128,7 +128,7 @@ pub fn support(points: &[Vector3<f64>], up: &Vector3<f64>, options: &Options) ->
         on: share(&|off| off.abs() <= options.tolerance_m),
         below: share(&|off| off < -options.clear_m),
         above: share(&|off| off > options.clear_m),
-        cells: cells(&near, &normal, height_m, &frame, options).len(),
+        cells: cells_near.on(&normal, height_m, options.tolerance_m),
         at_horizon: at_horizon as f64 / on.len().max(1) as f64,
         spread_m: off.get(off.len() / 2).copied().unwrap_or(f64::NAN),
     })
@@ -196,26 +196,61 @@ impl Frame {
         along.atan2((point - self.up * along).norm())
     }
 
-    /// The number of the cell across, and of the octave of range.
-    #[allow(clippy::cast_possible_truncation)]
-    fn cell(&self, point: &Vector3<f64>) -> (i32, i32) {
-        let azimuth = point.dot(&self.y).atan2(point.dot(&self.x));
-        let range = point.norm().max(1e-3);
-        ((azimuth / CELL_RAD).floor() as i32, range.log2().floor() as i32)
+    /// The cell of a point: which way it lies, and the octave of its range.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // from 0 to the number of cells
+    fn cell(&self, point: &Vector3<f64>) -> usize {
+        let azimuth = point.dot(&self.y).atan2(point.dot(&self.x)) + PI;
+        let across = ((azimuth / CELL_RAD) as usize).min(ACROSS - 1);
+        let octave = point.norm().max(1e-3).log2().floor().clamp(FIRST_OCTAVE, LAST_OCTAVE) - FIRST_OCTAVE;
+        across + ACROSS * octave as usize
     }
 }
 
-fn cells(
-    points: &[Vector3<f64>],
-    normal: &Vector3<f64>,
-    height_m: f64,
-    frame: &Frame,
-    options: &Options,
-) -> BTreeSet<(i32, i32)> {
-    let on = points
-        .iter()
-        .filter(|point| (point.dot(normal) + height_m).abs() <= options.tolerance_m);
-    on.map(|point| frame.cell(point)).collect()
+/// Cells around.
+const ACROSS: usize = 36;
+/// Octaves of range, as powers of two of a metre.
+const FIRST_OCTAVE: f64 = -10.0;
+/// The last one.
+const LAST_OCTAVE: f64 = 10.0;
+
+/// Points with their cells, which are worked out once: planes are tried by the hundred.
+struct Cells {
+    points: Vec<([f64; 3], usize)>,
+    /// The last plane that had a point in each cell, by its number.
+    seen: Vec<u32>,
+    planes: u32,
+}
+
+impl Cells {
+    fn of(points: &[Vector3<f64>], frame: &Frame) -> Self {
+        let points: Vec<_> = points
+            .iter()
+            .map(|point| ((*point).into(), frame.cell(point)))
+            .collect();
+        let most = points.iter().map(|(_, cell)| *cell).max().unwrap_or_default();
+        Self {
+            points,
+            seen: vec![0; most + 1],
+            planes: 0,
+        }
+    }
+
+    /// In how many cells a point lies on a plane.
+    fn on(&mut self, normal: &Vector3<f64>, height_m: f64, tolerance_m: f64) -> usize {
+        self.planes += 1;
+        let [a, b, c]: [f64; 3] = (*normal).into();
+        let mut count = 0;
+        for ([x, y, z], cell) in &self.points {
+            if (a * x + b * y + c * z + height_m).abs() > tolerance_m {
+                continue;
+            }
+            if let Some(seen) = self.seen.get_mut(*cell).filter(|seen| **seen != self.planes) {
+                *seen = self.planes;
+                count += 1;
+            }
+        }
+        count
+    }
 }
 
 /// Numbers that are the same in every run (Marsaglia's xorshift).
@@ -261,6 +296,77 @@ mod tests {
             assert!(found.normal.angle(&normal) < 0.01, "{found:?}");
             assert!(found.below < 0.01 && found.above > 0.2 && found.cells > 60, "{found:?}");
         }
+    }
+
+    #[test]
+    fn the_plane_does_not_depend_on_the_axes_that_it_is_told_in() {
+        let mut rng = Rng::new(7);
+        let street = street(&mut rng, 3.0);
+        let upright = support(&street, &Vector3::z(), &Options::default()).unwrap();
+        for axis_angle in [Vector3::new(1.2, 0.0, 0.0), Vector3::new(-0.4, 2.0, 0.9)] {
+            let turn = nalgebra::Rotation3::new(axis_angle);
+            let turned: Vec<Vector3<f64>> = street.iter().map(|point| turn * point).collect();
+            let found = support(&turned, &(turn * Vector3::z()), &Options::default()).unwrap();
+            assert!(
+                (turn.inverse() * found.normal).angle(&upright.normal) < 0.01,
+                "{found:?} {upright:?}"
+            );
+            assert!(
+                (found.height_m - upright.height_m).abs() < 0.02,
+                "{found:?} {upright:?}"
+            );
+            assert!((found.on - upright.on).abs() < 0.03, "{found:?} {upright:?}");
+        }
+    }
+
+    #[test]
+    fn what_the_shares_count_is_what_was_put_there() {
+        // Of 1000 points 600 on a floor at -2 m, 300 a metre above it, 100 a metre beneath; 500 more are out of reach.
+        let mut rng = Rng::new(8);
+        let mut points = Vec::new();
+        for (count, z) in [(600, -2.0), (300, -1.0), (100, -3.0)] {
+            points.extend((0..count).map(|_| Vector3::new(rng.range(-9.0, 9.0), rng.range(-9.0, 9.0), z)));
+        }
+        points.extend((0..500).map(|_| Vector3::new(40.0, rng.range(-9.0, 9.0), -2.0)));
+        points.push(Vector3::new(f64::NAN, 0.0, -2.0));
+        let found = support(&points, &Vector3::z(), &Options::default()).unwrap();
+        assert_eq!(found.points, 1000);
+        for (share, expected) in [(found.on, 0.6), (found.above, 0.3), (found.below, 0.1)] {
+            assert!((share - expected).abs() < 1e-12, "{found:?}");
+        }
+        assert!(
+            (found.height_m - 2.0).abs() < 1e-9 && found.spread_m < 1e-9,
+            "{found:?}"
+        );
+        // Within 9 m of a floor 2 m beneath no point is near the horizon.
+        assert!(found.at_horizon.abs() < 1e-12, "{found:?}");
+    }
+
+    #[test]
+    fn a_plane_through_the_sensor_or_leaning_too_far_is_none() {
+        let mut rng = Rng::new(9);
+        let mut plane = |slope: f64, z: f64| -> Vec<Vector3<f64>> {
+            let mut point = || {
+                let [x, y] = [(); 2].map(|()| rng.range(-6.0, 6.0));
+                Vector3::new(x, y, z + slope * x)
+            };
+            (0..800).map(|_| point()).collect()
+        };
+        for points in [plane(0.0, -0.1), plane(0.0, 2.0), plane(1.0, -2.0)] {
+            assert_eq!(support(&points, &Vector3::z(), &Options::default()), None);
+        }
+        // Twenty degrees lean too far where fifteen are allowed, and do not where thirty are.
+        let leaning = plane(20_f64.to_radians().tan(), -3.0);
+        assert_eq!(support(&leaning, &Vector3::z(), &Options::default()), None);
+        let wide = Options {
+            max_tilt_rad: 30_f64.to_radians(),
+            ..Options::default()
+        };
+        let found = support(&leaning, &Vector3::z(), &wide).unwrap();
+        assert!(
+            (found.normal.angle(&Vector3::z()).to_degrees() - 20.0).abs() < 1e-6,
+            "{found:?}"
+        );
     }
 
     #[test]

@@ -189,12 +189,11 @@ fn strides(cloud: &Cloud<'_>, most: usize) -> (u32, u32) {
     let rows = u64::from(cloud.height).min(enough.max(64));
     let row_step = u64::from(cloud.height).div_ceil(rows.max(1));
     let column_step = (u64::from(cloud.width) * rows).div_ceil(most.max(1) as u64);
-    let step = |step: u64| u32::try_from(step).unwrap_or(u32::MAX).max(1);
-    let columns = match step(column_step) {
-        one_row if cloud.height == 1 && one_row > 1 => prime(one_row.max(7)),
-        columns => columns,
+    let step = |step: u64, is_one_row: bool| match u32::try_from(step).unwrap_or(u32::MAX).max(1) {
+        step if is_one_row && step > 1 => prime(step.max(7)),
+        step => step,
     };
-    (step(row_step), columns)
+    (step(row_step, cloud.width == 1), step(column_step, cloud.height == 1))
 }
 
 /// The least prime from a number on; the number where there is none.
@@ -282,27 +281,151 @@ fn statistics(mut times: Vec<f64>) -> Option<PointTimes> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
+    use crate::read::messages::cloud::Field;
+    use std::time::{Duration, Instant};
+
+    /// x, y, z and a time in float32, one behind the other.
+    fn cloud(size: [u32; 2], data: &[u8]) -> Cloud<'_> {
+        let field = |(index, name): (u32, &'static str)| Field {
+            name: name.into(),
+            offset: 4 * index,
+            datatype: 7,
+            count: 1,
+        };
+        Cloud {
+            height: size[0],
+            width: size[1],
+            fields: [(0, "x"), (1, "y"), (2, "z"), (3, "time")].map(field).into(),
+            is_bigendian: false,
+            point_step: 16,
+            row_step: size[1].saturating_mul(16),
+            data,
+            timebase_ns: None,
+        }
+    }
+
+    fn bytes(points: &[[f32; 4]]) -> Vec<u8> {
+        points.iter().flatten().flat_map(|value| value.to_le_bytes()).collect()
+    }
+
+    fn at(index: u64) -> Point {
+        Point {
+            index,
+            stamp_ns: None,
+            log_ns: i64::try_from(index).unwrap(),
+            transform: None,
+        }
+    }
+
+    fn evidence<'c>(clouds: impl IntoIterator<Item = Cloud<'c>>) -> CloudEvidence {
+        let mut taken = Clouds::new(Share::of(0));
+        for (index, cloud) in (0..).zip(clouds) {
+            taken.push(at(index), &cloud);
+        }
+        taken.finish(On::from("/points"))
+    }
+
+    #[test]
+    fn returns_times_and_the_farthest_coordinate_are_those_of_finite_points() {
+        let nan = f32::NAN;
+        let data = bytes(&[
+            [1.0, 2.0, 3.0, 0.0],
+            [0.0, 0.0, 0.0, 0.5],
+            [nan, 1.0, 1.0, 0.5],
+            [-9.0, 0.0, 1.0, nan],
+            [1.0, f32::INFINITY, 1.0, 0.5],
+            [4.0, 5.0, 6.0, 0.1],
+        ]);
+        let found = evidence([cloud([2, 3], &data)]);
+        let sample = &found.samples[0];
+        assert_eq!((sample.size, sample.returns, sample.looked_at), ([2, 3], 3, 6));
+        let cells: Vec<[u32; 2]> = sample.points.iter().map(|point| point.cell).collect();
+        assert_eq!(cells, [[0, 0], [1, 0], [1, 2]]);
+        let times = sample.times.as_ref().unwrap();
+        assert_eq!(
+            (times.field.as_str(), times.datatype.as_str(), times.distinct),
+            ("time", "float32", 2)
+        );
+        assert!((times.range[1] - 0.1).abs() < 1e-6 && times.range[0].abs() < 1e-12);
+        assert_eq!(found.farthest.map(|(_, farthest)| farthest), Some(9.0));
+    }
+
+    #[test]
+    fn numbers_in_the_other_order_are_the_same_numbers() {
+        let points = [[1.0, 2.0, 3.0, 0.25], [4.0, -5.0, 6.0, 0.5]];
+        let little = bytes(&points);
+        let big: Vec<u8> = points.iter().flatten().flat_map(|value| value.to_be_bytes()).collect();
+        let mut turned = cloud([1, 2], &big);
+        turned.is_bigendian = true;
+        let (a, b) = (evidence([cloud([1, 2], &little)]), evidence([turned]));
+        assert_eq!(a.samples, b.samples);
+        assert!(b.layouts[0].is_bigendian);
+    }
+
+    #[test]
+    fn what_lies_is_counted_and_ends_at_once() {
+        let started = Instant::now();
+        let data = bytes(&[[1.0, 2.0, 3.0, 0.0]; 5]);
+        let most = u32::MAX;
+        let with = |size, point_step, row_step| Cloud {
+            point_step,
+            row_step,
+            ..cloud(size, &data)
+        };
+        let mut unknown = cloud([1, 5], &data);
+        unknown.fields[0].datatype = 77;
+        let lies = [
+            with([most, most], 16, 0),
+            with([most, most], 0, 0),
+            with([most, 1], 16, 1),
+            with([most, 0], 16, 16),
+            with([0, most], 16, 16),
+            with([3, 2], 16, 32),
+            with([1, 5], 3, 15),
+            unknown,
+        ];
+        let count = lies.len() as u64;
+        let found = evidence(lies);
+        assert!(started.elapsed() < Duration::from_secs(5));
+        assert_eq!(found.count, count);
+        // No points at all are not cut; points of three bytes hold no coordinates.
+        assert_eq!((found.cut, found.first_cut.unwrap().index), (4, 0));
+        let returns: Vec<u64> = found.samples.iter().map(|sample| sample.returns).collect();
+        assert!(returns.iter().all(|returns| *returns <= 5), "{returns:?}");
+        assert_eq!(returns[5], 5);
+        assert_eq!(found.layouts.len(), 2);
+        assert_eq!(found.layouts[1].fields[0].datatype, "77");
+    }
+
+    #[test]
+    fn of_many_clouds_and_layouts_a_bounded_number_is_kept_the_first_among_them() {
+        let data = bytes(&[[1.0, 2.0, 3.0, 0.0]]);
+        let found = evidence((0..1000).map(|_| cloud([1, 1], &data)));
+        let kept: Vec<u64> = found.samples.iter().map(|sample| sample.at.index).collect();
+        assert!((10..=20).contains(&kept.len()) && kept[0] == 0, "{kept:?}");
+        assert!(kept.windows(2).all(|pair| pair[1] - pair[0] == kept[1]), "{kept:?}");
+
+        let named = (0..10).map(|number| {
+            let mut cloud = cloud([1, 1], &data);
+            cloud.fields[3].name = format!("field{number}").into();
+            cloud
+        });
+        let found = evidence(named);
+        assert_eq!((found.layouts.len(), found.others), (MAX_LAYOUTS, 6));
+    }
 
     #[test]
     fn a_step_is_a_prime_that_meets_every_beam() {
         assert_eq!([2, 7, 8, 9, 62, 90].map(prime), [2, 7, 11, 11, 67, 97]);
         assert_eq!(prime(u32::MAX), u32::MAX);
-        let cloud = |height, width| Cloud {
-            height,
-            width,
-            fields: Vec::new(),
-            is_bigendian: false,
-            point_step: 1,
-            row_step: width,
-            data: &[],
-            timebase_ns: None,
-        };
+        let cloud = |height, width| cloud([height, width], &[]);
         assert_eq!(strides(&cloud(1, 262_144), 4096), (1, 67));
         assert_eq!(strides(&cloud(1, 4096), 4096), (1, 1));
         assert_eq!(strides(&cloud(128, 2048), 4096), (2, 32));
         // Some write a cloud that is not organised as one column.
-        assert_eq!(strides(&cloud(262_144, 1), 4096), (64, 1));
+        assert_eq!(strides(&cloud(262_144, 1), 4096), (67, 1));
         assert_eq!(strides(&cloud(0, 0), 4096), (1, 1));
     }
 }

@@ -6,6 +6,7 @@ mod members;
 mod nmea;
 mod places;
 mod plain;
+mod sensing;
 mod unknown;
 
 use re_cdr::{BigEndian, ByteOrder, CdrWriter, LittleEndian};
