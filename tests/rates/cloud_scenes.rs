@@ -72,6 +72,9 @@ const INDOORS: Seen = Seen {
     ..HEALTHY
 };
 
+/// What AXES12 says where the yaw alone shows.
+const INVERSE: &str = "or the transform is told the wrong way round";
+
 /// What TIME07 says of clouds that sweep the other way round.
 const SWEEPS: &str = "the cloud is mirrored, or its z points down";
 
@@ -129,7 +132,7 @@ pub const SEEN: &[Seen] = &[
     Seen {
         name: "mounting inverse",
         // Its height is told beneath the ground as well.
-        names: (&["inverse", "z-sign"], &[]),
+        names: (&["inverse", "z-sign"], &[INVERSE]),
         told: |mount| mount.inverse(),
         asked: &[DIRECTION],
         ..MOVING
@@ -172,7 +175,8 @@ pub const SEEN: &[Seen] = &[
     // The points.
     Seen {
         name: "told in the base",
-        names: (&["not-applied"], &[]),
+        // Its yaw was not applied either.
+        names: (&["not-applied"], &["lacks a yaw of"]),
         frames: Some(["base_footprint", "lidar_top"]),
         asked: &[GROUND],
         ..WRONG
@@ -229,7 +233,11 @@ pub const SEEN: &[Seen] = &[
     },
     Seen {
         name: "tilted by 6 deg",
-        names: (&["tilted"], &[]),
+        // Under a sensor beside the base the ground is some centimetres off.
+        names: (
+            &["tilted"],
+            &["the mounting's height, or that of the base, is not the real one"],
+        ),
         axes: |_| Isometry3::rotation(Vector3::y() * 0.105),
         asked: &[LEVEL],
         ..MOVING
@@ -288,7 +296,7 @@ pub const SEEN: &[Seen] = &[
     },
     Seen {
         name: "float32 UTM",
-        names: (&["float32"], &[]),
+        names: (&["float32"], &["loses what PREC01 says"]),
         cloud: |lidar, _| lidar.offset = [448_262.0, 5_411_932.0, 120.0],
         asked: &[SINGLE],
         ..WRONG
@@ -329,7 +337,7 @@ pub const SEEN: &[Seen] = &[
         ..OF_OUSTER
     },
     Seen {
-        name: "Sensor frame, destaggered, few returns",
+        name: "Sensor frame, destaggered, lost",
         cloud: |lidar, seed| {
             lidar.destaggered = true;
             lidar.lost = Some(lost(seed));
@@ -342,12 +350,12 @@ pub const SEEN: &[Seen] = &[
         ..OF_OUSTER
     },
     Seen {
-        name: "Sensor frame, not organised",
+        name: "Sensor frame, filtered",
         cloud: |lidar, _| lidar.filtered = true,
         ..OF_OUSTER
     },
     Seen {
-        name: "Sensor frame, not organised, window",
+        name: "Sensor frame, filtered, window",
         cloud: |lidar, _| {
             lidar.filtered = true;
             lidar.window_deg = Some([-144.0, 108.0]);
@@ -355,18 +363,18 @@ pub const SEEN: &[Seen] = &[
         ..OF_OUSTER
     },
     Seen {
-        name: "Sensor frame, named Lidar",
+        name: "Sensor fr. as os_lidar",
         names: (&["z180"], &[]),
         frames: Some(["os_lidar", "os_lidar"]),
         is_healthy: false,
         ..OF_OUSTER
     },
     Seen {
-        name: "Lidar frame, named Sensor",
+        name: "Lidar fr. as os_sensor",
         ..OTHER_FRAME
     },
     Seen {
-        name: "Lidar frame, named Sensor, destaggered, few returns",
+        name: "Lidar fr. as os_sensor, destaggered, lost",
         cloud: |lidar, seed| {
             lidar.turned_deg = 180.0;
             lidar.destaggered = true;
@@ -375,7 +383,7 @@ pub const SEEN: &[Seen] = &[
         ..OTHER_FRAME
     },
     Seen {
-        name: "Lidar frame, named Sensor, window",
+        name: "Lidar fr. as os_sensor, window",
         cloud: |lidar, _| {
             lidar.turned_deg = 180.0;
             lidar.window_deg = Some([-60.0, 60.0]);
@@ -383,7 +391,7 @@ pub const SEEN: &[Seen] = &[
         ..OTHER_FRAME
     },
     Seen {
-        name: "Lidar frame, named Sensor, not organised",
+        name: "Lidar fr. as os_sensor, filtered",
         cloud: |lidar, _| {
             lidar.turned_deg = 180.0;
             lidar.filtered = true;
@@ -417,7 +425,7 @@ pub const SEEN: &[Seen] = &[
     Seen {
         name: "mounting inverse, yaw 180 deg",
         yaw_deg: |_| 180.0,
-        names: (&["inverse", "z-sign"], &[]),
+        names: (&["inverse", "z-sign"], &[INVERSE]),
         told: |mount| mount.inverse(),
         asked: &[DIRECTION],
         ..MOVING
@@ -432,7 +440,7 @@ pub const SEEN: &[Seen] = &[
         name: "warehouse, z down",
         around: Around::Warehouse,
         is_healthy: false,
-        names: (&["x180"], &[]),
+        names: (&["x180"], &[SWEEPS]),
         axes: |_| Isometry3::rotation(Vector3::x() * PI),
         ..INDOORS
     },
@@ -453,7 +461,7 @@ pub const SEEN: &[Seen] = &[
         name: "garage, z down",
         around: Around::Garage,
         is_healthy: false,
-        names: (&["x180"], &[]),
+        names: (&["x180"], &[SWEEPS]),
         axes: |_| Isometry3::rotation(Vector3::x() * PI),
         ..INDOORS
     },

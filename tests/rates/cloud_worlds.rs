@@ -64,7 +64,7 @@ pub struct Seen {
     pub more: fn(Recording) -> Recording,
     /// Whether an inertial sensor is there.
     pub has_imu: bool,
-    /// Whether nothing above a hint may be said.
+    /// Whether nothing above a hint may be said of what is up.
     pub hints_alone: bool,
     /// What names the fault.
     pub names: Names,
@@ -96,7 +96,7 @@ impl Seen {
             .as_deref()
             .is_some_and(|word| relations.contains(&word))
             || texts.iter().any(|text| finding.message.contains(text));
-        is_told && (!self.hints_alone || finding.confidence == Confidence::Hint)
+        is_told && (!self.hints_alone || finding.rule != "AXES10" || finding.confidence == Confidence::Hint)
     }
 
     /// The world of a drive.

@@ -234,7 +234,7 @@ impl Table {
                 group = line.group;
                 let _ = writeln!(
                     text,
-                    "\n{group}\n{:<9}{:<21}{:<39}{:>7}{:>7}{:>8}{:>7}  reference",
+                    "\n{group}\n{:<9}{:<36}{:<39}{:>7}{:>7}{:>8}{:>7}  reference",
                     "rule", "fault", "drive", "right", "wrong", "not ev.", "n"
                 );
             }
@@ -242,7 +242,7 @@ impl Table {
             let reference = line.reference.map_or("", |reference| reference.words);
             let _ = writeln!(
                 text,
-                "{:<9}{:<21}{:<39}{:>7.1}{:>7.2}{:>8.1}{:>7}  {reference}{}",
+                "{:<9}{:<36}{:<39}{:>7.1}{:>7.2}{:>8.1}{:>7}  {reference}{}",
                 line.rule,
                 line.what,
                 line.drive,

@@ -8,7 +8,7 @@ use serde::Deserialize;
 use crate::math::circular::circular_mean;
 use crate::rules::lidar::Clouds;
 use crate::rules::motion::mount;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Judge, Need, Rule, limits_of};
 use crate::tables::Sweep;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
@@ -38,6 +38,19 @@ impl Rule for PointTimeSweep {
             judge_clouds(world, &clouds, limits, out);
         }
     }
+}
+
+/// Whether clouds sweep to the other side than their lidar turns, as far as their times tell it.
+pub(crate) fn sweeps_the_other_way(clouds: &Clouds) -> bool {
+    let Some((limits, expected)) = limits_of::<PointTimeSweep>().zip(clouds.driver.and_then(|driver| driver.sweep))
+    else {
+        return false;
+    };
+    let samples = clouds.evidence.samples.iter();
+    let told: Vec<Sweep> = samples
+        .filter_map(|sample| Some(sweep(clouds, sample, &limits)?.0))
+        .collect();
+    told.len() >= limits.min_clouds && told.iter().all(|seen| *seen != expected)
 }
 
 fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge) {

@@ -109,7 +109,7 @@ pub static ERRORS: &[Error] = &[
             ..RIGHT
         },
         ["inverse", "z-sign"],
-        [],
+        ["or the transform is told the wrong way round"],
         ["CROSS04"]
     ),
     lidar!(
@@ -124,8 +124,8 @@ pub static ERRORS: &[Error] = &[
     ),
     other_frame!("Ouster frame", |_| {}),
     other_frame!("Ouster destaggered", |lidar| lidar.destaggered = true),
-    other_frame!("Ouster, 60 % lost", |lidar| lidar.lost = Some(0.6)),
-    other_frame!("Ouster, window", |lidar| lidar.window_deg = Some([-60.0, 60.0])),
+    other_frame!("Ouster 60 % lost", |lidar| lidar.lost = Some(0.6)),
+    other_frame!("Ouster window", |lidar| lidar.window_deg = Some([-60.0, 60.0])),
     lidar!(
         "os_lidar as os_sensor",
         Told {
@@ -183,7 +183,7 @@ pub static ERRORS: &[Error] = &[
             ..RIGHT
         },
         ["float32"],
-        [],
+        ["loses what PREC01 says"],
         ["PREC01"]
     ),
 ];
