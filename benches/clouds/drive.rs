@@ -76,7 +76,7 @@ fn points(start_s: f64, random: &mut Rng) -> Vec<u8> {
             let point = &mut bytes[(beam as usize * COLUMNS as usize + column as usize) * POINT_BYTES..][..POINT_BYTES];
             let mut put = |offset: usize, value: [u8; 4]| point[offset..offset + 4].copy_from_slice(&value);
             put(20, ((after_s * 1e9) as u32).to_le_bytes());
-            put(24, (5 | beam << 16).to_le_bytes());
+            put(24, (5 | (beam << 16)).to_le_bytes());
             if range.is_infinite() {
                 continue;
             }

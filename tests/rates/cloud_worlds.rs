@@ -23,6 +23,9 @@ use crate::support::drive::scene::Surroundings;
 use crate::support::driven_world::{Recording, START_NS};
 use crate::support::scans::{self, SCANS_HZ};
 
+/// From one scan to the next.
+const PERIOD_NS: i64 = 100_000_000;
+
 /// What is around.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Around {
@@ -169,9 +172,9 @@ impl Sensor {
         ];
         // By fives beside the fours of what is around.
         let number = match self {
-            Self::Any => (seed / 4) % 5,
+            Self::Any => (seed / 4 % 5) as usize,
             Self::Ouster => 0,
-            Self::Clocked => 3 + (seed / 4) % 2,
+            Self::Clocked => 3 + (seed / 4 % 2) as usize,
             Self::SolidState => {
                 let livox = Lidar {
                     solid_state: true,
@@ -185,7 +188,7 @@ impl Sensor {
                 return (livox, "livox_frame");
             }
         };
-        makers[number as usize].clone()
+        makers[number].clone()
     }
 }
 
@@ -194,10 +197,10 @@ impl Shared {
     fn rays(&self, lidar: &Lidar, mount: &Isometry3<f64>, drive: &Messages) -> Rc<Vec<Vec<Ray>>> {
         let before_s = lidar.before_stamp_s();
         let key = format!("{:?} {:?} {before_s} {mount:?}", lidar.scanner(), lidar.surroundings);
-        if let Some((of, rays)) = &*self.rays.borrow() {
-            if *of == key {
-                return Rc::clone(rays);
-            }
+        if let Some((of, rays)) = &*self.rays.borrow()
+            && *of == key
+        {
+            return Rc::clone(rays);
         }
         let (scanner, scene) = (lidar.scanner(), drive.drive.scene(lidar.surroundings));
         let scans = drive.drive.times(SCANS_HZ);
@@ -212,13 +215,13 @@ impl Shared {
     /// What is collected of the clouds that a driver makes of rays.
     fn clouds(&self, lidar: &Lidar, frame: &str, rays: &Rc<Vec<Vec<Ray>>>) -> TopicEvidence {
         let key = format!("{lidar:?} {frame} {:?}", Rc::as_ptr(rays));
-        if let Some((of, topic)) = &*self.clouds.borrow() {
-            if *of == key {
-                return topic.clone();
-            }
+        if let Some((of, topic)) = &*self.clouds.borrow()
+            && *of == key
+        {
+            return topic.clone();
         }
         let topic = scans::collected(lidar, frame, rays, |number| {
-            [START_NS + (number as f64 / SCANS_HZ * 1e9).round() as i64; 2]
+            [START_NS + i64::try_from(number).unwrap() * PERIOD_NS; 2]
         });
         *self.clouds.borrow_mut() = Some((key, topic.clone()));
         topic
