@@ -14,7 +14,9 @@ mod support;
 use nalgebra::{Isometry3, Matrix6, Rotation3, Translation3, UnitQuaternion, Vector3};
 use support::drive::description::{Gnss, Grade, Motion, Vehicle, Wheels};
 use support::drive::errors::{frd_from_flu, ned_from_enu, rotation, turn};
+use support::drive::lidar::{Beams, Ray, Scanner};
 use support::drive::nmea::Kind;
+use support::drive::scene::Surroundings;
 use support::drive::{Description, Drive, Error, Place, Stream};
 
 const VEHICLES: [Vehicle; 4] = [Vehicle::Car, Vehicle::Walker, Vehicle::Drone, Vehicle::Robot];
@@ -663,5 +665,100 @@ fn streams_refuse_errors_that_they_cannot_have() {
     ] {
         let text = format!("drive: {{}}\ntopics: [{wrong}]");
         assert!(std::panic::catch_unwind(|| support::build(&text)).is_err(), "{wrong}");
+    }
+}
+
+/// A lidar on a drive that stands, and where its sensor is over the ground.
+fn scan_of(scanner: &Scanner, surroundings: Surroundings, mount: &Isometry3<f64>) -> Vec<Ray> {
+    let drive = Drive::new(Description {
+        motion: Motion::Still,
+        duration_s: 2.0,
+        seed: 4,
+        ..Description::default()
+    });
+    drive.scan(&drive.scene(surroundings), scanner, mount, 0.5)
+}
+
+fn exact(scanner: Scanner) -> Scanner {
+    Scanner {
+        noise_m: 0.0,
+        lost: 0.0,
+        ..scanner
+    }
+}
+
+#[test]
+fn rays_of_a_lidar_end_on_the_ground_and_sweep_clockwise() {
+    let mount = Isometry3::translation(0.4, 0.0, 1.8);
+    let rays = scan_of(&exact(Scanner::of(Beams::Vlp16, 16, 360)), Surroundings::Street, &mount);
+    assert_eq!(rays.len(), 16 * 360);
+    let lowest = |ray: &&Ray| ray.ring == 15;
+    let heights = rays.iter().filter(lowest).filter_map(|ray| ray.place);
+    let on_ground = heights.filter(|place| (place.z + 1.8).abs() < 1e-9).count();
+    assert!(
+        on_ground > 180,
+        "{on_ground} of 360 rays at -15 degrees end on the ground"
+    );
+    // Nothing is beneath it.
+    assert!(
+        rays.iter()
+            .filter_map(|ray| ray.place)
+            .all(|place| place.z > -1.8 - 1e-9)
+    );
+    for ray in rays.iter().filter(|ray| ray.place.is_some()) {
+        let place = ray.place.unwrap();
+        let azimuth = std::f64::consts::PI - std::f64::consts::TAU * f64::from(ray.column) / 360.0;
+        let off = (place.y.atan2(place.x) - azimuth).rem_euclid(std::f64::consts::TAU);
+        assert!(off.min(std::f64::consts::TAU - off) < 1e-9, "column {}", ray.column);
+        assert!((ray.after_s - 0.1 * f64::from(ray.column) / 360.0).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn a_garage_has_its_ceiling_where_it_is() {
+    let mount = Isometry3::translation(0.0, 0.0, 1.0);
+    let rays = scan_of(&exact(Scanner::spinning(16, 180)), Surroundings::Garage, &mount);
+    let highest = rays
+        .iter()
+        .filter_map(|ray| ray.place)
+        .map(|place| place.z)
+        .fold(f64::MIN, f64::max);
+    assert!((highest - 1.4).abs() < 1e-9, "{highest}");
+}
+
+#[test]
+fn columns_of_a_destaggered_cloud_are_of_one_direction() {
+    let scanner = Scanner::of(Beams::Os1, 16, 512);
+    assert_eq!([0, 1, 2, 3].map(|ring| scanner.pixel_shift(ring)), [9, 6, 3, 0]);
+    for ring in 0..4 {
+        // What is measured in column m looks where column m + shift looks by the encoder, but for half a column and the last beam's.
+        let shifted_deg = 360.0 * scanner.pixel_shift(ring) as f64 / 512.0;
+        let aside_deg = scanner.aside_deg(ring) - scanner.aside_deg(3);
+        assert!((shifted_deg - aside_deg).abs() <= 360.0 / 512.0 / 2.0 + 1e-9);
+    }
+}
+
+#[test]
+fn a_sensor_that_moves_smears_its_scan_as_it_moves() {
+    let drive = Drive::new(Description {
+        motion: Motion::Straight,
+        duration_s: 20.0,
+        seed: 4,
+        ..Description::default()
+    });
+    let scene = drive.scene(Surroundings::Street);
+    let mount = Isometry3::translation(0.0, 0.0, 1.8);
+    let scanner = exact(Scanner::spinning(16, 360));
+    // Each point, with the sensor where it was then, is where the scene has it: a ray from there ends there.
+    for ray in drive.scan(&scene, &scanner, &mount, 10.0).iter().step_by(37) {
+        let Some(place) = ray.place else { continue };
+        let at = 10.0 + ray.after_s;
+        let state = drive.at(at);
+        let turn = state.orientation;
+        let from = state.position + turn * mount.translation.vector;
+        let normal = turn * Vector3::z();
+        let direction = turn * place.normalize();
+        let range = scene.range(&from, &direction, (&state.position, &normal), scanner.reach_m);
+        assert!((range.unwrap() - place.norm()).abs() < 1e-6);
     }
 }

@@ -7,6 +7,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use crate::rules::lidar::Clouds;
 use crate::rules::motion::{Motion, Stream, Turned};
 use crate::rules::scan_motion::{Moved, ScanMotion, Steps, in_space};
+use crate::rules::time::point_time_sweep::sweeps_the_other_way;
 use crate::source::Place;
 use crate::verdict::NotEvaluated;
 use crate::world::motion::PoseRow;
@@ -20,6 +21,13 @@ const BY_SCANS: [&str; 19] = [
     "lio", "loam", "aloam", "floam", "lego", "icp", "gicp", "kiss", "ndt", "dlio", "dlo", "fastlio", "liosam", "lidarodom", "rtabmap",
     "cartographer", "hdl", "glim", "slam",
 ];
+
+/// Least part of up that lies along z of the body, where the transforms turn the lidar's up to: 60 degrees. A turned axis is AXES10's.
+const LEAST_UP: f64 = 0.5;
+/// Turning of all pairs by the poses, root mean square, from which on its sign is looked at, radians: 0.5 degrees.
+const LEAST_TURN_RAD: f64 = 0.0087;
+/// Turning of the scans over that of the poses from which on they surely turn to the same side, or to the other.
+const SURE: f64 = 0.5;
 
 /// A lidar whose motion is known twice.
 pub(crate) struct HandEye {
@@ -119,7 +127,38 @@ impl HandEye {
                 best
             }
         });
-        best.ok_or_else(no_poses)
+        let best = best.ok_or_else(no_poses)?;
+        let sign = if steps.is_up == Some(true) { 1.0 } else { -1.0 };
+        if sign * (best.told.rotation * Vector3::z()).z < LEAST_UP {
+            let why = format!("the ground does not lie beneath `{}`, which AXES10 judges", best.body);
+            return Err((NotEvaluated::NotApplicable, why));
+        }
+        let turns_along = best.turns_along();
+        if turns_along.is_none() && sweeps_the_other_way(clouds) {
+            let why = "its points sweep to the other side, as in a mirror image, which TIME07 judges, and no turn shows that they are none";
+            return Err((NotEvaluated::NotApplicable, why.to_owned()));
+        }
+        if turns_along == Some(false) {
+            let why = format!(
+                "its scans turn against {}: no mounting brings a mirror image together with them, which AXES11 judges",
+                best.poses.0
+            );
+            return Err((NotEvaluated::NotApplicable, why));
+        }
+        Ok(best)
+    }
+
+    /// Whether the scans turn to the side that the poses turn to, where both turn.
+    fn turns_along(&self) -> Option<bool> {
+        let turns = self.pairs.iter().map(|pair| {
+            let lidar = self.told.rotation * pair.lidar.rotation.scaled_axis();
+            (pair.body.rotation.scaled_axis().z, lidar.z)
+        });
+        let (squares, products) = turns.fold((0.0, 0.0), |(squares, products), (body, lidar)| {
+            (squares + body * body, products + body * lidar)
+        });
+        let turns = squares > LEAST_TURN_RAD.powi(2) * self.pairs.len() as f64 && products.abs() > SURE * squares;
+        turns.then_some(products > 0.0)
     }
 }
 

@@ -70,9 +70,9 @@ pub const SLICE_BINS: u32 = 720;
 /// Tangent of the elevation up to which points belong to a slice: 4 degrees.
 pub const SLICE_SLOPE: f64 = 0.0699;
 /// Clouds of a run.
-pub const RUN_CLOUDS: usize = 6;
+pub const RUN_CLOUDS: usize = 16;
 /// Runs of one topic that are kept.
-pub const MAX_RUNS: usize = 40;
+pub const MAX_RUNS: usize = 15;
 
 /// A point with a return.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

@@ -34,6 +34,7 @@ pub mod recipe;
 pub mod rosbag1;
 pub mod rosbag1_drive;
 pub mod rosbag2;
+pub mod scans;
 pub mod schemas;
 pub mod topic;
 

@@ -97,6 +97,13 @@
 //!   ENU, the pose being in `world_from_enu`); imu, fix: `covariance_up_first`
 //! - earth: `transposed`, `ned_rows`, `spherical_latitude`, `active_rotations`, `lat_lon_swapped`
 //!
+//! `from_drive: lidar` (a cloud; of what drives around the vehicle it sees) needs `lidar: {..}`, all of it optional: `driver: plain |
+//! ouster | velodyne | hesai | robosense | livox | livox_points | nebula | unknown` (the layout of points and times), `beams`,
+//! `columns`, `table: even | vlp16 | pandar40 | os1` (elevations, and how beams look aside), `solid_state: true`, `surroundings: street |
+//! apron | slope | warehouse | garage`, `lost` (share of the rays), `window_deg: [from, to]`, `destaggered`, `filtered` (not
+//! organised); errors: `turned_deg`, `mirrored`, `swapped`, `z_negated`, `offset: [x, y, z]`, `times: driver | missing | constant |
+//! reversed`, `time_scale`, `clock_s`, `epoch_single`.
+//!
 //! **Stamps**: `stamp_offset_s` (header stamp minus log time), `stamp_s` (constant), `stamp_scale` (multiplies),
 //! `stamp_start_s` (replaces the clock's origin), `stamp_drift_ppm` (of the time since the start), `stamp_jitter_s`
 //! (seeded, even in ± that), `stamp_repeat: n` (each stamp serves n messages). `from_s`, `until_s`: the active window of

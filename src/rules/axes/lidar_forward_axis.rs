@@ -1,5 +1,6 @@
 //! AXES12: where the x axis of a lidar points, by the way it goes.
 
+use nalgebra::Vector3;
 use serde::Deserialize;
 
 use crate::math::circular::{circular_mean, difference};
@@ -170,9 +171,25 @@ fn judge_yaw(world: &World, clouds: &Clouds, known: &HandEye, yaw: &Yaw, limits:
         ),
         _ => ("yaw", "the mounting is turned otherwise than its transform says"),
     };
+    // The yaw of the inverse is the negative one.
+    let told = known.told.rotation * Vector3::x();
+    let is_inverse_too = told.z.abs() < 0.5
+        && difference(-2.0 * told.y.atan2(told.x), yaw.off_deg.to_radians())
+            .abs()
+            .to_degrees()
+            <= limits.named_deg;
     let message = format!(
-        "`{}_from_{}` lacks a yaw of {:+.1} deg: the scans on `{}` go another way than {}; {what}",
-        known.body, known.lidar, yaw.off_deg, clouds.topic.topic, known.poses.0
+        "`{}_from_{}` lacks a yaw of {:+.1} deg: the scans on `{}` go another way than {}; {what}{}",
+        known.body,
+        known.lidar,
+        yaw.off_deg,
+        clouds.topic.topic,
+        known.poses.0,
+        if is_inverse_too {
+            "; or the transform is told the wrong way round: its inverse has the yaw that is lacking"
+        } else {
+            ""
+        }
     );
     let finding = if off_deg > limits.error_deg {
         Finding::error(subject, message, clouds.place())

@@ -35,7 +35,6 @@ enum Reading {
     AsTold,
     Inverse,
     Turned,
-    InverseTurned,
 }
 
 /// What was seen.
@@ -112,6 +111,9 @@ pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Se
         );
         return Err((NotEvaluated::TooLittleEvidence, why));
     }
+    // Lever arms show in turns alone: the third of them that turns most.
+    sure.sort_by(|a, b| b.size().1.total_cmp(&a.size().1));
+    sure.truncate(limits.min_pairs.max(sure.len() / 3));
     let residual = |mounting: &Isometry3<f64>| {
         let all: Vec<f64> = sure.iter().map(|pair| pair.residual_m(mounting)).collect();
         median(&all).unwrap_or(f64::INFINITY)
@@ -120,7 +122,6 @@ pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Se
         (Reading::AsTold, known.told),
         (Reading::Inverse, inverse),
         (Reading::Turned, known.told * half_turn()),
-        (Reading::InverseTurned, inverse * half_turn()),
     ];
     let mut residuals: Vec<(Reading, f64)> = readings
         .iter()

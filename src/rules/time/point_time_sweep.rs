@@ -8,7 +8,7 @@ use serde::Deserialize;
 use crate::math::circular::circular_mean;
 use crate::rules::lidar::Clouds;
 use crate::rules::motion::mount;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Judge, Need, Rule, limits_of};
 use crate::tables::Sweep;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
@@ -45,6 +45,19 @@ impl Rule for PointTimeSweep {
             laser::judge_angles(&scans, limits.max_angle_steps, out);
         }
     }
+}
+
+/// Whether clouds sweep to the other side than their lidar turns, as far as their times tell it.
+pub(crate) fn sweeps_the_other_way(clouds: &Clouds) -> bool {
+    let Some((limits, expected)) = limits_of::<PointTimeSweep>().zip(clouds.driver.and_then(|driver| driver.sweep))
+    else {
+        return false;
+    };
+    let samples = clouds.evidence.samples.iter();
+    let told: Vec<Sweep> = samples
+        .filter_map(|sample| Some(sweep(clouds, sample, &limits)?.0))
+        .collect();
+    told.len() >= limits.min_clouds && told.iter().all(|seen| *seen != expected)
 }
 
 fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge) {
@@ -101,7 +114,8 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
     let message = format!(
-        "the points on `{}` sweep {} about z as time goes on, where a {} sweeps {}: the cloud is mirrored, or its z points down",
+        "the points on `{}` sweep {} about z as time goes on, where a {} sweeps {}: the cloud is mirrored, or its z points down, or the times of \
+         the points run backwards",
         clouds.topic.topic,
         words(seen),
         driver.name,
@@ -110,7 +124,8 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
     let finding = Finding::warning(subject, message, clouds.place())
         .likely()
         .relation("mirrored")
-        .help("look for y (or x) with the wrong sign where the points are made, or an angle that is counted the other way");
+        .help("look for y (or x) with the wrong sign where the points are made, an angle that is counted the other way, or times that count from the \
+             end of the scan");
     out.fail(measured.into_iter().fold(finding, Finding::measured));
 }
 

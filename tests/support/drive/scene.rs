@@ -73,9 +73,14 @@ impl Scene {
         let way: Vec<Vector3<f64>> = (0..=steps)
             .map(|step| truth.position(from + (to - from) * step as f64 / steps as f64))
             .collect();
+        Self::along(&way, seed, surroundings, reach_m)
+    }
+
+    /// The place around a way, up to `reach_m` from it.
+    pub fn along(way: &[Vector3<f64>], seed: u64, surroundings: Surroundings, reach_m: f64) -> Self {
         let mut squares: HashMap<(i64, i64), Vec<Solid>> = HashMap::new();
         let reach = (reach_m / SQUARE_M).ceil() as i64;
-        for place in &way {
+        for place in way {
             let (i, j) = square(place);
             for di in -reach..=reach {
                 for dj in -reach..=reach {
