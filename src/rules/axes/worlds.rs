@@ -322,11 +322,7 @@ fn heights(stream: &Stream<PoseRow>, fixes: &Stream<FixRow>, limits: &Limits) ->
         (aa, zz, az) = (aa + a * a, zz + b * b, az + a * b);
     }
     let rms_m = [(aa / count).sqrt(), (zz / count).sqrt()];
-    let sigmas: Vec<f64> = fixes
-        .rows()
-        .map(|timed| timed.row.variance_m2[2].sqrt())
-        .filter(|sigma| *sigma > 0.0)
-        .collect();
+    let sigmas: Vec<f64> = fixes.rows().filter_map(|timed| timed.row.vertical_sd_m()).collect();
     let needed_m = limits.min_rms_m.max(limits.sigmas * median(&sigmas).unwrap_or(0.0));
     let correlation = az / (aa * zz).sqrt();
     let slope = az / aa;
