@@ -6,6 +6,7 @@
 pub mod axis_maps;
 pub mod circular;
 pub mod constants;
+pub mod drifting;
 pub mod earth_turns;
 pub mod effective;
 pub mod euler;
@@ -28,6 +29,8 @@ pub mod utm;
 
 #[cfg(test)]
 mod tests_constants;
+#[cfg(test)]
+mod tests_drifting;
 #[cfg(test)]
 pub(crate) mod tests_drive;
 #[cfg(test)]

@@ -112,7 +112,7 @@ fn swapped<'t>(
     if votes.majority(limits) != Some(false) {
         return None;
     }
-    let as_told_m = votes.better_m(&fixes.track(), &poses.track())?;
+    let as_told_m = votes.better_m(&fixes.track(), &poses.track(), limits)?;
     let ([rms_m, _], [all, _]) = (votes.rms_m, votes.says);
     // A straight way that is mirrored is nearly as straight once stretched: that takes the square of what tells a mirror.
     if rms_m * limits.min_ratio.powi(2) > as_told_m {
