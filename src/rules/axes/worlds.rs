@@ -339,6 +339,13 @@ fn heights(stream: &Stream<PoseRow>, fixes: &Stream<FixRow>, limits: &Limits) ->
         );
         return Err((NotEvaluated::TooLittleEvidence, why));
     }
+    if !(1.0 / limits.max_slope..=limits.max_slope).contains(&slope.abs()) {
+        let why = format!(
+            "z moves {slope:.1} times as far as the altitude on {}: what moves it is something else, a tilt or a drift",
+            fixes.topic
+        );
+        return Err((NotEvaluated::TooLittleEvidence, why));
+    }
     Ok(Heights {
         slope,
         correlation,
