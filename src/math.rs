@@ -9,6 +9,7 @@ pub mod constants;
 pub mod crispness;
 pub mod distortion;
 pub mod doppler;
+pub mod drifting;
 pub mod earth_turns;
 pub mod effective;
 pub mod euler;
@@ -35,6 +36,8 @@ pub mod utm;
 
 #[cfg(test)]
 mod tests_constants;
+#[cfg(test)]
+mod tests_drifting;
 #[cfg(test)]
 pub(crate) mod tests_drive;
 #[cfg(test)]

@@ -69,23 +69,29 @@ impl Pair {
 }
 
 impl HandEye {
-    /// The pairs of a lidar, of the motions that are picked of its steps; or why there are none. A planar scanner that turns against
-    /// the poses has none: what that is, AXES11 says.
+    /// The pairs of a lidar, of the motions that are picked of its steps; or why there are none. One that turns against the poses
+    /// has none: what that is, AXES11 says.
     pub(crate) fn of(
         world: &World,
         clouds: &Clouds,
         pick: impl Fn(&Steps) -> Vec<Moved>,
     ) -> Result<Self, (NotEvaluated, String)> {
         let known = Self::unchecked(world, clouds, pick)?;
-        let both = |pair: &Pair| {
-            let lidar = known.told.rotation * pair.lidar.rotation.scaled_axis();
-            pair.body.rotation.scaled_axis().z * lidar.z
-        };
-        if clouds.laser.is_some() && known.pairs.iter().map(both).sum::<f64>() < 0.0 {
-            let why = format!("it turns against {}, which is for AXES11 to judge", known.poses.0);
-            return Err((NotEvaluated::TooLittleEvidence, why));
+        match known.turns_along() {
+            None if sweeps_the_other_way(clouds) => {
+                let why =
+                    "its points sweep to the other side, as in a mirror image, which TIME07 judges, and no turn shows that they are none";
+                Err((NotEvaluated::NotApplicable, why.to_owned()))
+            }
+            Some(false) => {
+                let why = format!(
+                    "its scans turn against {}: no mounting brings a mirror image together with them, which AXES11 judges",
+                    known.poses.0
+                );
+                Err((NotEvaluated::NotApplicable, why))
+            }
+            _ => Ok(known),
         }
-        Ok(known)
     }
 
     /// [`Self::of`], whichever way it turns.
@@ -131,18 +137,6 @@ impl HandEye {
         let sign = if steps.is_up == Some(true) { 1.0 } else { -1.0 };
         if sign * (best.told.rotation * Vector3::z()).z < LEAST_UP {
             let why = format!("the ground does not lie beneath `{}`, which AXES10 judges", best.body);
-            return Err((NotEvaluated::NotApplicable, why));
-        }
-        let turns_along = best.turns_along();
-        if turns_along.is_none() && sweeps_the_other_way(clouds) {
-            let why = "its points sweep to the other side, as in a mirror image, which TIME07 judges, and no turn shows that they are none";
-            return Err((NotEvaluated::NotApplicable, why.to_owned()));
-        }
-        if turns_along == Some(false) {
-            let why = format!(
-                "its scans turn against {}: no mounting brings a mirror image together with them, which AXES11 judges",
-                best.poses.0
-            );
             return Err((NotEvaluated::NotApplicable, why));
         }
         Ok(best)

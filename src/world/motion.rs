@@ -114,6 +114,26 @@ pub struct FixRow {
     pub status: i8,
 }
 
+impl FixRow {
+    /// What the receiver states of its error to the side where that is larger, one standard deviation, metres; `None` where it
+    /// states none.
+    #[must_use]
+    pub fn horizontal_sd_m(&self) -> Option<f64> {
+        let [east, north, _] = self.variance_m2;
+        stated(east.max(north))
+    }
+
+    /// What the receiver states of its error in height, one standard deviation, metres; `None` where it states none.
+    #[must_use]
+    pub fn vertical_sd_m(&self) -> Option<f64> {
+        stated(self.variance_m2[2])
+    }
+}
+
+fn stated(variance_m2: f64) -> Option<f64> {
+    (variance_m2 > 0.0 && variance_m2.is_finite()).then(|| variance_m2.sqrt())
+}
+
 /// An orientation on a topic of its own.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct OrientationRow {

@@ -112,7 +112,7 @@ fn swapped<'t>(
     if votes.majority(limits) != Some(false) {
         return None;
     }
-    let as_told_m = votes.better_m(&fixes.track(), &poses.track())?;
+    let as_told_m = votes.better_m(&fixes.track(), &poses.track(), limits)?;
     let ([rms_m, _], [all, _]) = (votes.rms_m, votes.says);
     // A straight way that is mirrored is nearly as straight once stretched: that takes the square of what tells a mirror.
     if rms_m * limits.min_ratio.powi(2) > as_told_m {
@@ -142,15 +142,7 @@ fn exchanged_track(fixes: &Stream<FixRow>) -> Option<Track> {
 
 /// How far odometry must spread to be told from its mirror image under this receiver's noise.
 fn min_minor_m(fixes: &Stream<FixRow>, limits: &Limits) -> f64 {
-    let sigma = |row: &FixRow| {
-        let [east, north, _] = row.variance_m2;
-        east.max(north).sqrt()
-    };
-    let sigmas: Vec<f64> = fixes
-        .rows()
-        .map(|timed| sigma(&timed.row))
-        .filter(|sigma| *sigma > 0.0)
-        .collect();
+    let sigmas: Vec<f64> = fixes.rows().filter_map(|timed| timed.row.horizontal_sd_m()).collect();
     median(&sigmas).map_or(limits.min_minor_m, |sigma| {
         limits.minor_of_sigma * sigma.max(limits.least_sigma_m)
     })

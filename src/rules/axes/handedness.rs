@@ -4,7 +4,8 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use crate::math::similarity2::{fit_similarities, path_length, spread};
+use crate::math::drifting::fit_drifting;
+use crate::math::similarity2::{path_length, spread};
 use crate::math::stats::median;
 use crate::rules::motion::Track;
 
@@ -79,16 +80,16 @@ impl Votes {
     }
 
     /// Root mean square of the better fit of two other tracks in the windows that voted: the median, metres.
-    pub(super) fn better_m(&self, satellites: &Track, odometry: &Track) -> Option<f64> {
+    pub(super) fn better_m(&self, satellites: &Track, odometry: &Track, limits: &Limits) -> Option<f64> {
         let mut at = odometry.follow();
         let mut better = Vec::new();
         for (from_s, to_s) in &self.voted_s {
             let places = satellites.stretches.iter().flatten();
-            let (of_odometry, of_satellites): (Vec<_>, Vec<_>) = places
+            let both = places
                 .filter(|(t_s, _)| (*from_s..=*to_s).contains(t_s))
-                .filter_map(|(t_s, place)| Some((at(*t_s)?.xy(), place.xy())))
-                .unzip();
-            let fits = fit_similarities(&of_odometry, &of_satellites)?;
+                .filter_map(|(t_s, place)| Some((*t_s, (at(*t_s)?.xy(), place.xy()))));
+            let (times, (of_odometry, of_satellites)): (Vec<_>, (Vec<_>, Vec<_>)) = both.unzip();
+            let fits = fit_drifting(&times, &of_odometry, &of_satellites, limits.drift_deg_s.to_radians())?;
             better.push(fits.proper.rms_m.min(fits.improper.rms_m));
         }
         median(&better)
@@ -116,24 +117,23 @@ impl Votes {
     fn look(&mut self, window: &[Both], min_minor_m: f64, rms: &mut Fits, limits: &Limits) -> bool {
         let odometry: Vec<_> = window.iter().map(|both| both.odometry).collect();
         let satellites: Vec<_> = window.iter().map(|both| both.satellites).collect();
+        let times: Vec<_> = window.iter().map(|both| both.t_s).collect();
         let way_m = path_length(&odometry);
-        let (Some(first), Some(last), Some(by_satellites), Some(spread), Some(fits)) = (
-            window.first(),
-            window.last(),
-            spread(&satellites),
-            spread(&odometry),
-            fit_similarities(&odometry, &satellites),
-        ) else {
+        let (Some(first), Some(last), Some(by_satellites), Some(spread)) =
+            (times.first(), times.last(), spread(&satellites), spread(&odometry))
+        else {
             return false;
         };
         self.longest_m = self.longest_m.max(way_m);
         self.widest_m = self.widest_m.max(spread.minor_sd_m);
-        // Odometry's heading drifts, and bends a straight way, the more the longer.
-        let drift_m = limits.drift_deg_s.to_radians() * (last.t_s - first.t_s) * way_m;
-        let is_told = |minor_m: f64| minor_m >= min_minor_m.max(drift_m);
+        let is_told = |minor_m: f64| minor_m >= min_minor_m;
         if !is_told(spread.minor_sd_m) || !is_told(by_satellites.minor_sd_m) || window.len() < limits.min_points {
             return false;
         }
+        // Odometry's heading drifts, and bends a straight way as its mirror image may be bent.
+        let Some(fits) = fit_drifting(&times, &odometry, &satellites, limits.drift_deg_s.to_radians()) else {
+            return false;
+        };
         self.windows += 1;
         let (turned, mirrored) = (fits.proper.rms_m, fits.improper.rms_m);
         let (best, other) = (turned.min(mirrored), turned.max(mirrored));
@@ -143,7 +143,7 @@ impl Votes {
             let [of_turned, of_mirrored] = rms;
             of_turned.push(turned);
             of_mirrored.push(mirrored);
-            self.voted_s.push((first.t_s, last.t_s));
+            self.voted_s.push((*first, *last));
         }
         true
     }

@@ -29,6 +29,7 @@ pub struct Limits {
     pub(super) sigmas: f64,
     pub(super) min_points: usize,
     pub(super) min_correlation: f64,
+    pub(super) max_slope: f64,
 }
 
 impl Rule for MapZUp {

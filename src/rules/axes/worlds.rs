@@ -322,11 +322,7 @@ fn heights(stream: &Stream<PoseRow>, fixes: &Stream<FixRow>, limits: &Limits) ->
         (aa, zz, az) = (aa + a * a, zz + b * b, az + a * b);
     }
     let rms_m = [(aa / count).sqrt(), (zz / count).sqrt()];
-    let sigmas: Vec<f64> = fixes
-        .rows()
-        .map(|timed| timed.row.variance_m2[2].sqrt())
-        .filter(|sigma| *sigma > 0.0)
-        .collect();
+    let sigmas: Vec<f64> = fixes.rows().filter_map(|timed| timed.row.vertical_sd_m()).collect();
     let needed_m = limits.min_rms_m.max(limits.sigmas * median(&sigmas).unwrap_or(0.0));
     let correlation = az / (aa * zz).sqrt();
     let slope = az / aa;
@@ -340,6 +336,13 @@ fn heights(stream: &Stream<PoseRow>, fixes: &Stream<FixRow>, limits: &Limits) ->
             both.len(),
             if correlation.is_finite() { correlation } else { 0.0 },
             limits.min_correlation
+        );
+        return Err((NotEvaluated::TooLittleEvidence, why));
+    }
+    if !(1.0 / limits.max_slope..=limits.max_slope).contains(&slope.abs()) {
+        let why = format!(
+            "z moves {slope:.1} times as far as the altitude on {}: what moves it is something else, a tilt or a drift",
+            fixes.topic
         );
         return Err((NotEvaluated::TooLittleEvidence, why));
     }

@@ -20,6 +20,21 @@ pub struct Limits {
     pub(super) max_off_m: f64,
     max_spread_m: f64,
     min_samples: usize,
+    untold_m: f64,
+    sigmas: f64,
+    same_m: f64,
+}
+
+impl Limits {
+    /// From how far above the ellipsoid on mean sea level can be told from it by the difference of two heights, metres. Two of one
+    /// receiver have one error.
+    fn needed_m(&self, heights: &Heights, other: &Heights, apart: Apart) -> f64 {
+        if apart.aside_m <= self.same_m {
+            return self.min_undulation_m;
+        }
+        let [one, two] = [heights, other].map(|heights| heights.sd_m.unwrap_or(self.untold_m));
+        self.min_undulation_m.max(self.max_off_m + self.sigmas * one.hypot(two))
+    }
 }
 
 /// How two heights stand to each other.
@@ -78,6 +93,14 @@ fn judge_heights(heights: &Heights, others: &[&Heights], limits: &Limits, out: &
             undecided.push(format!("{} tells too few heights at the same times", other.subject));
             continue;
         };
+        let needed_m = limits.needed_m(heights, other, apart);
+        if undulation_m.abs() < needed_m {
+            undecided.push(format!(
+                "mean sea level lies {undulation_m:.1} m above the ellipsoid here, {needed_m:.1} m are needed to tell them apart by {}",
+                other.subject
+            ));
+            continue;
+        }
         let measured = [
             Measured::new("height above the other", apart.median_m, "m")
                 .spread(apart.spread_m)

@@ -35,9 +35,12 @@ pub(super) struct Heights {
     pub(super) subject: String,
     pub(super) place: Place,
     pub(super) datum: Datum,
-    /// Latitude and longitude of the first height, degrees.
-    first_deg: (f64, f64),
-    runs: Vec<Vec<(f64, f64)>>,
+    /// What it states of its error, one standard deviation, metres.
+    pub(super) sd_m: Option<f64>,
+    /// Where the first height is; `None` where that is no place on Earth.
+    first: Option<Geodetic>,
+    /// Seconds, and degrees of latitude and longitude and metres of height.
+    runs: Vec<Vec<(f64, Vector3<f64>)>>,
 }
 
 /// One height minus another at the same times.
@@ -47,6 +50,8 @@ pub(super) struct Apart {
     pub(super) median_m: f64,
     /// Median absolute deviation from that, metres.
     pub(super) spread_m: f64,
+    /// How far the two places are from each other to the side, the median, metres.
+    pub(super) aside_m: f64,
     pub(super) samples: usize,
 }
 
@@ -67,22 +72,35 @@ impl Heights {
 
     /// The undulation of the geoid where the heights begin, metres.
     pub(super) fn undulation_m(&self) -> Option<f64> {
-        let (latitude, longitude) = self.first_deg;
-        undulation_m(&Geodetic::from_degrees(latitude, longitude, 0.0)?)
+        undulation_m(self.first.as_ref()?)
     }
 
     /// How far these heights are above others.
     pub(super) fn above(&self, other: &Self) -> Option<Apart> {
-        let difference = |(t_s, height): &(f64, f64)| Some(height - other.at(*t_s)?);
-        let all: Vec<f64> = self.runs.iter().flatten().filter_map(difference).collect();
+        let apart = |(t_s, here): &(f64, Vector3<f64>)| {
+            let there = other.at(*t_s)?;
+            Some((here.z - there.z, self.aside_m(here, &there)))
+        };
+        let all = self.runs.iter().flatten().filter_map(apart);
+        let (heights, aside): (Vec<f64>, Vec<f64>) = all.unzip();
         Some(Apart {
-            median_m: median(&all)?,
-            spread_m: mad(&all)?,
-            samples: all.len(),
+            median_m: median(&heights)?,
+            spread_m: mad(&heights)?,
+            aside_m: median(&aside)?,
+            samples: heights.len(),
         })
     }
 
-    fn at(&self, t_s: f64) -> Option<f64> {
+    /// How far two places near the first one are from each other to the side, metres; NaN where there is no such place.
+    fn aside_m(&self, here: &Vector3<f64>, there: &Vector3<f64>) -> f64 {
+        let [north_rad, east_rad] = [here.x - there.x, here.y - there.y].map(f64::to_radians);
+        self.first.as_ref().map_or(f64::NAN, |first| {
+            let east_m = east_rad * first.prime_vertical_radius_m() * first.latitude_rad.cos();
+            east_m.hypot(north_rad * first.meridian_radius_m())
+        })
+    }
+
+    fn at(&self, t_s: f64) -> Option<Vector3<f64>> {
         self.runs.iter().find_map(|run| {
             let ([(t0, a), (t1, b)], share) = around(run, t_s)?;
             (t1 - t0 <= MAX_STEP_S).then(|| a + (b - a) * share)
@@ -90,26 +108,28 @@ impl Heights {
     }
 
     fn of<R: Row>(stream: &Stream<R>, datum: Datum, place: impl Fn(&R) -> Option<(f64, f64, f64)>) -> Option<Self> {
-        let mut first_deg = None;
-        let mut height = |timed: &Timed<R>| {
+        let mut first = None;
+        let mut told = |timed: &Timed<R>| {
             let (latitude, longitude, height) = place(&timed.row)?;
             let is_place = latitude.is_finite() && longitude.is_finite() && height.is_finite();
             is_place.then(|| {
-                first_deg.get_or_insert((latitude, longitude));
-                (timed.t_s, height)
+                first.get_or_insert((latitude, longitude));
+                (timed.t_s, Vector3::new(latitude, longitude, height))
             })
         };
         let stretches = stream.stretches.iter();
-        let mut runs: Vec<Vec<(f64, f64)>> = stretches
-            .map(|rows| rows.iter().filter_map(&mut height).collect())
+        let mut runs: Vec<Vec<_>> = stretches
+            .map(|rows| rows.iter().filter_map(&mut told).collect())
             .collect();
         runs.retain(|run| !run.is_empty());
+        let (latitude, longitude) = first?;
         Some(Self {
             topic: stream.topic.clone(),
             subject: stream.subject.clone(),
             place: stream.place(),
             datum,
-            first_deg: first_deg?,
+            sd_m: None,
+            first: Geodetic::from_degrees(latitude, longitude, 0.0),
             runs,
         })
     }
@@ -119,8 +139,13 @@ impl Heights {
         let name = stream.message_type.rsplit('/').next();
         let is_claimed = matches!(name, Some("NavSatFix" | "GeoPointStamped" | "GeoPoseStamped"));
         let datum = if is_claimed { Datum::Claimed } else { Datum::Unknown };
-        Self::of(stream, datum, |fix| {
+        let stated: Vec<f64> = stream.rows().filter_map(|timed| timed.row.vertical_sd_m()).collect();
+        let heights = Self::of(stream, datum, |fix| {
             Some((fix.latitude_deg, fix.longitude_deg, fix.altitude_m))
+        });
+        heights.map(|heights| Self {
+            sd_m: median(&stated),
+            ..heights
         })
     }
 

@@ -75,7 +75,7 @@ impl Overlay {
                 fix,
                 enu_m: origin.enu_of(&fix),
                 climb_m: row.altitude_m.is_finite().then_some(fix.height_m - origin.height_m),
-                deviation_m: deviation_m(row),
+                deviation_m: row.horizontal_sd_m(),
             })
         };
         let both: Vec<Both> = fixes
@@ -155,13 +155,6 @@ pub(super) fn geodetic(fix: &FixRow) -> Option<Geodetic> {
         0.0
     };
     Geodetic::from_degrees(fix.latitude_deg, fix.longitude_deg, height_m)
-}
-
-/// What a fix states of its horizontal error, one deviation, metres.
-fn deviation_m(row: &FixRow) -> Option<f64> {
-    let [east, north, _] = row.variance_m2;
-    let variance = f64::midpoint(east, north);
-    (variance > 0.0 && variance.is_finite()).then(|| variance.sqrt())
 }
 
 /// The antenna in the axes of the body that the poses are of, metres.

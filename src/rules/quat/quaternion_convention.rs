@@ -32,7 +32,7 @@ pub struct Limits {
     pub(super) slow_agrees: f64,
     pub(super) slow_gap: f64,
     pub(super) slow_s: f64,
-    pub(super) slow_sure: f64,
+    pub(super) slow_alike: f64,
     pub(super) slow_short: f64,
     pub(super) unrelated_correlation: f64,
     pub(super) standing: f64,
@@ -202,9 +202,8 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
     let by_gap = || {
         let ways = slow.as_ref().filter(|ways| turns_enough(ways))?;
         let class = ways.by_gap(limits)?;
-        let is_weak = ways.covers_little(limits) && ways.explains(class).powi(2) > limits.slow_sure;
         // As much noise as turning in short windows: what two or three long ones make of it may be chance.
-        if is_weak && fast.explains(class) > limits.slow_short {
+        if ways.covers_little(limits) && fast.explains(class) > limits.slow_short {
             return None;
         }
         // What noise hides in short windows is no proof against an axis.

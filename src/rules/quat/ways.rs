@@ -154,7 +154,8 @@ impl<'a> Ways<'a> {
     pub(super) fn by_gap(&self, limits: &Limits) -> Option<Turn> {
         let (own, best) = (self.as_published.residual.powi(2), self.best().powi(2));
         if own <= limits.slow_agrees && self.readings.powi(2) - own >= limits.slow_gap && own - best < limits.slow_gap {
-            return Some(self.agreement(limits));
+            // Where the turning is mostly about one axis, other axes of the gyro serve nearly as well: not better, though.
+            return (own - best < limits.slow_alike).then(|| self.agreement(limits));
         }
         if best > limits.slow_agrees || own - best < limits.slow_gap {
             return None;

@@ -13,7 +13,7 @@ use crate::rules::motion::{BagMotion, Stream, Track};
 use crate::rules::names;
 use crate::verdict::Measured;
 use crate::world::FrameId;
-use crate::world::motion::{FixRow, PoseRow};
+use crate::world::motion::PoseRow;
 
 use super::map_odom_not_applied::Limits;
 
@@ -77,7 +77,7 @@ pub(super) fn drift(motion: &BagMotion, odom: &FrameId, map: &FrameId, limits: &
         .into_iter()
         .map(|stream| (stream.track(), limits.least_sigma_m));
     let fixes = motion.fixes.iter().map(|stream| {
-        let sigmas: Vec<f64> = stream.rows().filter_map(|timed| sigma_m(&timed.row)).collect();
+        let sigmas: Vec<f64> = stream.rows().filter_map(|timed| timed.row.horizontal_sd_m()).collect();
         (stream.track(), median(&sigmas).unwrap_or(0.0).max(limits.least_sigma_m))
     });
     let others: Vec<(Arc<Track>, f64)> = by_poses.chain(fixes).collect();
@@ -97,13 +97,6 @@ pub(super) fn drift(motion: &BagMotion, odom: &FrameId, map: &FrameId, limits: &
         }
     }
     Err(why)
-}
-
-/// What a receiver says of its deviation to the side.
-fn sigma_m(row: &FixRow) -> Option<f64> {
-    let [east, north, _] = row.variance_m2;
-    let sigma = east.max(north).sqrt();
-    (sigma.is_finite() && sigma > 0.0).then_some(sigma)
 }
 
 /// A third of both tracks, and the turn and shift that lays one over the other.
