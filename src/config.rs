@@ -37,11 +37,10 @@ use crate::read::calibration::repair::OffsetMap;
 use crate::read::discover::CONFIGURATION;
 use crate::source::{LineIndex, Place, Source, SourceId, SourceKind, Span};
 use crate::tables::Tables;
-use crate::world::{Conventions, NamedDataset};
 use crate::world::conventions::{
     BodyAxes, Convention, Declaration, Fields, QuaternionAlgebra, QuaternionOrder, Scope, TimeScale, WorldAxes,
 };
-use crate::world::{Conventions, Projection};
+use crate::world::{Conventions, NamedDataset, Projection};
 
 /// Bound on its size, bytes.
 const MAX_BYTES: u64 = 1 << 20;
@@ -218,7 +217,10 @@ impl Reader<'_> {
         Ok(Config {
             conventions: self.conventions(&root)?,
             projections: self.projections(&root)?,
-            dataset: root.get("dataset").map(|node| self.dataset(node, &tables)).transpose()?,
+            dataset: root
+                .get("dataset")
+                .map(|node| self.dataset(node, &tables))
+                .transpose()?,
             tables: Arc::new(tables),
             ..empty
         })
@@ -246,7 +248,10 @@ impl Reader<'_> {
         let row = node.text().and_then(|text| tables.dataset(text));
         let row = row.ok_or_else(|| {
             let names = tables.dataset_names().join(", ");
-            let what = format!("`dataset` is one of {names}, not `{}`", node.text().unwrap_or("a list or a mapping"));
+            let what = format!(
+                "`dataset` is one of {names}, not `{}`",
+                node.text().unwrap_or("a list or a mapping")
+            );
             self.error(node.span.start, &what)
         })?;
         Ok((NamedDataset { row, place: None }, node.span))
@@ -390,7 +395,10 @@ mod tests {
     fn an_empty_configuration_declares_nothing() {
         for text in ["", "# nothing\n", "conventions: []\n", "---\n"] {
             assert!(
-                parse("c.yaml", text.to_owned(), Path::new("")).unwrap().conventions.is_empty(),
+                parse("c.yaml", text.to_owned(), Path::new(""))
+                    .unwrap()
+                    .conventions
+                    .is_empty(),
                 "{text:?}"
             );
         }

@@ -325,7 +325,10 @@ mod tests {
     fn a_driver_knows_its_own_edges_and_no_mounting() {
         let table = Tables::default();
         assert_eq!(table.driver_of_edge("os_sensor", "os_lidar"), Some("ouster-ros"));
-        assert_eq!(table.driver_of_edge("front/os_sensor", "front/os_imu"), Some("ouster-ros"));
+        assert_eq!(
+            table.driver_of_edge("front/os_sensor", "front/os_imu"),
+            Some("ouster-ros")
+        );
         assert_eq!(
             table.driver_of_edge("camera_link", "camera_depth_frame"),
             Some("realsense2_camera")
@@ -369,12 +372,23 @@ mod tests {
     fn the_users_rows_win() {
         let mut tables = Tables::default();
         let row = "{name: ours, fields: {time: float32, ring: uint16}, time: {field: time, unit_s: 1e-3, counts_from: header}}";
-        tables.add("lidar-clouds", &serde_yaml::from_str(row).unwrap(), "ours.yaml:1").unwrap();
+        tables
+            .add("lidar-clouds", &serde_yaml::from_str(row).unwrap(), "ours.yaml:1")
+            .unwrap();
         let fields = [("time", "float32"), ("ring", "uint16")];
         let driver = tables.cloud_driver(fields.into_iter()).unwrap();
-        assert_eq!((driver.name.as_str(), driver.source.as_str(), driver.verified), ("ours", "ours.yaml:1", false));
+        assert_eq!(
+            (driver.name.as_str(), driver.source.as_str(), driver.verified),
+            ("ours", "ours.yaml:1", false)
+        );
         assert_eq!(tables.own_time_fields().collect::<Vec<_>>(), ["time"]);
-        assert!(tables.add("planets", &serde_yaml::Value::Null, "").unwrap_err().message.contains("known tables"));
+        assert!(
+            tables
+                .add("planets", &serde_yaml::Value::Null, "")
+                .unwrap_err()
+                .message
+                .contains("known tables")
+        );
     }
 
     /// `leap-seconds.list` of NIST: seconds since 1900, and `TAI - UTC` from then on.

@@ -153,7 +153,11 @@ fn metadata_on_a_topic_of_a_ros_1_bag_are_a_source_of_statements() {
             ..Connection::default()
         });
         let length = u32::try_from(text.len()).unwrap().to_le_bytes();
-        bag.message(connection, 1_500_000_000_000_000_000, &[&length[..], text.as_bytes()].concat());
+        bag.message(
+            connection,
+            1_500_000_000_000_000_000,
+            &[&length[..], text.as_bytes()].concat(),
+        );
         let folder = tempfile::tempdir().unwrap();
         fs::write(folder.path().join("drive.bag"), bag.finish().bytes).unwrap();
         folder
@@ -203,5 +207,10 @@ fn a_fault_in_a_table_has_its_place_in_its_own_file() {
     .unwrap();
     let ran = check(folder.path(), &["data"]);
     assert_eq!(ran.code, 2);
-    assert!(ran.err.contains("lidars.yaml:4:5: row of `lidars`: `sensor`: unknown variant `z`"), "{}", ran.err);
+    assert!(
+        ran.err
+            .contains("lidars.yaml:4:5: row of `lidars`: `sensor`: unknown variant `z`"),
+        "{}",
+        ran.err
+    );
 }

@@ -22,8 +22,8 @@ use std::collections::{BTreeMap, HashMap};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::read::calibration::ouster::may_be_ouster;
 use crate::read::bag::{self, Channel, Extent, Message, Progress, Recording, Sampling, Visit, Wanted};
+use crate::read::calibration::ouster::may_be_ouster;
 use crate::read::messages::content::{Body, Content};
 use crate::read::messages::decoder::{Decoder, Format};
 use crate::read::messages::decoders::Decoders;
@@ -235,7 +235,8 @@ impl Collector {
                     .iter()
                     .filter(|topic| topic.message_type == channel.message_type);
                 let of_type = alike.count();
-                self.topics.push(Topic::new(channel, &decoder, next, of_type, &self.time_fields));
+                self.topics
+                    .push(Topic::new(channel, &decoder, next, of_type, &self.time_fields));
                 next
             }
         };

@@ -98,7 +98,9 @@ fn value(node: &Node) -> serde_yaml::Value {
         Kind::Scalar { text, .. } => {
             let plain = serde_yaml::from_str::<serde_yaml::Value>(text).ok();
             let is_scalar = |value: &serde_yaml::Value| !value.is_mapping() && !value.is_sequence();
-            plain.filter(is_scalar).unwrap_or_else(|| serde_yaml::Value::String(text.to_string()))
+            plain
+                .filter(is_scalar)
+                .unwrap_or_else(|| serde_yaml::Value::String(text.to_string()))
         }
         Kind::Sequence(items) => serde_yaml::Value::Sequence(items.iter().map(value).collect()),
         Kind::Mapping(pairs) => {
@@ -136,11 +138,16 @@ mod tests {
         let text = "tables:\n  lidar-clouds: ours.yaml\n  lidar-imus:\n    - {name: Ours, words: [ours], lever_mm: [1, 2, 3]}\n  datasets:\n    - {name: Town, words: [town], frames: [{names: [car], axes: FLU}]}\ndataset: town\n";
         let config = config(text, folder.path()).unwrap();
         let tables = config.tables();
-        let driver = tables.cloud_driver([("dt", "uint32"), ("beam", "uint8")].into_iter()).unwrap();
+        let driver = tables
+            .cloud_driver([("dt", "uint32"), ("beam", "uint8")].into_iter())
+            .unwrap();
         assert_eq!((driver.name.as_str(), driver.source.as_str()), ("Ours", "ours.yaml:2"));
         assert_eq!(&*config.time_fields(), ["dt".to_owned()]);
         let lever = tables.lidar_imu(&["ours".to_owned()]).unwrap();
-        assert_eq!((lever.lever_mm, lever.source.as_str()), (Some([1.0, 2.0, 3.0]), "c.yaml:4"));
+        assert_eq!(
+            (lever.lever_mm, lever.source.as_str()),
+            (Some([1.0, 2.0, 3.0]), "c.yaml:4")
+        );
         assert_eq!(config.dataset(None).unwrap().row.name, "Town");
     }
 
@@ -152,9 +159,17 @@ mod tests {
              simulators, datasets"
         );
         let text = "tables:\n  lidar-imus:\n    - name: Ours\n      words: [ours]\n      lever_m: [0, 0, 0]\n";
-        assert!(fault(text).starts_with("c.yaml:5:7: row of `lidar-imus`: `lever_m`: unknown field `lever_m`"), "{}", fault(text));
+        assert!(
+            fault(text).starts_with("c.yaml:5:7: row of `lidar-imus`: `lever_m`: unknown field `lever_m`"),
+            "{}",
+            fault(text)
+        );
         let text = "tables:\n  lidar-imus:\n    - {name: Ours, words: [ours], lever_mm: [a, 0, 0]}\n";
-        assert!(fault(text).starts_with("c.yaml:3:35: row of `lidar-imus`: `lever_mm`: "), "{}", fault(text));
+        assert!(
+            fault(text).starts_with("c.yaml:3:35: row of `lidar-imus`: `lever_mm`: "),
+            "{}",
+            fault(text)
+        );
         assert_eq!(
             fault("tables:\n  lidar-imus:\n    - {words: [ours]}\n"),
             "c.yaml:3:7: row of `lidar-imus`: missing field `name`"

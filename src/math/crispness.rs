@@ -14,10 +14,16 @@ pub fn occupied_cells(points: impl IntoIterator<Item = [f64; 2]>, cell_m: f64) -
     }
     let cell = |value: f64| {
         let is_near = value.abs() <= FAR_M;
-        #[expect(clippy::cast_possible_truncation, reason = "bounded by FAR_M; cells of nanometres saturate")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "bounded by FAR_M; cells of nanometres saturate"
+        )]
         is_near.then(|| (value / cell_m).floor() as i64)
     };
-    let cells: BTreeSet<(i64, i64)> = points.into_iter().filter_map(|[x, y]| Some((cell(x)?, cell(y)?))).collect();
+    let cells: BTreeSet<(i64, i64)> = points
+        .into_iter()
+        .filter_map(|[x, y]| Some((cell(x)?, cell(y)?)))
+        .collect();
     cells.len()
 }
 
@@ -27,9 +33,15 @@ mod tests {
 
     #[test]
     fn points_share_cells() {
-        assert_eq!(occupied_cells([[0.05, 0.05], [0.15, 0.15], [0.25, 0.05], [-0.05, 0.05]], 0.2), 3);
+        assert_eq!(
+            occupied_cells([[0.05, 0.05], [0.15, 0.15], [0.25, 0.05], [-0.05, 0.05]], 0.2),
+            3
+        );
         assert_eq!(occupied_cells([], 0.2), 0);
-        assert_eq!(occupied_cells([[f64::NAN, 0.0], [0.0, f64::INFINITY], [1e9, 0.0], [1.0, 1.0]], 0.2), 1);
+        assert_eq!(
+            occupied_cells([[f64::NAN, 0.0], [0.0, f64::INFINITY], [1e9, 0.0], [1.0, 1.0]], 0.2),
+            1
+        );
         assert_eq!(occupied_cells([[0.0, 0.0]], 0.0), 0);
         assert_eq!(occupied_cells([[0.0, 0.0]], f64::NAN), 0);
     }

@@ -18,8 +18,25 @@ const MAX_STEP_S: f64 = 0.6;
 
 /// Words of topics with poses that are worked out of scans: those agree with any mounting, for they were told by it.
 const BY_SCANS: [&str; 19] = [
-    "lio", "loam", "aloam", "floam", "lego", "icp", "gicp", "kiss", "ndt", "dlio", "dlo", "fastlio", "liosam", "lidarodom", "rtabmap",
-    "cartographer", "hdl", "glim", "slam",
+    "lio",
+    "loam",
+    "aloam",
+    "floam",
+    "lego",
+    "icp",
+    "gicp",
+    "kiss",
+    "ndt",
+    "dlio",
+    "dlo",
+    "fastlio",
+    "liosam",
+    "lidarodom",
+    "rtabmap",
+    "cartographer",
+    "hdl",
+    "glim",
+    "slam",
 ];
 
 /// Least part of up that lies along z of the body, where the transforms turn the lidar's up to: 60 degrees. A turned axis is AXES10's.
@@ -79,8 +96,7 @@ impl HandEye {
         let known = Self::unchecked(world, clouds, pick)?;
         match known.turns_along() {
             None if sweeps_the_other_way(clouds) => {
-                let why =
-                    "its points sweep to the other side, as in a mirror image, which TIME07 judges, and no turn shows that they are none";
+                let why = "its points sweep to the other side, as in a mirror image, which TIME07 judges, and no turn shows that they are none";
                 Err((NotEvaluated::NotApplicable, why.to_owned()))
             }
             Some(false) => {
@@ -114,7 +130,8 @@ impl HandEye {
         }
         let tied = tied(world, &motion, clouds, &lidar);
         if !tied.is_empty() && tied.iter().all(|(poses, ..)| is_by_scans(poses)) {
-            let why = "the poses are worked out of scans of a lidar, and agree with whatever mounting they were told by";
+            let why =
+                "the poses are worked out of scans of a lidar, and agree with whatever mounting they were told by";
             return Err(missing(why));
         }
         let tied = tied.into_iter().filter(|(poses, ..)| !is_by_scans(poses));

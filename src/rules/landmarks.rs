@@ -48,9 +48,9 @@ pub(crate) fn maps(
     let lidar = clouds.frame().ok_or_else(|| missing("the clouds name no frame"))?;
     let tied = tied(world, &motion, clouds, &lidar);
     let own = tied.into_iter().filter(|(poses, ..)| !is_by_scans(poses));
-    let (poses, body, told) = own
-        .max_by_key(|(poses, ..)| poses.rows().count())
-        .ok_or_else(|| missing("no poses of a frame that is tied to it, other than from scans, say how the platform moved"))?;
+    let (poses, body, told) = own.max_by_key(|(poses, ..)| poses.rows().count()).ok_or_else(|| {
+        missing("no poses of a frame that is tied to it, other than from scans, say how the platform moved")
+    })?;
     let (turned, track) = (Turned::of(poses), poses.track());
     let start_ns = clouds.bag.start_ns.unwrap_or_default();
     let mut way_m = 0.0;
@@ -63,7 +63,9 @@ pub(crate) fn maps(
                 placed.push((pose, &slice.points));
             }
         }
-        let Some((first, _)) = placed.first().copied() else { continue };
+        let Some((first, _)) = placed.first().copied() else {
+            continue;
+        };
         for pair in placed.windows(2) {
             let [(from, _), (to, _)] = pair else { continue };
             way_m += from.inv_mul(to).translation.vector.norm();

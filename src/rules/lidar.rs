@@ -86,7 +86,9 @@ impl<'w> Clouds<'w> {
                     topic,
                     evidence,
                     laser: None,
-                    driver: world.tables.cloud_driver(fields.map(|field| (field.name.as_str(), field.datatype.as_str()))),
+                    driver: world
+                        .tables
+                        .cloud_driver(fields.map(|field| (field.name.as_str(), field.datatype.as_str()))),
                 })
             })
         })
@@ -108,12 +110,18 @@ impl<'w> Clouds<'w> {
             for topic in bag.topics.values().filter(may_be) {
                 let plain = topic.message_type.replace("/msg/", "/");
                 let is_it = |lidar: &&Lidar| lidar.packets.contains(&plain) && is_wanted(lidar);
-                let Some(lidar) = world.tables.lidars().find(is_it) else { continue };
+                let Some(lidar) = world.tables.lidars().find(is_it) else {
+                    continue;
+                };
                 let why = format!(
                     "`{}` holds packets of {}, which are not read: record the clouds of its driver as well",
                     topic.topic, lidar.name
                 );
-                out.not_evaluated(format!("{of} of topic `{}`", topic.topic), NotEvaluated::MissingInput, why);
+                out.not_evaluated(
+                    format!("{of} of topic `{}`", topic.topic),
+                    NotEvaluated::MissingInput,
+                    why,
+                );
             }
         }
     }

@@ -96,20 +96,29 @@ pub(crate) struct Part<'w> {
 impl<'w> Part<'w> {
     /// All that a world states, metadata in files and in recordings included.
     pub(crate) fn all(world: &'w World) -> Vec<Self> {
-        statements(world).into_iter().filter_map(|statement| Self::of(world, statement)).collect()
+        statements(world)
+            .into_iter()
+            .filter_map(|statement| Self::of(world, statement))
+            .collect()
     }
 
     fn of(world: &'w World, statement: Statement) -> Option<Self> {
         let is_key = statement.is_of_a_file()
-            && ["_to_sensor_transform", "beam_to_lidar_transform"].iter().any(|key| statement.label.ends_with(key));
+            && ["_to_sensor_transform", "beam_to_lidar_transform"]
+                .iter()
+                .any(|key| statement.label.ends_with(key));
         if !statement.has_rotation || !statement.has_translation {
             return None;
         }
         let known = [&statement.target, &statement.source_frame].map(|name| meant(name, is_key));
         let (part, pose) = match known {
-            [Some(Meant::Of(OusterPart::Lidar)), Some(Meant::Of(OusterPart::Beam))] => (OusterPart::Beam, statement.pose),
+            [Some(Meant::Of(OusterPart::Lidar)), Some(Meant::Of(OusterPart::Beam))] => {
+                (OusterPart::Beam, statement.pose)
+            }
             [Some(Meant::Sensor), Some(Meant::Of(part))] if part != OusterPart::Beam => (part, statement.pose),
-            [Some(Meant::Of(part)), Some(Meant::Sensor)] if part != OusterPart::Beam => (part, statement.pose.inverse()),
+            [Some(Meant::Of(part)), Some(Meant::Sensor)] if part != OusterPart::Beam => {
+                (part, statement.pose.inverse())
+            }
             _ => return None,
         };
         let metadata = is_key.then(|| metadata_in(world, statement.place.source)).flatten();
@@ -141,7 +150,11 @@ pub(crate) fn metadata_of<'w>(world: &'w World, clouds: &Clouds) -> Option<&'w O
     let path = world.path(clouds.bag.source);
     let is_own = |metadata: &&OusterMetadata| world.path(metadata.place.source) == path;
     let own: Vec<&OusterMetadata> = world.ousters.iter().filter(is_own).collect();
-    let of = if own.is_empty() { world.ousters.iter().collect() } else { own };
+    let of = if own.is_empty() {
+        world.ousters.iter().collect()
+    } else {
+        own
+    };
     let [height, width] = clouds.evidence.samples.first()?.size;
     let is_sized = |metadata: &&OusterMetadata| {
         let is = |said: Option<u32>, seen: u32| said.is_none_or(|said| said == seen);
@@ -158,7 +171,11 @@ pub(crate) fn is_of_an_ouster(world: &World, clouds: &Clouds) -> bool {
     if clouds.driver.is_some_and(|driver| driver.name == "Ouster") {
         return true;
     }
-    let is_organised = clouds.evidence.samples.first().is_some_and(|sample| sample.size.iter().all(|count| *count > 1));
+    let is_organised = clouds
+        .evidence
+        .samples
+        .first()
+        .is_some_and(|sample| sample.size.iter().all(|count| *count > 1));
     let is_named = clouds.frame().is_some_and(|frame| is_ouster(&frame.tokens())) || is_ouster(&clouds.topic.words());
     is_organised && is_named && metadata_of(world, clouds).is_some_and(|metadata| metadata.columns.is_some())
 }

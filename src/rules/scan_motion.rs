@@ -46,10 +46,6 @@ impl Moment {
         }
     }
 
-    fn of(slice: &CloudSlice, start_ns: i64) -> Self {
-        Self::new(slice.stamp_ns, slice.log_ns, start_ns)
-    }
-
     /// The same moment on the clock of a stream whose stamps are so much later than its log times.
     pub(crate) fn on(&self, stamp_offset_s: Option<f64>) -> f64 {
         let by_stamps = self

@@ -118,10 +118,19 @@ mod tests {
         let livox = [("timestamp", "float64"), ("tag", "uint8"), ("line", "uint8")];
         assert_eq!(name(&livox), Some("Livox (PointCloud2)"));
         assert_eq!(name(&livox[1..]), Some("Livox (PointCloud2 without times)"));
-        let ouster = [("t", "uint32"), ("ring", "uint16"), ("range", "uint32"), ("reflectivity", "uint8"), ("near_ir", "uint16")];
+        let ouster = [
+            ("t", "uint32"),
+            ("ring", "uint16"),
+            ("range", "uint32"),
+            ("reflectivity", "uint8"),
+            ("near_ir", "uint16"),
+        ];
         assert_eq!(name(&ouster), Some("Ouster"));
         let nebula = [("time_stamp", "uint32"), ("channel", "uint16"), ("azimuth", "float32")];
         assert_eq!(name(&nebula), Some("Nebula"));
-        assert_eq!(name(&[("timestamp", "float64"), ("ring", "uint16")]), Some("Hesai or RoboSense"));
+        assert_eq!(
+            name(&[("timestamp", "float64"), ("ring", "uint16")]),
+            Some("Hesai or RoboSense")
+        );
     }
 }

@@ -21,10 +21,16 @@ pub(super) fn named<T: Named>(rows: &Rows<T>, words: &[String]) -> Option<Arc<T>
 /// What is wrong with the words of a row.
 fn words_fault(words: &[String]) -> Option<(&'static str, &'static str)> {
     let is_word = |word: &String| {
-        !word.is_empty() && word.chars().all(|letter| letter.is_alphanumeric() && !letter.is_uppercase())
+        !word.is_empty()
+            && word
+                .chars()
+                .all(|letter| letter.is_alphanumeric() && !letter.is_uppercase())
     };
     let is_well = !words.is_empty() && words.iter().all(is_word);
-    (!is_well).then_some(("words", "whole words in lower-case letters and digits are expected, at least one"))
+    (!is_well).then_some((
+        "words",
+        "whole words in lower-case letters and digits are expected, at least one",
+    ))
 }
 
 macro_rules! named {

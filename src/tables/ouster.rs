@@ -43,9 +43,8 @@ pub struct OusterPlace {
 impl OusterPlace {
     /// Whether a sensor of this product line with this image of the firmware may have it; what is not known speaks against nothing.
     pub fn may_be_of(&self, line: Option<&str>, image: Option<&str>) -> bool {
-        let is_line = line.is_none_or(|line| {
-            self.lines.is_empty() || self.lines.iter().any(|known| is_of_line(line, known))
-        });
+        let is_line =
+            line.is_none_or(|line| self.lines.is_empty() || self.lines.iter().any(|known| is_of_line(line, known)));
         let has = |image: &str, board: &String| image.split('-').any(|word| word == board);
         let is_board = image.is_none_or(|image| {
             let is_known = ["aries", "bootes"].iter().any(|board| has(image, &(*board).to_owned()));
@@ -85,7 +84,11 @@ mod tests {
     fn a_sensor_has_the_places_of_its_line_and_board() {
         let tables = Tables::default();
         let of = |part, line: Option<&str>, image: Option<&str>| -> Vec<[f64; 3]> {
-            tables.ouster_places(part).filter(|row| row.may_be_of(line, image)).map(|row| row.xyz_mm).collect()
+            tables
+                .ouster_places(part)
+                .filter(|row| row.may_be_of(line, image))
+                .map(|row| row.xyz_mm)
+                .collect()
         };
         let aries = Some("ousteros-image-prod-aries-v2.5.2+20230714195410");
         let bootes = Some("ousteros-image-prod-bootes-v3.0.1+20230209044733");

@@ -91,7 +91,11 @@ fn parsed<T: Row>(row: &serde_yaml::Value, origin: &str) -> Result<T, RowFault> 
         let message = error.to_string();
         let is_missing = message.starts_with("missing field");
         RowFault {
-            keys: if is_missing { Vec::new() } else { culprit::<T>(row, &message) },
+            keys: if is_missing {
+                Vec::new()
+            } else {
+                culprit::<T>(row, &message)
+            },
             message,
         }
     })?;
@@ -136,7 +140,9 @@ fn at<'v>(value: &'v serde_yaml::Value, keys: &[String]) -> Option<&'v serde_yam
 fn without(value: &serde_yaml::Value, path: &[String]) -> serde_yaml::Value {
     let mut copy = value.clone();
     if let Some((last, above)) = path.split_last() {
-        let holder = above.iter().try_fold(&mut copy, |value, key| value.get_mut(key.as_str()));
+        let holder = above
+            .iter()
+            .try_fold(&mut copy, |value, key| value.get_mut(key.as_str()));
         if let Some(mapping) = holder.and_then(serde_yaml::Value::as_mapping_mut) {
             mapping.remove(last.as_str());
         }
@@ -182,8 +188,15 @@ mod tests {
     #[test]
     fn the_users_rows_come_first_and_say_where_they_stand() {
         let mut rows = Rows::<Sample>::read("rows: [{name: a, source: b}]");
-        rows.add(&serde_yaml::from_str("{name: c, time: {unit_s: 1.0}}").unwrap(), "ours:1").unwrap();
-        let all: Vec<(&str, &str)> = rows.iter().map(|row| (row.name.as_str(), row.source.as_str())).collect();
+        rows.add(
+            &serde_yaml::from_str("{name: c, time: {unit_s: 1.0}}").unwrap(),
+            "ours:1",
+        )
+        .unwrap();
+        let all: Vec<(&str, &str)> = rows
+            .iter()
+            .map(|row| (row.name.as_str(), row.source.as_str()))
+            .collect();
         assert_eq!(all, [("c", "ours:1"), ("a", "b")]);
         assert!((rows.own()[0].time.as_ref().unwrap().unit_s - 1.0).abs() < 1e-12);
     }
@@ -195,6 +208,9 @@ mod tests {
         assert_eq!(fault("{name: a, time: {unit: 1}}").keys, ["time", "unit"]);
         assert_eq!(fault("{name: ''}").keys, ["name"]);
         let missing = fault("{time: {unit_s: 1.0}}");
-        assert_eq!((missing.keys.len(), missing.message.as_str()), (0, "missing field `name`"));
+        assert_eq!(
+            (missing.keys.len(), missing.message.as_str()),
+            (0, "missing field `name`")
+        );
     }
 }

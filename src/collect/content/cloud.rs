@@ -106,7 +106,9 @@ impl Clouds {
                 return;
             }
         }
-        let Some(sample) = sampled(cloud, points, &self.time_fields) else { return };
+        let Some(sample) = sampled(cloud, points, &self.time_fields) else {
+            return;
+        };
         if self.farthest.is_none_or(|(_, farthest)| sample.farthest > farthest) {
             self.farthest = Some((point, sample.farthest));
         }

@@ -287,7 +287,10 @@ mod tests {
 
     #[test]
     fn the_points_of_a_livox_have_their_own_times() {
-        for (encoding, message_type) in [("ros1", "livox_ros_driver/CustomMsg"), ("cdr", "livox_ros_driver2/msg/CustomMsg")] {
+        for (encoding, message_type) in [
+            ("ros1", "livox_ros_driver/CustomMsg"),
+            ("cdr", "livox_ros_driver2/msg/CustomMsg"),
+        ] {
             let format = Format {
                 topic: "/livox/lidar",
                 message_type,
@@ -298,12 +301,17 @@ mod tests {
             let bytes = custom_msg(encoding);
             let content = Decoder::of(&format, &Definitions::default()).decode(&bytes).unwrap();
             assert_eq!(content.header.unwrap().frame_id, "livox");
-            let Body::Cloud(cloud) = content.body else { panic!("{encoding}") };
+            let Body::Cloud(cloud) = content.body else {
+                panic!("{encoding}")
+            };
             assert_eq!((cloud.points(), cloud.timebase_ns), (2, Some(5_000_000_006)));
             let of = |name: &str, column: u32| cloud.column(name).unwrap().of(cloud.point(0, column).unwrap());
             assert_eq!([of("offset_time", 0), of("offset_time", 1)], [Some(0.0), Some(1000.0)]);
             assert_eq!([of("x", 1), of("y", 1), of("z", 1)], [Some(1.5), Some(-2.0), Some(1.0)]);
-            assert_eq!([of("reflectivity", 1), of("tag", 1), of("line", 1)], [Some(9.0), Some(16.0), Some(1.0)]);
+            assert_eq!(
+                [of("reflectivity", 1), of("tag", 1), of("line", 1)],
+                [Some(9.0), Some(16.0), Some(1.0)]
+            );
         }
     }
 }

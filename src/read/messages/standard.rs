@@ -180,7 +180,7 @@ impl Standard {
             Self::RadarTracks => radar::tracks(cursor),
             Self::Tf | Self::Transform | Self::NmeaText | Self::Description | Self::Metadata | Self::Clock => {
                 Ok(Body::Nothing)
-            },
+            }
         }
     }
 }

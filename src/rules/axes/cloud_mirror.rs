@@ -141,7 +141,10 @@ impl Beside {
     fn poses(world: &World, clouds: &Clouds, limits: &Limits) -> Option<Self> {
         clouds.laser?;
         let seconds = |moved: &Moved| moved.to.on(None) - moved.from.on(None);
-        let known = HandEye::unchecked(world, clouds, |steps| steps.chained(|moved| seconds(moved) >= limits.pair_s)).ok()?;
+        let known = HandEye::unchecked(world, clouds, |steps| {
+            steps.chained(|moved| seconds(moved) >= limits.pair_s)
+        })
+        .ok()?;
         let sure = known
             .pairs
             .iter()

@@ -333,7 +333,8 @@ fn judge_tilt(
     };
     let tilt_deg = x.hypot(y).asin().to_degrees();
     let sigma_deg = (spread_x.hypot(spread_y) / (normals.len() as f64).sqrt()).to_degrees();
-    let measured = Measured::new("tilt of the ground", tilt_deg, "deg").turn()
+    let measured = Measured::new("tilt of the ground", tilt_deg, "deg")
+        .turn()
         .limit(limits.max_tilt_deg)
         .spread(sigma_deg)
         .samples(normals.len() as u64);

@@ -64,11 +64,7 @@ impl Yaw {
 }
 
 /// What a lidar shows beside the poses: the yaw that its mounting lacks, and the pairs it comes from.
-pub(crate) fn look(
-    world: &World,
-    clouds: &Clouds,
-    limits: &Limits,
-) -> Result<(Yaw, HandEye), (NotEvaluated, String)> {
+pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<(Yaw, HandEye), (NotEvaluated, String)> {
     let known = HandEye::of(world, clouds, |steps| {
         steps.chained(|moved| moved.way_m() >= limits.min_way_m)
     })?;
@@ -165,10 +161,7 @@ fn judge_yaw(world: &World, clouds: &Clouds, known: &HandEye, yaw: &Yaw, limits:
             "z-90",
             "some drivers leave azimuth 0 on y, where others turn it to x: the mounting is for another driver, or for the raw sensor",
         ),
-        Some(2 | -2) => (
-            "z180",
-            "the sensor looks back",
-        ),
+        Some(2 | -2) => ("z180", "the sensor looks back"),
         _ => ("yaw", "the mounting is turned otherwise than its transform says"),
     };
     // The yaw of the inverse is the negative one.

@@ -78,7 +78,13 @@ pub(super) fn of_message(grid: &GridAt, limits: &Limits) -> (Vec<Fault>, f64) {
 /// What is wrong with a declaration by itself.
 pub(super) fn of_declaration(projection: &Projection, grid: &Grid, limits: &Limits) -> Vec<Fault> {
     let of_cells = grid.resolution_m.and_then(|m| resolution(m, limits));
-    let all = [of_cells, missing(projection, grid), origin(projection, grid), thresholds(grid), affine(grid, limits)];
+    let all = [
+        of_cells,
+        missing(projection, grid),
+        origin(projection, grid),
+        thresholds(grid),
+        affine(grid, limits),
+    ];
     all.into_iter().flatten().collect()
 }
 
@@ -306,9 +312,7 @@ fn differs(grid: &Grid, sent: &GridAt, frame: Option<&String>, limits: &Limits) 
     let off = [sent.position[0] - x, sent.position[1] - y].map(|m| m / resolution_m);
     let [.., z, w] = sent.orientation;
     let yaw = 2.0 * z.atan2(w);
-    let off_yaw = rest
-        .first()
-        .map_or(0.0, |told| difference(yaw, *told).abs());
+    let off_yaw = rest.first().map_or(0.0, |told| difference(yaw, *told).abs());
     let largest = off[0].abs().max(off[1].abs());
     if largest <= 0.01 && off_yaw <= 1e-3 {
         return None;

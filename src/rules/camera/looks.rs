@@ -42,7 +42,13 @@ pub(super) struct Shown {
 }
 
 /// What the lidar that could show most of a camera shows of it.
-pub(super) fn look(world: &World, planes: &Planes, camera: &Published, frame: &FrameId, limits: &Limits) -> Result<Shown, Why> {
+pub(super) fn look(
+    world: &World,
+    planes: &Planes,
+    camera: &Published,
+    frame: &FrameId,
+    limits: &Limits,
+) -> Result<Shown, Why> {
     let not_applicable = |why: &str| (NotEvaluated::NotApplicable, why.to_owned());
     if camera.is_uncalibrated() {
         return Err(not_applicable("K is all zeros: the camera is not calibrated"));

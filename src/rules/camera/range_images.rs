@@ -79,7 +79,11 @@ pub(super) fn clouds<'w>(
 }
 
 /// What the data of a topic say.
-pub(super) fn against(clouds: &Clouds, image: &RangeImage, limits: &Limits) -> Result<(Vec<Fault>, Vec<Measured>), String> {
+pub(super) fn against(
+    clouds: &Clouds,
+    image: &RangeImage,
+    limits: &Limits,
+) -> Result<(Vec<Fault>, Vec<Measured>), String> {
     let topic = &clouds.topic.topic;
     if clouds
         .frame()

@@ -172,7 +172,9 @@ fn judge_seen(clouds: &Clouds, seen: &Seen, limits: &Limits, out: &mut Judge) {
             out.fail(measured.into_iter().fold(finding, Finding::measured));
         }
         Some(_) => {
-            let why = format!("`{name}` fits the motion once it is turned by 180 deg about z, which AXES12 and SENSOR03 judge");
+            let why = format!(
+                "`{name}` fits the motion once it is turned by 180 deg about z, which AXES12 and SENSOR03 judge"
+            );
             out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         }
         None => {

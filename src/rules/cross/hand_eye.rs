@@ -112,7 +112,8 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Lim
         sigma_x.hypot(sigma_y),
     );
     let measured = [
-        Measured::new("yaw that the mounting lacks", yaw_deg, "deg").turn()
+        Measured::new("yaw that the mounting lacks", yaw_deg, "deg")
+            .turn()
             .limit(limits.max_yaw_deg)
             .spread(sigma_deg)
             .samples(found.pairs as u64),

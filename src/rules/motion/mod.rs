@@ -77,7 +77,10 @@ impl BagMotion {
             fixes: Vec::new(),
             poses: Vec::new(),
             twists: Vec::new(),
-            simulator: bag.topics.values().find_map(|topic| world.tables.simulator(&topic.words())),
+            simulator: bag
+                .topics
+                .values()
+                .find_map(|topic| world.tables.simulator(&topic.words())),
             velocities: Vec::new(),
             orientations: Vec::new(),
             nmea: Vec::new(),

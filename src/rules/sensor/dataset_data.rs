@@ -51,13 +51,20 @@ fn judge_imu(dataset: &NamedDataset, imu: &Imu, frame: &DatasetFrame, limits: &L
         .collect();
     let mean = forces.iter().sum::<Vector3<f64>>() / forces.len().max(1) as f64;
     if !(limits.min_force_m_s2..=limits.max_force_m_s2).contains(&mean.norm()) {
-        let why = format!("the mean acceleration is {:.1} m/s², which is not gravity alone", mean.norm());
+        let why = format!(
+            "the mean acceleration is {:.1} m/s², which is not gravity alone",
+            mean.norm()
+        );
         return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
     }
     let off = mean.angle(&up(frame)).to_degrees();
-    let measured = Measured::new(format!("acceleration from up as {} has it", dataset.row.name), off, "deg")
-        .limit(limits.max_up_deg)
-        .samples(forces.len() as u64);
+    let measured = Measured::new(
+        format!("acceleration from up as {} has it", dataset.row.name),
+        off,
+        "deg",
+    )
+    .limit(limits.max_up_deg)
+    .samples(forces.len() as u64);
     if off <= limits.max_up_deg {
         return out.pass(subject, [measured]);
     }
@@ -86,7 +93,10 @@ fn judge_cloud(dataset: &NamedDataset, clouds: &Clouds, (frame, planes): (&Datas
     let Some((axis, word)) = SIDES.get(side) else { return };
     let off = Vector3::from(*axis).angle(&up(frame)).to_degrees();
     if off < 1.0 {
-        let what = format!("angle of {word}, which is up by the ground, from up as {} has it", dataset.row.name);
+        let what = format!(
+            "angle of {word}, which is up by the ground, from up as {} has it",
+            dataset.row.name
+        );
         return out.pass(subject, [Measured::new(what, off, "deg").limit(45.0)]);
     }
     let why = format!(

@@ -34,7 +34,8 @@ impl Rule for DatasetProfile {
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         let Some(dataset) = &world.dataset else {
-            let why = "no dataset is named: `dataset: KITTI` in frames-lint.yaml would hold the data against its conventions";
+            let why =
+                "no dataset is named: `dataset: KITTI` in frames-lint.yaml would hold the data against its conventions";
             return out.not_evaluated("dataset", NotEvaluated::MissingInput, why);
         };
         let mut count = 0;
@@ -100,9 +101,17 @@ pub(super) fn nearest_word(body_from_frame: &UnitQuaternion<f64>) -> String {
     let letter = |axis: Vector3<f64>| {
         let told = body_from_frame * axis;
         let words = [("F", "B"), ("L", "R"), ("U", "D")];
-        let (index, value) = told.iter().copied().enumerate().fold((0, 0.0_f64), |best, (index, value)| {
-            if value.abs() > best.1.abs() { (index, value) } else { best }
-        });
+        let (index, value) = told
+            .iter()
+            .copied()
+            .enumerate()
+            .fold((0, 0.0_f64), |best, (index, value)| {
+                if value.abs() > best.1.abs() {
+                    (index, value)
+                } else {
+                    best
+                }
+            });
         let (plus, minus) = words.get(index).copied().unwrap_or(("?", "?"));
         if value >= 0.0 { plus } else { minus }
     };
@@ -136,7 +145,10 @@ fn judge_statement(
     let (relation, what) = if fits(&turn.inverse()) {
         ("inverse", "it is told the wrong way round".to_owned())
     } else if statement.is_bare_quaternion() && fits(&reordered) {
-        ("quaternion-order", "its quaternion is told in the other order".to_owned())
+        (
+            "quaternion-order",
+            "its quaternion is told in the other order".to_owned(),
+        )
     } else {
         let told = nearest_word(&(rotation(&target.axes) * turn));
         let what = format!(
@@ -182,7 +194,15 @@ mod tests {
     fn the_rotation_of_kitti_is_that_of_its_files() {
         // calib_velo_to_cam.txt of the drives of 2011-09-26.
         let velo_to_cam = Matrix3::new(
-            7.533_745e-3, -0.999_971_4, -6.166_02e-4, 1.480_249e-2, 7.280_733e-4, -0.999_890_2, 0.999_862_1, 7.523_79e-3, 1.480_755e-2,
+            7.533_745e-3,
+            -0.999_971_4,
+            -6.166_02e-4,
+            1.480_249e-2,
+            7.280_733e-4,
+            -0.999_890_2,
+            0.999_862_1,
+            7.523_79e-3,
+            1.480_755e-2,
         );
         let turn = UnitQuaternion::from_matrix(&velo_to_cam);
         let (cam, velo) = (frame("RDF", false), frame("FLU", false));

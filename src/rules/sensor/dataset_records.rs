@@ -20,7 +20,9 @@ pub(super) fn judge(world: &World, dataset: &NamedDataset, limits: &Limits, out:
     };
     let mut count = 0;
     for claim in world.claims.iter().filter(is_record) {
-        let Spelling::Quaternion { xyzw, .. } = &claim.spelling else { continue };
+        let Spelling::Quaternion { xyzw, .. } = &claim.spelling else {
+            continue;
+        };
         count += 1;
         judge_record(world, dataset, (claim, *xyzw), limits, out);
     }
@@ -45,18 +47,29 @@ fn judge_record(
     let [off, other_off] = [read, other].map(|turn| tilt_deg(&turn, row));
     let word = "w, x, y, z";
     let measured = [
-        Measured::new(format!("tilt against the nearest sensor of {}, read as {word}", row.name), off, "deg").limit(limits.max_off_deg),
+        Measured::new(
+            format!("tilt against the nearest sensor of {}, read as {word}", row.name),
+            off,
+            "deg",
+        )
+        .limit(limits.max_off_deg),
         Measured::new("the same in the other order", other_off, "deg"),
     ];
     if off <= limits.max_off_deg && other_off <= limits.max_off_deg {
-        let why = format!("it stands as a sensor of {} does in either order of its quaternion", row.name);
+        let why = format!(
+            "it stands as a sensor of {} does in either order of its quaternion",
+            row.name
+        );
         return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
     }
     if off <= limits.max_off_deg {
         return out.pass(subject, measured);
     }
     if other_off > limits.max_off_deg {
-        let why = format!("it stands as no sensor of {} does, in either order of its quaternion", row.name);
+        let why = format!(
+            "it stands as no sensor of {} does, in either order of its quaternion",
+            row.name
+        );
         return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
     }
     let message = format!(

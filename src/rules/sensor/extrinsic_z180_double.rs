@@ -63,18 +63,29 @@ impl Rule for ExtrinsicZ180Double {
 
 /// By the way of the scans, and by landmarks; where both tell, they must agree.
 fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Told, (NotEvaluated, String)> {
-    let broken = || (NotEvaluated::InputBroken, "the limits of AXES12 are not read".to_owned());
+    let broken = || {
+        (
+            NotEvaluated::InputBroken,
+            "the limits of AXES12 are not read".to_owned(),
+        )
+    };
     let of_yaw = limits_of::<LidarForwardAxis>().ok_or_else(broken)?;
     let by_way = lidar_forward_axis::look(world, clouds, &of_yaw);
     let by_landmarks = by_landmarks(world, clouds, limits);
-    let landmarks = by_landmarks.as_ref().ok().and_then(|(maps, ratio)| decided(*ratio, limits).map(|is| (is, maps, *ratio)));
+    let landmarks = by_landmarks
+        .as_ref()
+        .ok()
+        .and_then(|(maps, ratio)| decided(*ratio, limits).map(|is| (is, maps, *ratio)));
     match by_way {
         Ok((yaw, known)) => {
             let is_turned = match yaw.quarters(&of_yaw) {
                 Some(0) => false,
                 Some(2 | -2) => true,
                 _ => {
-                    let why = format!("the mounting lacks a yaw of {:.0} deg, which is no half turn: see AXES12", yaw.off_deg);
+                    let why = format!(
+                        "the mounting lacks a yaw of {:.0} deg, which is no half turn: see AXES12",
+                        yaw.off_deg
+                    );
                     return Err((NotEvaluated::NotApplicable, why));
                 }
             };
@@ -131,7 +142,10 @@ fn by_landmarks(world: &World, clouds: &Clouds, limits: &Limits) -> Result<(Maps
         return Err((NotEvaluated::TooLittleEvidence, "no landmarks".to_owned()));
     };
     if told == 0 || turned == 0 {
-        return Err((NotEvaluated::TooLittleEvidence, "no points lie level with the sensor".to_owned()));
+        return Err((
+            NotEvaluated::TooLittleEvidence,
+            "no points lie level with the sensor".to_owned(),
+        ));
     }
     let ratio = turned as f64 / told as f64;
     Ok((maps, ratio))
@@ -148,7 +162,10 @@ fn decided(ratio: f64, limits: &Limits) -> Option<bool> {
 
 fn crispness(maps: &Maps, ratio: f64, limits: &Limits) -> Measured {
     Measured::new(
-        format!("cells of the map with another half turn over those as told, on {:.0} m", maps.way_m),
+        format!(
+            "cells of the map with another half turn over those as told, on {:.0} m",
+            maps.way_m
+        ),
         ratio,
         "1",
     )
@@ -161,7 +178,8 @@ fn report(world: &World, clouds: &Clouds, subject: String, told: Told, limits: &
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
     let edges = lidar_turn::edges(world, &told.body, &told.lidar);
-    let is_half = |edge: &&Edge| edge.pose.rotation.angle_to(&half_turn().rotation).to_degrees() <= limits.max_half_off_deg;
+    let is_half =
+        |edge: &&Edge| edge.pose.rotation.angle_to(&half_turn().rotation).to_degrees() <= limits.max_half_off_deg;
     let is_own = |edge: &&Edge| {
         let axes = [&edge.parent, &edge.child].map(Axes::of);
         axes.iter().all(Option::is_some) && axes[0] != axes[1]

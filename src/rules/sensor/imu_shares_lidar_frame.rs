@@ -69,7 +69,14 @@ fn judge_imu(world: &World, bag: &BagEvidence, imu: &Said<'_>, clouds: &[&TopicE
     out.fail(finding(world, bag, subject, imu, cloud, &frame));
 }
 
-fn finding(world: &World, bag: &BagEvidence, subject: String, imu: &Said<'_>, cloud: &TopicEvidence, frame: &FrameId) -> Finding {
+fn finding(
+    world: &World,
+    bag: &BagEvidence,
+    subject: String,
+    imu: &Said<'_>,
+    cloud: &TopicEvidence,
+    frame: &FrameId,
+) -> Finding {
     let words = [imu.topic.words(), cloud.words()].concat();
     let place = |first: Option<&MessageRef>| Place::of(bag.source, first);
     let known = world.tables.lidar_imu(&words);

@@ -16,7 +16,9 @@ use super::ouster_frame::{self, OusterFrame};
 /// The rule that reports so many quarter turns of a lidar's mounting; `None` where it is AXES12.
 pub(crate) fn owner(world: &World, clouds: &Clouds, known: &HandEye, quarters: i8) -> Option<&'static str> {
     match quarters {
-        2 | -2 if ouster::is_of_an_ouster(world, clouds) => Some(half_turn(world, clouds, &known.body, &known.lidar).unwrap_or("SENSOR03")),
+        2 | -2 if ouster::is_of_an_ouster(world, clouds) => {
+            Some(half_turn(world, clouds, &known.body, &known.lidar).unwrap_or("SENSOR03"))
+        }
         1 | -1 => lidar(world, clouds).filter(|row| has_two_ways(row)).map(|_| "SENSOR04"),
         _ => None,
     }
@@ -45,14 +47,16 @@ fn unturned(world: &World) -> Vec<(FrameId, FrameId)> {
         part.kind == OusterPart::Lidar && part.metadata.is_none() && part.turn().angle_to(&part.pose.rotation) > 1.0
     };
     let parts = Part::all(world).into_iter().filter(is_unturned);
-    parts.map(|part| (part.statement.target, part.statement.source_frame)).collect()
+    parts
+        .map(|part| (part.statement.target, part.statement.source_frame))
+        .collect()
 }
 
 /// Whether the way from one frame to another goes over the edge between these two.
 fn in_chain(world: &World, from: &FrameId, to: &FrameId, a: &FrameId, b: &FrameId) -> bool {
-    edges(world, from, to).iter().any(|edge| {
-        (edge.parent == *a && edge.child == *b) || (edge.parent == *b && edge.child == *a)
-    })
+    edges(world, from, to)
+        .iter()
+        .any(|edge| (edge.parent == *a && edge.child == *b) || (edge.parent == *b && edge.child == *a))
 }
 
 /// An edge of the way from the body to a lidar.
@@ -88,7 +92,10 @@ pub(super) fn lidar(world: &World, clouds: &Clouds) -> Option<Arc<Lidar>> {
     let by_layout = || {
         let name = clouds.driver?.name.to_lowercase();
         // A layout that two makers share says neither.
-        let words: Vec<String> = name.split(|letter: char| !letter.is_alphanumeric()).map(str::to_owned).collect();
+        let words: Vec<String> = name
+            .split(|letter: char| !letter.is_alphanumeric())
+            .map(str::to_owned)
+            .collect();
         let is_one = !words.iter().any(|word| word == "or");
         is_one.then(|| world.tables.lidar(&words)).flatten()
     };

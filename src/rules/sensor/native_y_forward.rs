@@ -48,10 +48,15 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
         return no(NotEvaluated::MissingInput, why, out);
     };
     if !has_two_ways(&lidar) {
-        let why = format!("{} has no y forward, neither in the sensor nor in its driver", lidar.name);
+        let why = format!(
+            "{} has no y forward, neither in the sensor nor in its driver",
+            lidar.name
+        );
         return no(NotEvaluated::NotApplicable, why, out);
     }
-    let Some(of_yaw) = limits_of::<LidarForwardAxis>() else { return };
+    let Some(of_yaw) = limits_of::<LidarForwardAxis>() else {
+        return;
+    };
     let (yaw, known) = match lidar_forward_axis::look(world, clouds, &of_yaw) {
         Ok(seen) => seen,
         Err((why, reason)) => return no(why, reason, out),
@@ -61,7 +66,10 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
         Some(0) => return out.pass(subject, measured),
         Some(quarters @ (1 | -1)) if (yaw.off_deg - 90.0 * f64::from(quarters)).abs() <= limits.max_off_deg => quarters,
         _ => {
-            let why = format!("the mounting lacks a yaw of {:.0} deg, which is no quarter turn: see AXES12", yaw.off_deg);
+            let why = format!(
+                "the mounting lacks a yaw of {:.0} deg, which is no quarter turn: see AXES12",
+                yaw.off_deg
+            );
             return no(NotEvaluated::NotApplicable, why, out);
         }
     };
@@ -69,7 +77,10 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
         .and_then(|limits| extrinsic_direction::look(world, clouds, &limits).ok())
         .is_some_and(|seen| seen.is_inverse());
     if inverted {
-        let why = format!("the mounting lacks a yaw of {:.0} deg, which is part of what CROSS04 reports of it", yaw.off_deg);
+        let why = format!(
+            "the mounting lacks a yaw of {:.0} deg, which is part of what CROSS04 reports of it",
+            yaw.off_deg
+        );
         return no(NotEvaluated::NotApplicable, why, out);
     }
     let (what, help) = told(&lidar, quarters, &format!("{}_from_{}", known.body, known.lidar));
@@ -82,7 +93,11 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
         .relation(if quarters > 0 { "z90" } else { "z-90" })
         .related(known.poses.1.clone(), "where it went")
         .help(help);
-    out.fail(measured.into_iter().fold(finding, Finding::measured as fn(Finding, Measured) -> Finding));
+    out.fail(
+        measured
+            .into_iter()
+            .fold(finding, Finding::measured as fn(Finding, Measured) -> Finding),
+    );
 }
 
 /// What a quarter turn means for this lidar, and what to do. A mounting that lacks -90 deg has y of the cloud forward.
@@ -91,11 +106,15 @@ fn told(lidar: &Lidar, quarters: i8, mounting: &str) -> (String, String) {
     let turn = format!("turn `{mounting}` by {} deg about z", 90 * i16::from(quarters));
     match (lidar.driver, quarters < 0) {
         (Forward::X | Forward::XOrBack, true) => (
-            format!("told in the axes of the sensor itself, y forward, as packets and the vendor's tools have them; the ROS driver of {name} has x forward, and the mounting is made for that"),
+            format!(
+                "told in the axes of the sensor itself, y forward, as packets and the vendor's tools have them; the ROS driver of {name} has x forward, and the mounting is made for that"
+            ),
             format!("publish the clouds with the ROS driver (x = y, y = -x of the sensor's axes), or {turn}"),
         ),
         (Forward::X | Forward::XOrBack, false) => (
-            format!("told with x forward, as the ROS driver of {name} has them, and the mounting is made for the axes of the sensor itself, y forward"),
+            format!(
+                "told with x forward, as the ROS driver of {name} has them, and the mounting is made for the axes of the sensor itself, y forward"
+            ),
             format!("{turn}: what the manual shows as y is x of these clouds"),
         ),
         (Forward::Y, true) => (
@@ -103,7 +122,9 @@ fn told(lidar: &Lidar, quarters: i8, mounting: &str) -> (String, String) {
             turn,
         ),
         (Forward::Y, false) => (
-            format!("told with x forward, where the driver of {name} leaves y forward, and the mounting is made for that: something turns them twice"),
+            format!(
+                "told with x forward, where the driver of {name} leaves y forward, and the mounting is made for that: something turns them twice"
+            ),
             format!("take the clouds as the driver publishes them, or {turn}"),
         ),
     }

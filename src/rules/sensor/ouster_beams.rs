@@ -18,14 +18,16 @@ pub(super) fn judge(world: &World, parts: &[Part<'_>], limits: &Limits, out: &mu
 
 /// `lidar_origin_to_beam_origin_mm` against `beam_to_lidar_transform`, else against what sensors of the model have.
 fn judge_origin(world: &World, metadata: &OusterMetadata, parts: &[Part<'_>], limits: &Limits, out: &mut Judge) {
-    let subject = format!("`lidar_origin_to_beam_origin_mm` in {}", world.path(metadata.place.source));
+    let subject = format!(
+        "`lidar_origin_to_beam_origin_mm` in {}",
+        world.path(metadata.place.source)
+    );
     let Some(stated) = &metadata.beam_origin_mm else {
         let why = "the metadata do not say how far from the axis the beams begin, as firmware before 2.0 does not";
         return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
     };
-    let is_beside = |part: &&Part<'_>| {
-        part.kind == OusterPart::Beam && part.statement.place.source == metadata.place.source
-    };
+    let is_beside =
+        |part: &&Part<'_>| part.kind == OusterPart::Beam && part.statement.place.source == metadata.place.source;
     let beside = parts.iter().find(is_beside);
     let (known, relation): (Vec<(f64, String)>, _) = if let Some(part) = beside {
         let x_mm = part.pose.translation.vector.x * 1e3;
@@ -84,7 +86,10 @@ fn judge_angles(world: &World, metadata: &OusterMetadata, out: &mut Judge) {
         (format!("{key} holds {count}, where the sensor has {rows} rows"), place)
     } else {
         let [low, high] = altitudes.range_deg;
-        (format!("altitudes reach from {low} to {high} deg: of radians or other units"), altitudes)
+        (
+            format!("altitudes reach from {low} to {high} deg: of radians or other units"),
+            altitudes,
+        )
     };
     let finding = Finding::error(subject.clone(), format!("{subject}: {what}"), place.place.clone())
         .likely()

@@ -9,8 +9,8 @@ use crate::rules::lidar::Clouds;
 use crate::rules::ouster::{self, Axes};
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::cloud::CloudSample;
 use crate::world::World;
+use crate::world::cloud::CloudSample;
 
 /// SENSOR01.
 pub struct OusterFrame;
@@ -80,7 +80,8 @@ pub(crate) fn look(clouds: &Clouds, limits: &Limits) -> Result<Seen, String> {
         axes: Axes::BOTH.into_iter().find(near),
         azimuth_rad: mean.mean_rad,
         measured: [
-            Measured::new("azimuth of the first column", mean.mean_rad.to_degrees(), "deg").samples(firsts.len() as u64),
+            Measured::new("azimuth of the first column", mean.mean_rad.to_degrees(), "deg")
+                .samples(firsts.len() as u64),
             Measured::new("resultant, clockwise", least, "1").limit(limits.min_resultant),
             Measured::new("resultant, counter-clockwise", other, "1"),
         ],
@@ -96,16 +97,18 @@ fn set_to(world: &World, clouds: &Clouds) -> String {
             offset.value * 1e-3
         ),
         Some(_) => "the cloud was turned, for by its metadata the sensor's zero is not set to another angle".to_owned(),
-        None => {
-            "the cloud was turned, or the sensor is set to another zero (`lidar_frame_azimuth_offset`)".to_owned()
-        }
+        None => "the cloud was turned, or the sensor is set to another zero (`lidar_frame_azimuth_offset`)".to_owned(),
     }
 }
 
 fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("frame of the cloud");
     let little = |why: String, out: &mut Judge| out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
-    let Seen { axes, azimuth_rad, measured } = match look(clouds, limits) {
+    let Seen {
+        axes,
+        azimuth_rad,
+        measured,
+    } = match look(clouds, limits) {
         Ok(seen) => seen,
         Err(why) => return little(why, out),
     };

@@ -68,15 +68,21 @@ impl<'p, 'w> Statement<'p, 'w> {
             all.take(MAX_SENSORS)
         };
         let own = || beside().filter(|other| path(other) == path(part));
-        let stated: Vec<&Part<'_>> = if own().count() > 0 { own().collect() } else { beside().collect() };
+        let stated: Vec<&Part<'_>> = if own().count() > 0 {
+            own().collect()
+        } else {
+            beside().collect()
+        };
         let by_metadata = stated.iter().map(|other| {
             let place = other.pose.translation.vector * 1e3;
             (place, format!("{} in {}", other.statement.label, path(other)))
         });
         let product = part.metadata.and_then(|metadata| metadata.product.as_deref());
         let image = part.metadata.and_then(|metadata| metadata.image.as_deref());
-        let (known, others): (Vec<_>, Vec<_>) =
-            world.tables.ouster_places(part.kind).partition(|row| row.may_be_of(product, image));
+        let (known, others): (Vec<_>, Vec<_>) = world
+            .tables
+            .ouster_places(part.kind)
+            .partition(|row| row.may_be_of(product, image));
         let row = |row: &crate::tables::OusterPlace| (Vector3::from(row.xyz_mm), row.models.clone());
         let is_stated = !stated.is_empty();
         Self {
@@ -87,8 +93,16 @@ impl<'p, 'w> Statement<'p, 'w> {
                 part.statement.who,
                 path(part)
             ),
-            known: if is_stated { by_metadata.collect() } else { known.into_iter().map(row).collect() },
-            others: if is_stated { Vec::new() } else { others.into_iter().map(row).collect() },
+            known: if is_stated {
+                by_metadata.collect()
+            } else {
+                known.into_iter().map(row).collect()
+            },
+            others: if is_stated {
+                Vec::new()
+            } else {
+                others.into_iter().map(row).collect()
+            },
             is_stated,
             model: product.map(|product| match image.and_then(board) {
                 Some(board) => format!("an {product} with the firmware's image `{board}`"),
@@ -108,10 +122,14 @@ impl<'p, 'w> Statement<'p, 'w> {
             .map(|known| ((known.0 - place_mm).norm(), known))
             .min_by(|a, b| a.0.total_cmp(&b.0));
         let is_turned = turned_deg > limits.max_turn_deg;
-        let turn = Measured::new("rotation from what it should be", turned_deg, "deg").turn().limit(limits.max_turn_deg);
+        let turn = Measured::new("rotation from what it should be", turned_deg, "deg")
+            .turn()
+            .limit(limits.max_turn_deg);
         let (Some((off_mm, nearest)), _) = (nearest, is_turned) else {
             let model = self.model.as_deref().unwrap_or("this sensor");
-            let why = format!("no metadata of {model} are in the table, so that nothing says where the part should be (turned by {turned_deg:.2} deg from what all have)");
+            let why = format!(
+                "no metadata of {model} are in the table, so that nothing says where the part should be (turned by {turned_deg:.2} deg from what all have)"
+            );
             return out.not_evaluated(self.subject, NotEvaluated::MissingInput, why);
         };
         let max_mm = self.max_mm(limits);
@@ -157,7 +175,10 @@ impl<'p, 'w> Statement<'p, 'w> {
     fn fault(&self, turned_deg: f64, off_mm: f64, limits: &Limits) -> (&'static str, String) {
         let max_mm = self.max_mm(limits);
         let among = |places: &[KnownPlace], mm: Vector3<f64>| {
-            places.iter().find(|(place, _)| (place - mm).norm() <= max_mm).map(|(_, who)| who.clone())
+            places
+                .iter()
+                .find(|(place, _)| (place - mm).norm() <= max_mm)
+                .map(|(_, who)| who.clone())
         };
         let pose = &self.part.pose;
         let place_mm = pose.translation.vector * 1e3;
@@ -170,13 +191,20 @@ impl<'p, 'w> Statement<'p, 'w> {
         }
         let is_none = pose.rotation.angle().to_degrees() <= limits.known_deg;
         if is_turned && self.part.kind == OusterPart::Lidar && is_none {
-            let what = "it is not turned, where the Lidar frame is turned by half a turn: clouds come out behind the car";
+            let what =
+                "it is not turned, where the Lidar frame is turned by half a turn: clouds come out behind the car";
             return ("identity", what.to_owned());
         }
         if is_turned {
-            return ("turned", format!("it is turned by {turned_deg:.2} deg from what it should be"));
+            return (
+                "turned",
+                format!("it is turned by {turned_deg:.2} deg from what it should be"),
+            );
         }
-        for (scale, what) in [(1e-3, "millimetres, where metres are meant"), (1e3, "metres, where millimetres are meant")] {
+        for (scale, what) in [
+            (1e-3, "millimetres, where metres are meant"),
+            (1e3, "metres, where millimetres are meant"),
+        ] {
             if among(&self.known, place_mm * scale).is_some() {
                 return ("unit", format!("its numbers are {what}"));
             }

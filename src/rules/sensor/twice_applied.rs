@@ -29,17 +29,38 @@ fn drivers<'w>(world: &'w World, claim: &Claim) -> Vec<&'w Lidar> {
     let label: Vec<&str> = claim.label.split('/').filter(|part| !is_number(part)).collect();
     let label = label.join("/");
     let ends = |key: &String| label == *key || label.strip_suffix(key.as_str()).is_some_and(|rest| rest.ends_with('/'));
-    world.tables.lidars().filter(|lidar| lidar.transform_keys.iter().any(ends)).collect()
+    world
+        .tables
+        .lidars()
+        .filter(|lidar| lidar.transform_keys.iter().any(ends))
+        .collect()
 }
 
-fn judge_claim(world: &World, claim: &Claim, lidars: &[&Lidar], mountings: &[Statement], limits: &Limits, out: &mut Judge) {
+fn judge_claim(
+    world: &World,
+    claim: &Claim,
+    lidars: &[&Lidar],
+    mountings: &[Statement],
+    limits: &Limits,
+    out: &mut Judge,
+) {
     let subject = format!("`{}` in {}", claim.label, world.path(claim.place.source));
     let Some(pose) = claim.pose.as_ref().map(crate::world::Pose::isometry) else {
         return out.not_evaluated(subject, NotEvaluated::InputBroken, "its numbers make no transform");
     };
     let size = [
-        Measured::new("translation that the driver applies", pose.translation.vector.norm(), "m").limit(limits.same_m),
-        Measured::new("rotation that the driver applies", pose.rotation.angle().to_degrees(), "deg").limit(limits.same_deg),
+        Measured::new(
+            "translation that the driver applies",
+            pose.translation.vector.norm(),
+            "m",
+        )
+        .limit(limits.same_m),
+        Measured::new(
+            "rotation that the driver applies",
+            pose.rotation.angle().to_degrees(),
+            "deg",
+        )
+        .limit(limits.same_deg),
     ];
     let is_same = |of: &nalgebra::Isometry3<f64>| {
         let left = pose.inv_mul(of);
@@ -51,10 +72,15 @@ fn judge_claim(world: &World, claim: &Claim, lidars: &[&Lidar], mountings: &[Sta
     }
     let named = |statement: &Statement| {
         let words = statement.source_frame.tokens();
-        lidars.iter().find(|lidar| !statement.is_of_a_file() && lidar.is_named_by(&words)).copied()
+        lidars
+            .iter()
+            .find(|lidar| !statement.is_of_a_file() && lidar.is_named_by(&words))
+            .copied()
     };
-    let of_it: Vec<(&Statement, &Lidar)> =
-        mountings.iter().filter_map(|statement| Some((statement, named(statement)?))).collect();
+    let of_it: Vec<(&Statement, &Lidar)> = mountings
+        .iter()
+        .filter_map(|statement| Some((statement, named(statement)?)))
+        .collect();
     if of_it.is_empty() {
         let names: Vec<&str> = lidars.iter().map(|lidar| lidar.name.as_str()).collect();
         let why = format!(
@@ -70,13 +96,21 @@ fn judge_claim(world: &World, claim: &Claim, lidars: &[&Lidar], mountings: &[Sta
         "the driver of {} applies `{}` to every point already{}, and {} says the same of `{}_from_{}`: it is applied twice",
         lidar.name,
         claim.label,
-        if lidar.transform_by_setting { " where its transform is switched on" } else { "" },
+        if lidar.transform_by_setting {
+            " where its transform is switched on"
+        } else {
+            ""
+        },
         twice.who,
         twice.target,
         twice.source_frame
     );
     let finding = Finding::error(subject, message, claim.place.clone());
-    let finding = if lidar.transform_by_setting { finding.hint() } else { finding.likely() };
+    let finding = if lidar.transform_by_setting {
+        finding.hint()
+    } else {
+        finding.likely()
+    };
     let finding = finding
         .relation("applied-twice")
         .related(twice.place.clone(), "applied again here")

@@ -30,12 +30,22 @@ fn keys_beside_each_other_and_in_parts_say_the_same() {
     let (_, facts) = json(NESTED);
     let metadata = &facts.ousters[0];
     assert_eq!(metadata.product.as_deref(), Some("OS-0-128"));
-    assert_eq!(metadata.beam_origin_mm.as_ref().map(|stated| stated.value), Some(27.116));
-    assert_eq!(metadata.azimuth_offset_mdeg.as_ref().map(|stated| stated.value), Some(0.0));
+    assert_eq!(
+        metadata.beam_origin_mm.as_ref().map(|stated| stated.value),
+        Some(27.116)
+    );
+    assert_eq!(
+        metadata.azimuth_offset_mdeg.as_ref().map(|stated| stated.value),
+        Some(0.0)
+    );
     assert_eq!((metadata.columns, metadata.rows), (Some(1024), Some(128)));
     let altitudes = metadata.altitudes.as_ref().unwrap();
     assert_eq!((altitudes.count, altitudes.broken), (2, 1));
-    let beam = facts.claims.iter().find(|claim| claim.label.ends_with("beam_to_lidar_transform")).unwrap();
+    let beam = facts
+        .claims
+        .iter()
+        .find(|claim| claim.label.ends_with("beam_to_lidar_transform"))
+        .unwrap();
     assert!((beam.pose.unwrap().translation_m[0] - 0.027_116).abs() < 1e-12);
 }
 
@@ -45,7 +55,12 @@ fn what_is_cut_off_is_read_as_far_as_it_goes_and_what_is_no_ousters_is_none() {
     assert_eq!(source.status, ReadStatus::Partial);
     assert_eq!(facts.ousters[0].product.as_deref(), Some("OS-1-16-A0"));
     assert_eq!(facts.claims.len(), 1);
-    assert!(json(r#"{"prod_line": "a car", "columns": [1, 2]}"#).1.ousters.is_empty());
+    assert!(
+        json(r#"{"prod_line": "a car", "columns": [1, 2]}"#)
+            .1
+            .ousters
+            .is_empty()
+    );
     assert!(may_be_ouster(FLAT) && may_be_ouster(NESTED));
     assert!(!may_be_ouster("lidar_to_sensor_transform") && !may_be_ouster("") && !may_be_ouster("{}"));
 }
@@ -68,7 +83,8 @@ fn the_metadata_of_the_corpus_are_those_of_the_table() {
             };
             seen += 1;
             let place_mm = claim.pose.unwrap().translation_m.map(|metres| metres * 1e3);
-            let near = |row: &&crate::tables::OusterPlace| row.xyz_mm.iter().zip(place_mm).all(|(a, b)| (a - b).abs() < 1e-6);
+            let near =
+                |row: &&crate::tables::OusterPlace| row.xyz_mm.iter().zip(place_mm).all(|(a, b)| (a - b).abs() < 1e-6);
             let mut rows = tables.ouster_places(part).filter(near);
             let fits = rows.any(|row| row.may_be_of(metadata.product.as_deref(), metadata.image.as_deref()));
             assert!(fits, "{path} {}", claim.label);
