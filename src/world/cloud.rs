@@ -72,7 +72,7 @@ pub const SLICE_SLOPE: f64 = 0.0699;
 /// Clouds of a run.
 pub const RUN_CLOUDS: usize = 6;
 /// Runs of one topic that are kept.
-pub const MAX_RUNS: usize = 40;
+pub const MAX_RUNS: usize = 60;
 
 /// A point with a return.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

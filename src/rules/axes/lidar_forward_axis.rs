@@ -115,10 +115,9 @@ fn judge_yaw(world: &World, clouds: &Clouds, known: &HandEye, yaw: &Yaw, limits:
         );
         return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
     }
-    let inverted = limits_of::<ExtrinsicDirection>()
-        .and_then(|limits| extrinsic_direction::look(world, clouds, &limits).ok())
-        .is_some_and(|seen| seen.is_inverse());
-    if inverted {
+    let direction =
+        limits_of::<ExtrinsicDirection>().and_then(|limits| extrinsic_direction::look(world, clouds, &limits).ok());
+    if direction.as_ref().is_some_and(extrinsic_direction::Seen::is_inverse) {
         let why = format!("the mounting lacks a yaw of {off_deg:.0} deg, which is part of what CROSS04 reports of it");
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
@@ -139,8 +138,14 @@ fn judge_yaw(world: &World, clouds: &Clouds, known: &HandEye, yaw: &Yaw, limits:
         ),
         _ => ("yaw", "the mounting is turned otherwise than its transform says"),
     };
+    let or = match direction {
+        Some(seen) if seen.may_be_inverse() => {
+            "; or it is told the wrong way round: its inverse brings the two together as well"
+        }
+        _ => "",
+    };
     let message = format!(
-        "`{}_from_{}` lacks a yaw of {:+.1} deg: the scans on `{}` go another way than {}; {what}",
+        "`{}_from_{}` lacks a yaw of {:+.1} deg: the scans on `{}` go another way than {}; {what}{or}",
         known.body, known.lidar, yaw.off_deg, clouds.topic.topic, known.poses.0
     );
     let finding = if off_deg > limits.error_deg {
