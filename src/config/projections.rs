@@ -169,6 +169,8 @@ impl Reader<'_> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
+    use std::path::Path;
+
     use super::super::parse;
     use crate::source::SourceId;
     use crate::world::projection::{Axis, Form, Sense};
@@ -178,7 +180,7 @@ mod tests {
         let text = "projections:\n  - topic: /points\n    range_image: {width: 1024, height: 64, fov_up_deg: 22.5, azimuth: clockwise, seam: none}\n  \
                     - topic: /bev\n    grid: {frame: base_link, origin: [-50, -50], cell: corner, columns: +x, rows: -y}\n  \
                     - panorama: {width: 2048, height: 1024}\n";
-        let config = parse("c.yaml", text.to_owned()).unwrap();
+        let config = parse("c.yaml", text.to_owned(), Path::new("")).unwrap();
         let conventions = config.conventions(Some(SourceId(3)));
         let [points, bev, panorama] = conventions.projections.as_slice() else {
             panic!()
@@ -201,7 +203,7 @@ mod tests {
 
     #[test]
     fn faults_have_a_place() {
-        let fault = |text: &str| parse("c.yaml", text.to_owned()).unwrap_err().0;
+        let fault = |text: &str| parse("c.yaml", text.to_owned(), Path::new("")).unwrap_err().0;
         assert!(fault("projections: {}\n").contains("is a list"));
         assert!(fault("projections:\n  - topic: /a\n").contains("one of `range_image`"));
         assert!(

@@ -110,6 +110,15 @@ impl Steps {
 
     /// Steps that follow each other put together until they are enough, one after the other.
     pub(crate) fn chained(&self, is_enough: impl Fn(&Moved) -> bool) -> Vec<Moved> {
+        self.put_together(is_enough, false)
+    }
+
+    /// The same, with what is left at the end of each run.
+    pub(crate) fn chained_to_the_end(&self, is_enough: impl Fn(&Moved) -> bool) -> Vec<Moved> {
+        self.put_together(is_enough, true)
+    }
+
+    fn put_together(&self, is_enough: impl Fn(&Moved) -> bool, keeps_rest: bool) -> Vec<Moved> {
         let mut chained = Vec::new();
         for run in &self.runs {
             let mut open: Option<Moved> = None;
@@ -122,15 +131,9 @@ impl Steps {
                     Some(moved)
                 };
             }
+            chained.extend(open.filter(|_| keeps_rest));
         }
         chained
-    }
-
-    /// All steps of each run put together.
-    pub(crate) fn whole(&self) -> Vec<Moved> {
-        let runs = self.runs.iter();
-        runs.filter_map(|run| run.iter().copied().reduce(|whole, step| whole.then(&step)))
-            .collect()
     }
 }
 

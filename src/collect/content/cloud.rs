@@ -327,7 +327,7 @@ mod tests {
     }
 
     fn evidence<'c>(clouds: impl IntoIterator<Item = Cloud<'c>>) -> CloudEvidence {
-        let mut taken = Clouds::new(Share::of(0));
+        let mut taken = Clouds::new(Share::of(0), Arc::from([]));
         for (index, cloud) in (0..).zip(clouds) {
             taken.push(at(index), &cloud);
         }

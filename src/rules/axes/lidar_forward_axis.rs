@@ -1,6 +1,5 @@
 //! AXES12: where the x axis of a lidar points, by the way it goes.
 
-use nalgebra::Vector3;
 use serde::Deserialize;
 
 use crate::math::circular::{circular_mean, difference};
@@ -140,10 +139,9 @@ fn judge_yaw(world: &World, clouds: &Clouds, known: &HandEye, yaw: &Yaw, limits:
         );
         return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
     }
-    let inverted = limits_of::<ExtrinsicDirection>()
-        .and_then(|limits| extrinsic_direction::look(world, clouds, &limits).ok())
-        .is_some_and(|seen| seen.is_inverse());
-    if inverted {
+    let direction =
+        limits_of::<ExtrinsicDirection>().and_then(|limits| extrinsic_direction::look(world, clouds, &limits).ok());
+    if direction.as_ref().is_some_and(extrinsic_direction::Seen::is_inverse) {
         let why = format!("the mounting lacks a yaw of {off_deg:.0} deg, which is part of what CROSS04 reports of it");
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
@@ -164,25 +162,15 @@ fn judge_yaw(world: &World, clouds: &Clouds, known: &HandEye, yaw: &Yaw, limits:
         Some(2 | -2) => ("z180", "the sensor looks back"),
         _ => ("yaw", "the mounting is turned otherwise than its transform says"),
     };
-    // The yaw of the inverse is the negative one.
-    let told = known.told.rotation * Vector3::x();
-    let is_inverse_too = told.z.abs() < 0.5
-        && difference(-2.0 * told.y.atan2(told.x), yaw.off_deg.to_radians())
-            .abs()
-            .to_degrees()
-            <= limits.named_deg;
-    let message = format!(
-        "`{}_from_{}` lacks a yaw of {:+.1} deg: the scans on `{}` go another way than {}; {what}{}",
-        known.body,
-        known.lidar,
-        yaw.off_deg,
-        clouds.topic.topic,
-        known.poses.0,
-        if is_inverse_too {
-            "; or the transform is told the wrong way round: its inverse has the yaw that is lacking"
-        } else {
-            ""
+    let or = match direction {
+        Some(seen) if seen.may_be_inverse() => {
+            "; or it is told the wrong way round: its inverse brings the two together as well"
         }
+        _ => "",
+    };
+    let message = format!(
+        "`{}_from_{}` lacks a yaw of {:+.1} deg: the scans on `{}` go another way than {}; {what}{or}",
+        known.body, known.lidar, yaw.off_deg, clouds.topic.topic, known.poses.0
     );
     let finding = if off_deg > limits.error_deg {
         Finding::error(subject, message, clouds.place())

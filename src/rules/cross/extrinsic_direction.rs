@@ -6,7 +6,7 @@ use serde::Deserialize;
 use crate::math::stats::median;
 use crate::rules::hand_eye::{HandEye, Pair, half_turn};
 use crate::rules::lidar::Clouds;
-use crate::rules::scan_motion::Steps;
+use crate::rules::scan_motion::Moved;
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
@@ -35,6 +35,7 @@ enum Reading {
     AsTold,
     Inverse,
     Turned,
+    InverseTurned,
 }
 
 /// What was seen.
@@ -44,12 +45,19 @@ pub(crate) struct Seen {
     /// Each reading with its residual, the best first.
     residuals: Vec<(Reading, f64)>,
     decided: Option<Reading>,
+    /// Whether the inverse explains the motion better than what was told, if perhaps not alone.
+    inverse_serves: bool,
 }
 
 impl Seen {
     /// Whether the inverse explains the motion, and what was told does not.
     pub(crate) fn is_inverse(&self) -> bool {
         self.decided == Some(Reading::Inverse)
+    }
+
+    /// Whether the inverse explains the motion as another reading does, and what was told does not.
+    pub(crate) fn may_be_inverse(&self) -> bool {
+        self.decided.is_none() && self.inverse_serves
     }
 
     fn of(&self, reading: Reading) -> f64 {
@@ -79,7 +87,10 @@ impl Rule for ExtrinsicDirection {
 
 /// Which reading of a mounting brings the two motions together.
 pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Seen, (NotEvaluated, String)> {
-    let known = HandEye::of(world, clouds, Steps::whole)?;
+    let turned_deg = |moved: &Moved| moved.turned_rad().abs().to_degrees();
+    let known = HandEye::of(world, clouds, |steps| {
+        steps.chained_to_the_end(|moved| turned_deg(moved) >= limits.min_turn_deg)
+    })?;
     let inverse = known.told.inverse();
     let apart = known.told.inv_mul(&inverse);
     if apart.translation.vector.norm() < limits.min_apart_m
@@ -97,11 +108,6 @@ pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Se
         .iter()
         .filter(|pair| pair.sigma_m <= limits.max_sigma_m && (is_turned(pair) || pair.size().0 >= limits.min_way_m))
         .collect();
-    // Straight on every lever arm is as good.
-    let turned: Vec<&Pair> = sure.iter().copied().filter(is_turned).collect();
-    if turned.len() >= limits.min_pairs {
-        sure = turned;
-    }
     if sure.len() < limits.min_pairs {
         let why = format!(
             "{} pairs of scans moved enough and matched well beside {}; {} are needed",
@@ -111,9 +117,10 @@ pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Se
         );
         return Err((NotEvaluated::TooLittleEvidence, why));
     }
-    // Lever arms show in turns alone: the third of them that turns most.
+    // Straight on every lever arm is as good: those count that turn, or else those that turn the most.
     sure.sort_by(|a, b| b.size().1.total_cmp(&a.size().1));
-    sure.truncate(limits.min_pairs.max(sure.len() / 3));
+    let turned = sure.iter().filter(|pair| is_turned(*pair)).count();
+    sure.truncate(turned.max(limits.min_pairs));
     let residual = |mounting: &Isometry3<f64>| {
         let all: Vec<f64> = sure.iter().map(|pair| pair.residual_m(mounting)).collect();
         median(&all).unwrap_or(f64::INFINITY)
@@ -122,27 +129,40 @@ pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Se
         (Reading::AsTold, known.told),
         (Reading::Inverse, inverse),
         (Reading::Turned, known.told * half_turn()),
+        (Reading::InverseTurned, inverse * half_turn()),
     ];
     let mut residuals: Vec<(Reading, f64)> = readings
         .iter()
         .map(|(reading, mounting)| (*reading, residual(mounting)))
         .collect();
     residuals.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let decided = match *residuals.as_slice() {
-        [(best, least), (_, next), ..]
-            if least <= limits.max_residual_m
-                && next >= limits.ratio * least
-                && next - least >= limits.min_excess_m =>
-        {
-            Some(best)
-        }
-        _ => None,
-    };
+    let inverted = residual(&inverse);
+    let is_beaten = |least: f64, next: f64| next >= limits.ratio * least && next - least >= limits.min_excess_m;
+    // What is told needs no fault, and is not held against two at once: at a yaw of 90 deg both together are nearly nothing.
+    let decided = residuals.first().and_then(|(best, least)| {
+        let told = (
+            Reading::AsTold,
+            residuals.iter().find(|known| known.0 == Reading::AsTold)?.1,
+        );
+        let (best, least) = if is_beaten(*least, told.1) {
+            (*best, *least)
+        } else {
+            told
+        };
+        let mut rivals = residuals.iter().filter(|rival| match best {
+            Reading::AsTold => rival.0 != Reading::InverseTurned,
+            _ => true,
+        });
+        let is_best = rivals.all(|rival| rival.0 == best || is_beaten(least, rival.1));
+        (is_best && least <= limits.max_residual_m).then_some(best)
+    });
+    let inverse_serves = inverted <= limits.max_residual_m && is_beaten(inverted, residual(&known.told));
     Ok(Seen {
+        inverse_serves,
         pairs: sure.len(),
-        known,
         residuals,
         decided,
+        known,
     })
 }
 
