@@ -88,7 +88,7 @@ impl Way {
     fn of(world: &mut World, stream: &Stream) -> Option<Self> {
         let mut stretches: Vec<Vec<PoseRow>> = Vec::new();
         stream.contents(world, |content| {
-            stretches.extend(of_series(content.motion.poses.as_ref()))
+            stretches.extend(of_series(content.motion.poses.as_ref()));
         });
         if stretches.is_empty() {
             let edges = edges(world, stream);

@@ -48,6 +48,7 @@ pub enum Sensor {
 
 /// A world.
 #[derive(Clone, Copy)]
+#[allow(clippy::struct_excessive_bools)] // of a table
 pub struct Seen {
     pub name: &'static str,
     pub is_healthy: bool,
@@ -83,10 +84,13 @@ pub fn seen(name: &str) -> &'static Seen {
     found.unwrap_or_else(|| panic!("no world is called `{name}`"))
 }
 
+/// The rays of each scan.
+type Scans = Rc<Vec<Vec<Ray>>>;
+
 /// What the worlds of one drive share: the rays and the clouds of the last one.
 #[derive(Default)]
 pub struct Shared {
-    rays: RefCell<Option<(String, Rc<Vec<Vec<Ray>>>)>>,
+    rays: RefCell<Option<(String, Scans)>>,
     clouds: RefCell<Option<(String, TopicEvidence)>>,
 }
 
@@ -158,9 +162,9 @@ impl Sensor {
     fn of(self, seed: u64) -> (Lidar, &'static str) {
         let spinning = |driver, table, beams, columns| Lidar {
             driver,
-            table,
             beams,
             columns,
+            table,
             ..Lidar::default()
         };
         let makers = [

@@ -253,7 +253,9 @@ impl Lidar {
                 if self.destaggered {
                     row.rotate_right(scanner.pixel_shift(ring));
                 }
-                row.into_iter().for_each(|ray| push(ray, &mut points));
+                for ray in row {
+                    push(ray, &mut points);
+                }
             }
         } else {
             let returned = told.iter().filter(|ray| ray.3.is_some());

@@ -3,7 +3,7 @@
 /// Takes in messages in recording order.
 pub(super) struct Runs<T> {
     /// Runs that are kept, with their numbers.
-    runs: Vec<(u64, Vec<T>)>,
+    kept: Vec<(u64, Vec<T>)>,
     /// How many runs are kept at most.
     most: usize,
     /// Messages of a run.
@@ -18,7 +18,7 @@ pub(super) struct Runs<T> {
 impl<T> Runs<T> {
     pub(super) fn new(most: usize, length: usize) -> Self {
         Self {
-            runs: Vec::new(),
+            kept: Vec::new(),
             most,
             length,
             stride: 1,
@@ -49,24 +49,24 @@ impl<T> Runs<T> {
             return;
         }
         if self.made == 1 {
-            if self.runs.len() >= self.most {
+            if self.kept.len() >= self.most {
                 self.stride *= 2;
                 let stride = self.stride;
-                self.runs.retain(|(number, _)| number.is_multiple_of(stride));
+                self.kept.retain(|(number, _)| number.is_multiple_of(stride));
                 if !self.number.is_multiple_of(stride) {
                     return;
                 }
             }
-            self.runs.push((self.number, Vec::with_capacity(self.length)));
+            self.kept.push((self.number, Vec::with_capacity(self.length)));
         }
-        if let Some((_, run)) = self.runs.last_mut().filter(|(number, _)| *number == self.number) {
+        if let Some((_, run)) = self.kept.last_mut().filter(|(number, _)| *number == self.number) {
             run.push(make());
         }
     }
 
     /// The runs with at least so many messages.
     pub(super) fn finish(self, least: usize) -> Vec<Vec<T>> {
-        let runs = self.runs.into_iter().map(|(_, run)| run);
+        let runs = self.kept.into_iter().map(|(_, run)| run);
         runs.filter(|run| run.len() >= least).collect()
     }
 }

@@ -255,12 +255,13 @@ impl Plan<'_> {
                 return self.want(Item::Detected(slot));
             }
         }
-        if field.count == Count::Sequence && self.members < MAX_MEMBERS {
-            if let Some(list) = self.schema.detections(field) {
-                self.members += 1;
-                let path = format!("{prefix}{}", field.name);
-                return self.want(Item::Detections(path.into(), Arc::new(list)));
-            }
+        if field.count == Count::Sequence
+            && self.members < MAX_MEMBERS
+            && let Some(list) = self.schema.detections(field)
+        {
+            self.members += 1;
+            let path = format!("{prefix}{}", field.name);
+            return self.want(Item::Detections(path.into(), Arc::new(list)));
         }
         let inner = match field.kind {
             Kind::Nested(index) if field.count == Count::One && self.members < MAX_MEMBERS => {

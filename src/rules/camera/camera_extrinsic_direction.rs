@@ -15,9 +15,9 @@ pub struct CameraExtrinsicDirection;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
-    max_off_m: f64,
-    max_off_deg: f64,
-    max_away_m: f64,
+    off_m: f64,
+    off_deg: f64,
+    away_m: f64,
 }
 
 /// What a name in a file can stand for.
@@ -80,7 +80,7 @@ fn sides(world: &World, claim: &Claim) -> Option<(FrameId, FrameId)> {
     let stem = file.split('.').next().unwrap_or_default();
     let tokens = [FrameId::new(&claim.label).tokens(), FrameId::new(stem).tokens()].concat();
     let of = |wanted: Kind| {
-        let mut known = tokens.iter().map(|token| FrameId::new(token));
+        let mut known = tokens.iter().map(FrameId::new);
         known.find(|name| Kind::of(name) == Some(wanted))
     };
     let camera = of(Kind::Camera)?;
@@ -158,12 +158,12 @@ fn judge_claim(
         (off_m, reading.rotation.angle_to(&known.rotation).to_degrees())
     };
     let (as_read, inverse) = (off(told), off(&told.inverse()));
-    let fits = |(off_m, off_deg): (f64, f64)| off_m <= limits.max_off_m && off_deg <= limits.max_off_deg;
+    let fits = |(off_m, off_deg): (f64, f64)| off_m <= limits.off_m && off_deg <= limits.off_deg;
     let measured = [
-        Measured::new("off as it is read", as_read.0, "m").limit(limits.max_off_m),
-        Measured::new("rotation off as it is read", as_read.1, "deg").limit(limits.max_off_deg),
-        Measured::new("off read the other way round", inverse.0, "m").limit(limits.max_off_m),
-        Measured::new("rotation off read the other way round", inverse.1, "deg").limit(limits.max_off_deg),
+        Measured::new("off as it is read", as_read.0, "m").limit(limits.off_m),
+        Measured::new("rotation off as it is read", as_read.1, "deg").limit(limits.off_deg),
+        Measured::new("off read the other way round", inverse.0, "m").limit(limits.off_m),
+        Measured::new("rotation off read the other way round", inverse.1, "deg").limit(limits.off_deg),
     ];
     let pair = format!("`{of_target}` from `{of_source}`");
     match (fits(as_read), fits(inverse)) {
@@ -175,7 +175,7 @@ fn judge_claim(
             out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
         }
         (false, false) => {
-            let far = if told.translation.vector.norm() > limits.max_away_m {
+            let far = if told.translation.vector.norm() > limits.away_m {
                 ", and it is off the vehicle"
             } else {
                 ""

@@ -2,6 +2,7 @@
 
 use std::f64::consts::{PI, TAU};
 
+use crate::math::stats::quantile;
 use crate::rules::lidar::Clouds;
 use crate::rules::names;
 use crate::verdict::Measured;
@@ -93,7 +94,7 @@ pub(super) fn against(
             "the clouds on `{topic}` are told in the base: their elevations are not the sensor's"
         ));
     }
-    let mut elevations: Vec<f64> = clouds
+    let elevations: Vec<f64> = clouds
         .evidence
         .samples
         .iter()
@@ -110,13 +111,7 @@ pub(super) fn against(
             limits.min_points
         ));
     }
-    elevations.sort_by(f64::total_cmp);
-    let at = |share: f64| {
-        elevations
-            .get((share * (elevations.len() - 1) as f64) as usize)
-            .copied()
-            .unwrap_or(f64::NAN)
-    };
+    let at = |share| quantile(&elevations, share).unwrap_or(f64::NAN);
     let (low, high) = (at(limits.quantile), at(1.0 - limits.quantile));
     let mut measured = vec![
         Measured::new("elevation, nearly all above", low, "deg").samples(elevations.len() as u64),
@@ -206,7 +201,7 @@ fn size(clouds: &Clouds, image: &RangeImage, measured: &mut Vec<Measured>) -> Op
     let [rows, columns] = sample.size;
     measured.push(Measured::new("rows of the cloud", f64::from(rows), "count"));
     measured.push(Measured::new("columns of the cloud", f64::from(columns), "count"));
-    let multiple = |a: u32, b: u32| a.max(b) % a.min(b).max(1) == 0;
+    let multiple = |a: u32, b: u32| a.max(b).is_multiple_of(a.min(b).max(1));
     let topic = &clouds.topic.topic;
     let told = [("rows", image.height, rows), ("columns", image.width, columns)];
     told.into_iter().find_map(|(what, declared, seen)| {

@@ -119,7 +119,7 @@ pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Se
     }
     // Straight on every lever arm is as good: those count that turn, or else those that turn the most.
     sure.sort_by(|a, b| b.size().1.total_cmp(&a.size().1));
-    let turned = sure.iter().filter(|pair| is_turned(*pair)).count();
+    let turned = sure.iter().filter(|pair| is_turned(pair)).count();
     sure.truncate(turned.max(limits.min_pairs));
     let residual = |mounting: &Isometry3<f64>| {
         let all: Vec<f64> = sure.iter().map(|pair| pair.residual_m(mounting)).collect();
