@@ -6,7 +6,9 @@ mod support;
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::available_parallelism;
 
 use frames_lint::page::{self, Block, Front};
 use frames_lint::rules::RULES;
@@ -231,31 +233,62 @@ fn check_not_evaluated(front: &Front, case: &Case<'_>, faults: &mut Vec<String>)
     }
 }
 
+/// The pages of the folder: what is built in is taken from there.
+fn pages() -> Vec<String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("rules");
+    let families = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut files: Vec<PathBuf> = families
+        .filter(|path| path.is_dir())
+        .flat_map(|family| fs::read_dir(family).unwrap().map(|entry| entry.unwrap().path()))
+        .filter(|path| path.extension().is_some_and(|extension| extension == "md"))
+        .collect();
+    files.sort();
+    files.iter().map(|file| fs::read_to_string(file).unwrap()).collect()
+}
+
+fn check_page(page: &str, front: &Front, faults: &mut Vec<String>) {
+    let (_, body) = page::split(page).unwrap();
+    for section in page::sections(body) {
+        let check = match section.title {
+            "Bad" => check_bad,
+            "Good" => check_good,
+            "Not evaluated" => check_not_evaluated,
+            _ => continue,
+        };
+        let cases = cases(&section);
+        if cases.is_empty() {
+            faults.push(format!("{}: section {} has no case", front.code, section.title));
+        }
+        for case in &cases {
+            check(front, case, faults);
+        }
+    }
+}
+
 #[test]
 fn every_page_gives_what_it_says() {
     let only = std::env::var("ONLY").unwrap_or_default();
-    let mut faults = Vec::new();
-    for entry in RULES {
-        let front = Front::parse(entry.page).unwrap();
-        if !only.is_empty() && !only.split(',').any(|code| front.code.starts_with(code)) {
-            continue;
+    let pages = pages();
+    assert_eq!(pages.len(), RULES.len());
+    let asked: Vec<(&String, Front)> = pages
+        .iter()
+        .map(|page| (page, Front::parse(page).unwrap()))
+        .filter(|(_, front)| only.is_empty() || only.split(',').any(|code| front.code.starts_with(code)))
+        .collect();
+    let next = AtomicUsize::new(0);
+    let work = || {
+        let mut faults = Vec::new();
+        while let Some((page, front)) = asked.get(next.fetch_add(1, Ordering::Relaxed)) {
+            check_page(page, front, &mut faults);
         }
-        let (_, body) = page::split(entry.page).unwrap();
-        for section in page::sections(body) {
-            let check = match section.title {
-                "Bad" => check_bad,
-                "Good" => check_good,
-                "Not evaluated" => check_not_evaluated,
-                _ => continue,
-            };
-            let cases = cases(&section);
-            if cases.is_empty() {
-                faults.push(format!("{}: section {} has no case", front.code, section.title));
-            }
-            for case in &cases {
-                check(&front, case, &mut faults);
-            }
-        }
-    }
+        faults
+    };
+    let mut faults: Vec<String> = std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..available_parallelism().map_or(1, usize::from))
+            .map(|_| scope.spawn(work))
+            .collect();
+        workers.into_iter().flat_map(|worker| worker.join().unwrap()).collect()
+    });
+    faults.sort();
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }

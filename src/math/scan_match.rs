@@ -33,7 +33,7 @@ const UNKNOWN: f64 = 1e-6;
 const OVERLAP: f64 = 0.4;
 
 /// A scan that others are matched to.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub struct Scan {
     points: Vec<Vector2<f64>>,
     lines: RTree<GeomWithData<[f64; 2], Line>>,

@@ -6,7 +6,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use crate::rules::lidar::Clouds;
 use crate::rules::motion::{Motion, Stream, Turned};
-use crate::rules::scan_motion::{Moved, ScanMotion, Steps, in_space};
+use crate::rules::scan_motion::{Moment, Moved, ScanMotion, Steps, in_space};
 use crate::rules::time::point_time_sweep::sweeps_the_other_way;
 use crate::source::Place;
 use crate::verdict::NotEvaluated;
@@ -15,6 +15,10 @@ use crate::world::{FrameId, World};
 
 /// Longest step between two poses, seconds.
 const MAX_STEP_S: f64 = 0.6;
+
+/// How much later or earlier than its stamp a scan may show the platform: so many steps, and their length in seconds. A turn at 10 Hz is 0.1.
+const MAX_LATE: i32 = 15;
+const LATE_STEP_S: f64 = 0.01;
 
 /// Words of topics with poses that are worked out of scans: those agree with any mounting, for they were told by it.
 const BY_SCANS: [&str; 19] = [
@@ -202,8 +206,9 @@ pub(crate) fn is_by_scans(poses: &Stream<PoseRow>) -> bool {
 fn pairs(moved: &[Moved], poses: &Stream<PoseRow>) -> Vec<Pair> {
     let (turned, track) = (Turned::of(poses), poses.track());
     let at = |t_s: f64| pose_at(&turned, &track.at(t_s)?, t_s);
+    let late_s = late_s(moved, poses, &turned);
     let pair = |moved: &Moved| {
-        let times = [moved.from, moved.to].map(|moment| moment.on(poses.stamp_offset_s));
+        let times = [moved.from, moved.to].map(|moment| moment.on(poses.stamp_offset_s) + late_s);
         let [Some(from), Some(to)] = times.map(at) else {
             return None;
         };
@@ -215,6 +220,26 @@ fn pairs(moved: &[Moved], poses: &Stream<PoseRow>) -> Vec<Pair> {
         })
     };
     moved.iter().filter_map(pair).collect()
+}
+
+/// How much later than its stamp the platform was where a scan shows it, seconds: where both turn most alike. A stamp is that of the first
+/// point or of the last, and what a scan shows is the middle. Zero where nothing turns.
+fn late_s(moved: &[Moved], poses: &Stream<PoseRow>, turned: &Turned) -> f64 {
+    let orientation = |moment: &Moment, late_s: f64| turned.at(moment.on(poses.stamp_offset_s) + late_s, MAX_STEP_S);
+    // Which way is up is not asked here: angles alone are compared.
+    let left = |late_s: f64| {
+        let squares = moved.iter().filter_map(|moved| {
+            let body = orientation(&moved.from, late_s)?.inverse() * orientation(&moved.to, late_s)?;
+            Some((body.angle() - moved.turned_rad().abs()).powi(2))
+        });
+        let (count, sum) = squares.fold((0, 0.0), |(count, sum), square| (count + 1, sum + square));
+        (count > 0).then(|| sum / f64::from(count))
+    };
+    let tried = (-MAX_LATE..=MAX_LATE).map(|steps| f64::from(steps) * LATE_STEP_S);
+    let found = tried.filter_map(|late_s| Some((late_s, left(late_s)?)));
+    found
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map_or(0.0, |(late_s, _)| late_s)
 }
 
 pub(crate) fn pose_at(turned: &Turned, place: &Vector3<f64>, t_s: f64) -> Option<Isometry3<f64>> {

@@ -6,9 +6,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use nalgebra::{Isometry2, Vector2, Vector3};
+use nalgebra::{Isometry2, Vector3};
 
-use crate::math::scan_match::{Matched, Scan, matched};
 use crate::math::stats::median;
 use crate::rules::axes::up_axis_flip::UpAxisFlip;
 use crate::rules::ground::{Planes, SIDES};
@@ -18,6 +17,10 @@ use crate::rules::motion::{Motion, mount};
 use crate::world::World;
 use crate::world::cloud::CloudSlice;
 
+use self::run::{Matching, Raw, Seen};
+
+mod run;
+
 /// Points lower than this over the ground are left out, metres: the rings of beams on it move with the sensor.
 const CLEAR_M: f64 = 0.3;
 /// Cosine of the tilt up to which a planar scanner is level: 5 degrees.
@@ -26,8 +29,10 @@ const LEVEL: f64 = 0.996;
 const NO_GROUND: &str = "no ground shows that the plane of its x and y is level";
 /// Stamps of one clock differ from log times by less than this, seconds.
 const SAME_CLOCK_S: f64 = 1.0;
-/// Where a first scan may have come from, metres in x and y.
-const GUESSES: [[f64; 2]; 5] = [[0.0, 0.0], [0.8, 0.0], [-0.8, 0.0], [0.0, 0.8], [0.0, -0.8]];
+
+/// How long a cloud takes at most, and at least, of the time to the next one.
+const LONGEST: f64 = 1.1;
+const SHORTEST: f64 = 0.02;
 
 /// When a cloud was made, seconds after the recording's start.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,6 +48,14 @@ impl Moment {
         Self {
             stamp_s: stamp_ns.map(seconds),
             log_s: seconds(log_ns),
+        }
+    }
+
+    /// How long after another, seconds: by stamps, where both have them.
+    fn since(&self, earlier: &Self) -> f64 {
+        match (self.stamp_s, earlier.stamp_s) {
+            (Some(to), Some(from)) => to - from,
+            _ => self.log_s - earlier.log_s,
         }
     }
 
@@ -80,14 +93,9 @@ impl Moved {
         self.motion.rotation.angle()
     }
 
-    fn then(&self, next: &Self) -> Self {
-        let [a, b] = [self.sigma, next.sigma];
-        Self {
-            from: self.from,
-            to: next.to,
-            motion: self.motion * next.motion,
-            sigma: [a[0].hypot(b[0]), a[1].hypot(b[1]).hypot(a[0] * next.way_m())],
-        }
+    /// How long it took, seconds.
+    pub(crate) fn lasted_s(&self) -> f64 {
+        self.to.since(&self.from)
     }
 }
 
@@ -99,13 +107,13 @@ pub(crate) struct Steps {
     pub(crate) is_up: Option<bool>,
     /// Why that is not known.
     pub(crate) why: &'static str,
-    runs: Vec<Vec<Moved>>,
+    runs: Vec<Vec<Seen>>,
 }
 
 impl Steps {
     /// How many steps were matched.
     pub(crate) fn count(&self) -> usize {
-        self.runs.iter().map(Vec::len).sum()
+        self.runs.iter().map(|run| run.len() - 1).sum()
     }
 
     /// Steps that follow each other put together until they are enough, one after the other.
@@ -121,15 +129,18 @@ impl Steps {
     fn put_together(&self, is_enough: impl Fn(&Moved) -> bool, keeps_rest: bool) -> Vec<Moved> {
         let mut chained = Vec::new();
         for run in &self.runs {
-            let mut open: Option<Moved> = None;
-            for step in run {
-                let moved = open.map_or(*step, |open| open.then(step));
-                open = if is_enough(&moved) {
+            let Some((mut from, rest)) = run.split_first() else {
+                continue;
+            };
+            let mut open = None;
+            for seen in rest {
+                let moved = from.moved_to(seen);
+                if is_enough(&moved) {
                     chained.push(moved);
-                    None
+                    (from, open) = (seen, None);
                 } else {
-                    Some(moved)
-                };
+                    open = Some(moved);
+                }
             }
             chained.extend(open.filter(|_| keeps_rest));
         }
@@ -222,48 +233,47 @@ fn level(world: &World, clouds: &Clouds) -> Result<bool, &'static str> {
     Ok(up > 0.0)
 }
 
-/// The steps of each run, of the points that count.
-fn runs(clouds: &Clouds, is_clear: impl Fn(f64) -> bool) -> Vec<Vec<Moved>> {
-    let scan = |slice: &CloudSlice| {
-        let points = slice.points.iter().filter(|point| is_clear(point[2]));
-        Scan::new(points.map(|[x, y, _]| Vector2::new(*x, *y)))
-    };
+/// The clouds of each run, of the points that count, as far as they were matched.
+fn runs(clouds: &Clouds, is_clear: impl Fn(f64) -> bool) -> Vec<Vec<Seen>> {
     let start_ns = clouds.bag.start_ns.unwrap_or_default();
+    let moment = |slice: &CloudSlice| Moment::new(slice.stamp_ns, slice.log_ns, start_ns);
+    let second = unit_of_times(&clouds.evidence.runs, moment);
     let mut runs = Vec::new();
     for run in &clouds.evidence.runs {
-        let scans: Vec<(Moment, Scan)> = run
-            .iter()
-            .map(|slice| (Moment::new(slice.stamp_ns, slice.log_ns, start_ns), scan(slice)))
-            .collect();
-        let mut steps: Vec<Moved> = Vec::new();
-        for pair in scans.windows(2) {
-            let [(from, target), (to, source)] = pair else { continue };
-            let known = steps.last().filter(|last| last.to == *from).map(|last| last.motion);
-            let Some(found) = step(target, source, known) else {
-                runs.push(std::mem::take(&mut steps));
-                continue;
-            };
-            steps.push(Moved {
-                from: *from,
-                to: *to,
-                motion: found.motion,
-                sigma: [found.sigma_rad, found.sigma_m],
-            });
+        let mut raw = run.iter().map(|slice| Raw::of(moment(slice), slice, second, &is_clear));
+        let Some(first) = raw.next() else { continue };
+        let mut matching = Matching::of(first);
+        for raw in raw {
+            if let Some(whole) = matching.take_in(raw) {
+                runs.push(whole);
+            }
         }
-        runs.push(steps);
+        runs.push(matching.seen);
     }
-    runs.retain(|run| !run.is_empty());
+    runs.retain(|run| run.len() > 1);
     runs
 }
 
-/// One step: about as the last one, else from the best of several guesses.
-fn step(target: &Scan, source: &Scan, known: Option<Isometry2<f64>>) -> Option<Matched> {
-    if let Some(known) = known {
-        return matched(target, source, &known);
-    }
-    let tried = GUESSES.map(|[x, y]| matched(target, source, &Isometry2::new(Vector2::new(x, y), 0.0)));
-    let of = |found: &Matched| found.overlap / (found.residual_m + 0.01);
-    tried.into_iter().flatten().max_by(|a, b| of(a).total_cmp(&of(b)))
+/// How long one unit of the times of points is, seconds: a cloud takes no longer than it is to the next one. `None` where they do not
+/// tell.
+fn unit_of_times(runs: &[Vec<CloudSlice>], moment: impl Fn(&CloudSlice) -> Moment) -> Option<f64> {
+    let neighbours = runs.iter().flat_map(|run| run.windows(2));
+    let apart_s: Vec<f64> = neighbours
+        .filter_map(|pair| {
+            let [from, to] = pair else { return None };
+            Some(moment(to).since(&moment(from)))
+        })
+        .collect();
+    let slices = runs.iter().flatten();
+    let spans: Vec<f64> = slices
+        .filter_map(|slice| slice.after.iter().copied().reduce(f64::max))
+        .collect();
+    let (apart_s, span) = (median(&apart_s)?, median(&spans)?);
+    let seconds = [1.0, 1e-3, 1e-6, 1e-9].map(|unit| (unit, span * unit));
+    let longest = seconds.into_iter().find(|(_, lasts_s)| *lasts_s <= LONGEST * apart_s);
+    longest
+        .filter(|(_, lasts_s)| *lasts_s >= SHORTEST * apart_s)
+        .map(|(unit, _)| unit)
 }
 
 /// A motion in the plane of the cloud as one in its three axes.

@@ -63,6 +63,8 @@ pub struct CloudSlice {
     pub log_ns: i64,
     /// x, y, z as published, counter-clockwise from -x: finite.
     pub points: Vec<[f64; 3]>,
+    /// The time of each after the earliest of them, in the unit that is published: finite. Empty where points have no times.
+    pub after: Vec<f64>,
 }
 
 /// Directions of a slice.
@@ -72,7 +74,7 @@ pub const SLICE_SLOPE: f64 = 0.0699;
 /// Clouds of a run.
 pub const RUN_CLOUDS: usize = 16;
 /// Runs of one topic that are kept.
-pub const MAX_RUNS: usize = 15;
+pub const MAX_RUNS: usize = 24;
 
 /// A point with a return.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

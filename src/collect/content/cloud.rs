@@ -90,7 +90,7 @@ impl Clouds {
             self.cut += 1;
             self.first_cut.get_or_insert(point);
         }
-        self.slices.push(point, cloud);
+        self.slices.push(point, cloud, &self.time_fields);
         let [most, points] = self.share.clouds;
         if !index.is_multiple_of(self.stride) {
             return;
@@ -211,11 +211,16 @@ fn prime(from: u32) -> u32 {
     (from..=u32::MAX).find(is_prime).unwrap_or(from)
 }
 
+/// The field that holds the times of the points.
+pub(super) fn time_of<'f>(cloud: &Cloud<'_>, time_fields: &'f [String]) -> Option<(&'f str, Column)> {
+    let mut names = time_fields.iter().map(String::as_str).chain(TIMES.iter().copied());
+    names.find_map(|name| Some((name, cloud.column(name)?)))
+}
+
 /// What is kept of a cloud; `None` where its points have no coordinates.
 fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<Sampled> {
     let axes: [Column; 3] = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
-    let mut names = time_fields.iter().map(String::as_str).chain(TIMES.iter().copied());
-    let time = names.find_map(|name| Some((name, cloud.column(name)?)));
+    let time = time_of(cloud, time_fields);
     let (row_step, column_step) = strides(cloud, most);
     let (mut points, mut times) = (Vec::new(), Vec::new());
     let (mut looked_at, mut farthest) = (0, 0.0_f64);

@@ -62,10 +62,14 @@ impl Lasers {
             return;
         }
         self.last_ns = Some(point.log_ns);
-        self.runs.push(|| CloudSlice {
-            stamp_ns: point.stamp_ns.filter(|stamp| *stamp != 0),
-            log_ns: point.log_ns,
-            points: projected(scan),
+        self.runs.push(|| {
+            let (points, after) = projected(scan);
+            CloudSlice {
+                stamp_ns: point.stamp_ns.filter(|stamp| *stamp != 0),
+                log_ns: point.log_ns,
+                points,
+                after,
+            }
         });
     }
 
@@ -93,22 +97,24 @@ fn counts(scan: &LaserScan, range: f64) -> bool {
 }
 
 /// The points of a scan in the axes of its frame, evenly thinned, ray by ray; none where its plane is not that of x and y, or an
-/// angle is no number.
-fn projected(scan: &LaserScan) -> Vec<[f64; 3]> {
+/// angle is no number. And their times after the scan's first, seconds; none where the scan does not tell them.
+fn projected(scan: &LaserScan) -> (Vec<[f64; 3]>, Vec<f64>) {
     let Some((turn, shift)) = scan.pose.as_ref().map_or(Some(identity()), placed) else {
-        return Vec::new();
+        return (Vec::new(), Vec::new());
     };
     let [start, _, increment] = scan.angles;
     let every = scan.ranges.len().div_ceil(SLICE_BINS as usize).max(1);
     let rays = scan.ranges.iter().enumerate().step_by(every);
     let points = rays.filter(|(_, range)| counts(scan, **range)).map(|(ray, range)| {
         let angle = start + increment * ray as f64;
-        turn * Vector3::new(range * angle.cos(), range * angle.sin(), 0.0) + shift
+        let point = turn * Vector3::new(range * angle.cos(), range * angle.sin(), 0.0) + shift;
+        (point.into(), scan.time_increment * ray as f64)
     });
-    points
-        .filter(|point| point.iter().all(|value| value.is_finite()))
-        .map(Into::into)
-        .collect()
+    let (points, after): (Vec<[f64; 3]>, Vec<f64>) = points
+        .filter(|(point, _): &([f64; 3], f64)| point.iter().all(|value| value.is_finite()))
+        .unzip();
+    let is_told = scan.time_increment > 0.0 && after.iter().all(|after| after.is_finite());
+    (points, if is_told { after } else { Vec::new() })
 }
 
 fn identity() -> (UnitQuaternion<f64>, Vector3<f64>) {
@@ -157,12 +163,12 @@ mod tests {
     #[test]
     fn ranges_that_are_none_make_no_points() {
         let odd = [f64::NAN, f64::INFINITY, -1.0, 0.0, 0.05, 31.0];
-        assert!(projected(&scan(&odd, None)).is_empty());
+        assert!(projected(&scan(&odd, None)).0.is_empty());
         let free = LaserScan {
             range: [f64::NAN; 2],
             ..scan(&[31.0, 0.05], None)
         };
-        let points = projected(&free);
+        let points = projected(&free).0;
         assert!(
             (points[0][0] - 31.0).abs() < 1e-12 && (points[1][1] - 0.05).abs() < 1e-12,
             "{points:?}"
@@ -171,20 +177,24 @@ mod tests {
             angles: [f64::NAN, 1.0, f64::INFINITY],
             ..scan(&[2.0; 3], None)
         };
-        assert!(projected(&wild).is_empty());
+        assert!(projected(&wild).0.is_empty());
     }
 
     #[test]
     fn the_pose_of_the_plane_is_taken_in_where_it_is_level() {
-        let points = projected(&scan(&[2.0, 3.0], Some(pose([1.0, 0.0, 0.0, 0.0]))));
+        let points = projected(&scan(&[2.0, 3.0], Some(pose([1.0, 0.0, 0.0, 0.0])))).0;
         assert!(
             (points[1][1] + 3.0).abs() < 1e-12 && (points[0][2] - 1.0).abs() < 1e-12,
             "{points:?}"
         );
-        assert_eq!(projected(&scan(&[2.0, 3.0], Some(pose([0.0; 4])))).len(), 2);
+        assert_eq!(projected(&scan(&[2.0, 3.0], Some(pose([0.0; 4])))).0.len(), 2);
         let half = FRAC_PI_2 / 2.0;
-        assert!(projected(&scan(&[2.0], Some(pose([half.sin(), 0.0, 0.0, half.cos()])))).is_empty());
-        assert!(projected(&scan(&[2.0], Some(pose([f64::NAN; 4])))).is_empty());
+        assert!(
+            projected(&scan(&[2.0], Some(pose([half.sin(), 0.0, 0.0, half.cos()]))))
+                .0
+                .is_empty()
+        );
+        assert!(projected(&scan(&[2.0], Some(pose([f64::NAN; 4])))).0.is_empty());
     }
 
     #[test]
@@ -193,7 +203,7 @@ mod tests {
             angles: [0.0, 1.0, 1e-4],
             ..scan(&vec![2.0; 10_000], None)
         };
-        let points = projected(&many);
+        let points = projected(&many).0;
         assert!((600..=SLICE_BINS as usize).contains(&points.len()), "{}", points.len());
     }
 }

@@ -6,6 +6,7 @@ use crate::read::messages::cloud::{Cloud, Column};
 use crate::world::cloud::{CloudSlice, RUN_CLOUDS, SLICE_BINS, SLICE_SLOPE};
 
 use super::super::point::Point;
+use super::cloud::time_of;
 use super::runs::Runs;
 
 /// Takes in clouds in recording order.
@@ -21,11 +22,15 @@ impl Slices {
         self.0.seam();
     }
 
-    pub(super) fn push(&mut self, point: Point, cloud: &Cloud<'_>) {
-        self.0.push(|| CloudSlice {
-            stamp_ns: point.stamp_ns.filter(|stamp| *stamp != 0),
-            log_ns: point.log_ns,
-            points: slice(cloud).unwrap_or_default(),
+    pub(super) fn push(&mut self, point: Point, cloud: &Cloud<'_>, time_fields: &[String]) {
+        self.0.push(|| {
+            let (points, times) = slice(cloud, time_fields).unwrap_or_default();
+            CloudSlice {
+                stamp_ns: point.stamp_ns.filter(|stamp| *stamp != 0),
+                log_ns: point.log_ns,
+                points,
+                after: after(times),
+            }
         });
     }
 
@@ -34,11 +39,16 @@ impl Slices {
     }
 }
 
-/// The nearest points of a cloud in each direction; `None` where its points have no coordinates.
-fn slice(cloud: &Cloud<'_>) -> Option<Vec<[f64; 3]>> {
+/// A point near the plane: its distance squared, its coordinates, and its time as published.
+type Near = (f64, [f64; 3], f64);
+
+/// The nearest points of a cloud in each direction, and their times, not a number where they have none; `None` where its points have
+/// no coordinates.
+fn slice(cloud: &Cloud<'_>, time_fields: &[String]) -> Option<(Vec<[f64; 3]>, Vec<f64>)> {
     let axes: [Column; 3] = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
+    let time = time_of(cloud, time_fields).map(|(_, column)| column);
     // Those beneath, and those above.
-    let mut nearest = vec![[None::<(f64, [f64; 3])>; 2]; SLICE_BINS as usize];
+    let mut nearest = vec![[None::<Near>; 2]; SLICE_BINS as usize];
     for row in 0..cloud.rows() {
         for column in 0..cloud.width {
             let Some(bytes) = cloud.point(row, column) else { break };
@@ -54,13 +64,24 @@ fn slice(cloud: &Cloud<'_>) -> Option<Vec<[f64; 3]>> {
             let bin = nearest
                 .get_mut(bin(x, y))
                 .and_then(|bin| bin.get_mut(usize::from(z >= 0.0)));
-            if let Some(kept) = bin.filter(|kept| kept.is_none_or(|(least, _)| flat < least)) {
-                *kept = Some((flat, [x, y, z]));
+            if let Some(kept) = bin.filter(|kept| kept.is_none_or(|(least, ..)| flat < least)) {
+                let time = time.and_then(|time| time.of(bytes));
+                *kept = Some((flat, [x, y, z], time.unwrap_or(f64::NAN)));
             }
         }
     }
     let kept = nearest.iter().flat_map(|bin| bin.iter().flatten());
-    Some(kept.map(|(_, point)| *point).collect())
+    Some(kept.map(|(_, point, time)| (*point, *time)).unzip())
+}
+
+/// Times after the earliest; none where one is no number, or all are the same.
+fn after(mut times: Vec<f64>) -> Vec<f64> {
+    let first = times.iter().copied().fold(f64::INFINITY, f64::min);
+    for time in &mut times {
+        *time -= first;
+    }
+    let is_clear = times.iter().all(|time| time.is_finite()) && times.iter().any(|time| *time > 0.0);
+    if is_clear { times } else { Vec::new() }
 }
 
 /// The direction of a point.
@@ -121,7 +142,8 @@ mod tests {
             [0.0, -4.0, 0.0],
         ];
         let data = bytes(&points);
-        let kept = slice(&cloud(&data, 8)).unwrap();
+        let (kept, times) = slice(&cloud(&data, 8), &[]).unwrap();
+        assert!(after(times).is_empty());
         let near = |a: f64, b: f64| (a - b).abs() < 1e-6;
         assert_eq!(kept.len(), 3);
         assert!(
@@ -131,12 +153,20 @@ mod tests {
     }
 
     #[test]
+    fn times_count_from_the_earliest() {
+        assert_eq!(format!("{:?}", after(vec![5.5, 5.0, 6.0])), "[0.5, 0.0, 1.0]");
+        assert!(after(vec![5.0, f64::NAN]).is_empty());
+        assert!(after(vec![5.0, 5.0]).is_empty());
+        assert!(after(Vec::new()).is_empty());
+    }
+
+    #[test]
     fn runs_follow_each_other_and_are_thinned_evenly() {
         let data = bytes(&[[3.0, 0.0, 0.0]]);
         let cloud = cloud(&data, 1);
         let mut slices = Slices::new(4);
         for index in 0..100 {
-            slices.push(at(index), &cloud);
+            slices.push(at(index), &cloud, &[]);
         }
         let runs = slices.finish();
         assert!((2..=4).contains(&runs.len()), "{}", runs.len());
@@ -155,7 +185,7 @@ mod tests {
             if index == 50 {
                 slices.seam();
             }
-            slices.push(at(index), &cloud);
+            slices.push(at(index), &cloud, &[]);
         }
         let lengths: Vec<usize> = slices.finish().iter().map(Vec::len).collect();
         assert_eq!(lengths, [3, 3]);

@@ -20,6 +20,7 @@ pub struct ExtrinsicDirection;
 pub struct Limits {
     min_way_m: f64,
     min_turn_deg: f64,
+    long_s: f64,
     min_pairs: usize,
     max_sigma_m: f64,
     min_apart_m: f64,
@@ -89,7 +90,7 @@ impl Rule for ExtrinsicDirection {
 pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Seen, (NotEvaluated, String)> {
     let turned_deg = |moved: &Moved| moved.turned_rad().abs().to_degrees();
     let known = HandEye::of(world, clouds, |steps| {
-        steps.chained_to_the_end(|moved| turned_deg(moved) >= limits.min_turn_deg)
+        steps.chained_to_the_end(|moved| turned_deg(moved) >= limits.min_turn_deg || moved.lasted_s() >= limits.long_s)
     })?;
     let inverse = known.told.inverse();
     let apart = known.told.inv_mul(&inverse);
@@ -199,7 +200,10 @@ fn judge_seen(clouds: &Clouds, seen: &Seen, limits: &Limits, out: &mut Judge) {
         }
         None => {
             let why = format!(
-                "the motions are brought together to {told:.2} m by `{name}` and to {inverse:.2} m by its inverse: that does not tell them apart"
+                "the motions are brought together to {told:.2} m by `{name}`, to {inverse:.2} m by its inverse, and to {:.2} and {:.2} m by both with \
+                 half a turn: that does not tell them apart",
+                seen.of(Reading::Turned),
+                seen.of(Reading::InverseTurned)
             );
             out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
         }

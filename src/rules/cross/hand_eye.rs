@@ -17,8 +17,8 @@ pub struct HandEyeCalibration;
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
-    min_way_m: f64,
-    min_turn_deg: f64,
+    long_deg: f64,
+    long_s: f64,
     max_sigma_m: f64,
     min_turned_deg: f64,
     max_yaw_deg: f64,
@@ -40,8 +40,8 @@ impl Rule for HandEyeCalibration {
         Clouds::say_packets(world, "mounting", out);
         for clouds in Clouds::scanners(world) {
             let known = HandEye::of(world, &clouds, |steps| {
-                steps.chained(|moved| {
-                    moved.way_m() >= limits.min_way_m || moved.turned_rad().abs().to_degrees() >= limits.min_turn_deg
+                steps.chained_to_the_end(|moved| {
+                    moved.turned_rad().abs().to_degrees() >= limits.long_deg || moved.lasted_s() >= limits.long_s
                 })
             });
             match known.and_then(|known| Ok((solved(&known, limits)?, known))) {
@@ -75,12 +75,6 @@ fn solved(known: &HandEye, limits: &Limits) -> Result<Mounted, (NotEvaluated, St
         .collect();
     let found =
         mounted(&flat).ok_or_else(|| little(format!("{} pairs of scans do not determine where it is", flat.len())))?;
-    if (found.scale - 1.0).abs() > limits.max_scale {
-        return Err(little(format!(
-            "{} goes {:.2} m for a metre of the scans: one of them is no measure for the other",
-            known.poses.0, found.scale
-        )));
-    }
     let [yaw, x, y] = found.sigma;
     if yaw.to_degrees() > limits.sure_yaw_deg || x.hypot(y) > limits.sure_place_m {
         return Err(little(format!(
@@ -89,6 +83,12 @@ fn solved(known: &HandEye, limits: &Limits) -> Result<Mounted, (NotEvaluated, St
             x.hypot(y),
             limits.sure_yaw_deg,
             limits.sure_place_m
+        )));
+    }
+    if (found.scale - 1.0).abs() > limits.max_scale {
+        return Err(little(format!(
+            "{} goes {:.2} m for a metre of the scans: one of them is no measure for the other",
+            known.poses.0, found.scale
         )));
     }
     Ok(found)
@@ -128,9 +128,9 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Lim
     let turned = yaw_deg.abs() > limits.max_yaw_deg.max(limits.sigmas * sigma_deg);
     let moved = off.norm() > limits.max_place_m.max(limits.sigmas * sigma_m);
     if !turned && !moved {
-        let unsure = limits.sigmas * sigma_deg > limits.max_yaw_deg || limits.sigmas * sigma_m > limits.max_place_m;
+        let is_sure = |sigmas: f64| sigmas * sigma_deg <= limits.max_yaw_deg && sigmas * sigma_m <= limits.max_place_m;
         let is_within = yaw_deg.abs() <= limits.max_yaw_deg && off.norm() <= limits.max_place_m;
-        if is_within || !unsure {
+        if is_within && is_sure(1.0) || is_sure(limits.sigmas) {
             return out.pass(subject, measured);
         }
         let why = format!(
