@@ -211,7 +211,7 @@ mod tests {
         );
         assert!(fault("projections:\n  - grid: {affine: [1, 2]}\n").contains("a list of 6 numbers"));
         assert!(
-            fault("projections:\n  - range_image: {width: -4}\n").contains("c.yaml:2:27: `width` is a whole number")
+            fault("projections:\n  - range_image: {width: -4}\n").contains("c.yaml:2:26: `width` is a whole number")
         );
         assert!(fault("projections:\n  - range_image: {fov: 3}\n").contains("unknown key `fov`"));
     }

@@ -8,12 +8,13 @@
     clippy::cast_possible_truncation
 )]
 
-mod support;
-
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::Duration;
 
+use crate::support;
+use crate::support::damage::cut;
+use crate::support::{bag, build, edge, names};
 use frames_lint::collect::{Collected, How, collect};
 use frames_lint::engine;
 use frames_lint::page::Front;
@@ -21,8 +22,6 @@ use frames_lint::read::bag::Sampling;
 use frames_lint::rules::RULES;
 use frames_lint::source::{Confidence, ReadStatus, Source, SourceId, SourceKind};
 use frames_lint::verdict::Severity;
-use support::damage::cut;
-use support::{bag, build, edge, names};
 
 /// Ten minutes; a description once, a rare topic, one that speaks late, static transforms at the start.
 const DRIVE: &str = "

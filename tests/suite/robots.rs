@@ -2,10 +2,9 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod support;
-
 use std::path::{Path, PathBuf};
 
+use crate::support;
 use frames_lint::run::{FailOn, Run};
 use frames_lint::source::ReadStatus;
 use frames_lint::verdict::Outcome;

@@ -2,11 +2,10 @@
 
 #![allow(clippy::unwrap_used)]
 
-mod support;
-
 use std::ffi::OsString;
 use std::path::Path;
 
+use crate::support;
 use frames_lint::cli::{Answer, Surroundings, run};
 use frames_lint::report::Style;
 

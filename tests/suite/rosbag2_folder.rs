@@ -2,17 +2,16 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic)]
 
-mod support;
-
 use std::fs;
 
+use crate::support;
+use crate::support::bag;
+use crate::support::reading::{collect_input, folder, found, messages};
+use crate::support::recipe::{DRIVE, MESSAGES};
+use crate::support::rosbag2::{Db3, Drive, Schema, Yaml, write_parts};
 use frames_lint::collect::Collected;
 use frames_lint::read::discover::discover;
 use frames_lint::source::{At, ReadStatus, Source, SourceKind};
-use support::bag;
-use support::reading::{collect_input, folder, found, messages};
-use support::recipe::{DRIVE, MESSAGES};
-use support::rosbag2::{Db3, Drive, Schema, Yaml, write_parts};
 
 #[test]
 fn a_folder_is_one_recording_however_it_is_named() {

@@ -3,11 +3,10 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic)]
 
-mod support;
-
 use std::fmt::Write as _;
 use std::fs;
 
+use crate::support;
 use frames_lint::math::relation::Relation;
 use frames_lint::run::Run;
 use frames_lint::source::{At, LineIndex};

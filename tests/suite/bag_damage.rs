@@ -2,15 +2,14 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::cast_possible_truncation)]
 
-mod support;
-
+use crate::support;
+use crate::support::bag;
+use crate::support::damage::{behind, cut, first_chunk, patched};
+use crate::support::encode::{Body, Endian, Header};
+use crate::support::raw::{Layout, RawChannel, in_memory};
+use crate::support::recipe::{DRIVE, MESSAGES};
 use frames_lint::source::ReadStatus;
 use frames_lint::world::bag::{BagEvidence, Share};
-use support::bag;
-use support::damage::{behind, cut, first_chunk, patched};
-use support::encode::{Body, Endian, Header};
-use support::raw::{Layout, RawChannel, in_memory};
-use support::recipe::{DRIVE, MESSAGES};
 
 /// The drive in small chunks, with these knobs.
 fn drive(knobs: &str) -> Vec<u8> {

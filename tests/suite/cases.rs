@@ -2,14 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::string_slice)]
 
-mod support;
-
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread::available_parallelism;
 
+use crate::support;
 use frames_lint::page::{self, Block, Front};
 use frames_lint::rules::RULES;
 use frames_lint::run::Run;
@@ -275,20 +272,12 @@ fn every_page_gives_what_it_says() {
         .map(|page| (page, Front::parse(page).unwrap()))
         .filter(|(_, front)| only.is_empty() || only.split(',').any(|code| front.code.starts_with(code)))
         .collect();
-    let next = AtomicUsize::new(0);
-    let work = || {
+    let found = support::in_parallel(&asked, |(page, front)| {
         let mut faults = Vec::new();
-        while let Some((page, front)) = asked.get(next.fetch_add(1, Ordering::Relaxed)) {
-            check_page(page, front, &mut faults);
-        }
+        check_page(page, front, &mut faults);
         faults
-    };
-    let mut faults: Vec<String> = std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..available_parallelism().map_or(1, usize::from))
-            .map(|_| scope.spawn(work))
-            .collect();
-        workers.into_iter().flat_map(|worker| worker.join().unwrap()).collect()
     });
+    let mut faults = found.concat();
     faults.sort();
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }

@@ -2,15 +2,14 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::print_stderr)]
 
-mod support;
-
 use std::io::Write as _;
 
+use crate::support;
+use crate::support::bag;
+use crate::support::encode::{Body, Endian, Header, Transform};
+use crate::support::raw::{Layout, RawBag, RawChannel};
+use crate::support::rosbag1::{self, Rosbag1};
 use frames_lint::source::ReadStatus;
-use support::bag;
-use support::encode::{Body, Endian, Header, Transform};
-use support::raw::{Layout, RawBag, RawChannel};
-use support::rosbag1::{self, Rosbag1};
 
 /// Peak resident memory of this process since the last call, in MB, and 0 where the system does not say.
 fn peak_mb() -> u64 {
@@ -45,7 +44,7 @@ fn measure_under(limit_mb: u64, path: &std::path::Path, what: &str) -> ReadStatu
     source.status
 }
 
-/// Measures memory and speed on large files: `cargo test --test bag_large -- --ignored --nocapture`.
+/// Measures memory and speed on large files: `cargo test --test suite -- --ignored bag_large --nocapture`.
 #[test]
 #[ignore = "writes 1.5 GB"]
 fn large_files_take_little_memory() {

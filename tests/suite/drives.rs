@@ -9,15 +9,14 @@
     clippy::float_cmp
 )]
 
-mod support;
-
+use crate::support;
+use crate::support::drive::description::{Gnss, Grade, Motion, Vehicle, Wheels};
+use crate::support::drive::errors::{frd_from_flu, ned_from_enu, rotation, turn};
+use crate::support::drive::lidar::{Beams, Ray, Scanner};
+use crate::support::drive::nmea::Kind;
+use crate::support::drive::scene::Surroundings;
+use crate::support::drive::{Description, Drive, Error, Place, Stream};
 use nalgebra::{Isometry3, Matrix6, Rotation3, Translation3, UnitQuaternion, Vector3};
-use support::drive::description::{Gnss, Grade, Motion, Vehicle, Wheels};
-use support::drive::errors::{frd_from_flu, ned_from_enu, rotation, turn};
-use support::drive::lidar::{Beams, Ray, Scanner};
-use support::drive::nmea::Kind;
-use support::drive::scene::Surroundings;
-use support::drive::{Description, Drive, Error, Place, Stream};
 
 const VEHICLES: [Vehicle; 4] = [Vehicle::Car, Vehicle::Walker, Vehicle::Drone, Vehicle::Robot];
 const MOTIONS: [Motion; 5] = [

@@ -6,12 +6,11 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, clippy::print_stderr)]
 
-mod support;
-
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::time::{Duration, Instant};
 
+use crate::support;
 use frames_lint::engine::{self, Options, Rules, evidence};
 use frames_lint::verdict::Outcome;
 use serde_json::{Value, json};

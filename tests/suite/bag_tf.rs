@@ -2,10 +2,9 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
-mod support;
-
+use crate::support;
+use crate::support::{edge, evidence, names};
 use frames_lint::world::FrameRole;
-use support::{edge, evidence, names};
 
 #[test]
 fn faulty_numbers_are_counted_with_examples_and_kept_out_of_the_samples() {

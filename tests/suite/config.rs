@@ -2,12 +2,11 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
-mod support;
-
 use std::fs;
 use std::path::Path;
 
-use support::program::{Ran, run};
+use crate::support;
+use crate::support::program::{Ran, run};
 
 const NED: &str = "\
 duration_s: 60

@@ -2,17 +2,16 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
-mod support;
-
 use std::fmt::Write;
 
+use crate::support;
+use crate::support::bag;
+use crate::support::encode::{Body, Endian, Header, Transform};
+use crate::support::raw::{Layout, RawChannel, in_memory};
 use frames_lint::collect::Collected;
 use frames_lint::engine::Rules;
 use frames_lint::source::{ReadStatus, Source};
 use frames_lint::world::World;
-use support::bag;
-use support::encode::{Body, Endian, Header, Transform};
-use support::raw::{Layout, RawChannel, in_memory};
 
 /// A recording with one channel and these messages, one a second.
 fn one_topic(channel: &RawChannel<'_>, messages: &[Vec<u8>]) -> (Source, Collected) {

@@ -2,11 +2,10 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
-mod support;
-
-use support::encode::{Body, Endian, Header, Transform};
-use support::program;
-use support::raw::{Layout, RawChannel, in_memory};
+use crate::support;
+use crate::support::encode::{Body, Endian, Header, Transform};
+use crate::support::program;
+use crate::support::raw::{Layout, RawChannel, in_memory};
 
 /// A recording without definitions, as older ones of rosbag2 are: TF, a laser, and two topics of a type of its own.
 fn recording() -> Vec<u8> {

@@ -2,16 +2,15 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::float_cmp)]
 
-mod support;
-
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 
+use crate::support;
+use crate::support::encode::{Body, Endian, Header, Transform};
+use crate::support::raw::{Layout, RawChannel, in_memory};
+use crate::support::{bag, edge, evidence};
 use frames_lint::world::FrameId;
 use frames_lint::world::content::{CovarianceEvidence, StepEvidence};
-use support::encode::{Body, Endian, Header, Transform};
-use support::raw::{Layout, RawChannel, in_memory};
-use support::{bag, edge, evidence};
 
 fn steps(transform: &str) -> StepEvidence {
     let bag = evidence(&format!(

@@ -2,17 +2,16 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::cast_possible_wrap)]
 
-mod support;
-
 use std::collections::BTreeSet;
 use std::fs;
 use std::path::PathBuf;
 
+use crate::support;
+use crate::support::damage::{cut, patched};
+use crate::support::reading::{folder, read, sparse};
+use crate::support::recipe::DRIVE;
+use crate::support::rosbag2::{Db3, Drive, Schema};
 use frames_lint::source::ReadStatus;
-use support::damage::{cut, patched};
-use support::reading::{folder, read, sparse};
-use support::recipe::DRIVE;
-use support::rosbag2::{Db3, Drive, Schema};
 
 /// The drive as a database: the folder it lies in, its path and its bytes.
 fn database(layout: Db3) -> (tempfile::TempDir, PathBuf, Vec<u8>) {

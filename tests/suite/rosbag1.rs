@@ -2,15 +2,14 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, clippy::print_stderr)]
 
-mod support;
-
 use std::path::Path;
 
+use crate::support;
+use crate::support::heard::{Heard, Said, are_some_of, read, read_from, wanted};
+use crate::support::rosbag1::{Compression, Connection, Ending, Layout, Rosbag1, Written};
+use crate::support::rosbag1_drive::{drive, layouts};
 use frames_lint::read::bag::{Extent, Sampling, Wanted};
 use frames_lint::source::ReadStatus;
-use support::heard::{Heard, Said, are_some_of, read, read_from, wanted};
-use support::rosbag1::{Compression, Connection, Ending, Layout, Rosbag1, Written};
-use support::rosbag1_drive::{drive, layouts};
 
 #[test]
 fn what_was_written_is_read_in_every_compression() {

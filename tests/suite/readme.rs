@@ -1,6 +1,6 @@
 //! The README shows what the program says: the findings of its first command, held word for word.
 //!
-//! `UPDATE=1 cargo test --test readme` writes them anew.
+//! `UPDATE=1 cargo test --test suite readme` writes them anew.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::string_slice)]
 
@@ -53,6 +53,6 @@ fn the_first_command_says_what_the_readme_shows() {
     assert_eq!(
         &readme[from..to],
         expected,
-        "`UPDATE=1 cargo test --test readme` writes it anew"
+        "`UPDATE=1 cargo test --test suite readme` writes it anew"
     );
 }

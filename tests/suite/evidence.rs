@@ -8,16 +8,15 @@
     clippy::string_slice
 )]
 
-mod support;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::support;
+use crate::support::program;
 use frames_lint::engine::{self, Options, evidence};
 use frames_lint::report::{Style, json, terminal};
 use frames_lint::run::{FailOn, Run};
 use frames_lint::source::ReadStatus;
-use support::program;
 
 fn options(paths: &[&Path]) -> Options {
     Options {
@@ -153,11 +152,11 @@ fn lay_out(blocks: &[(String, String)], folder: &Path) {
 fn every_case_of_every_page_is_judged_the_same() {
     let cases = cases();
     assert!(cases.len() > 100, "{}", cases.len());
-    for (name, blocks) in cases {
+    support::in_parallel(&cases, |(name, blocks)| {
         let folder = tempfile::tempdir().unwrap();
-        lay_out(&blocks, folder.path());
-        is_the_same(&[folder.path()], &name);
-    }
+        lay_out(blocks, folder.path());
+        is_the_same(&[folder.path()], name);
+    });
 }
 
 #[test]

@@ -3,13 +3,12 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::cast_possible_truncation)]
 
-mod support;
-
+use crate::support;
+use crate::support::damage::{cut, patched};
+use crate::support::heard::{are_some_of, read};
+use crate::support::rosbag1::{Compression, Ending, Layout, Rosbag1, Written};
+use crate::support::rosbag1_drive::{drive, layouts};
 use frames_lint::source::{ReadStatus, Source};
-use support::damage::{cut, patched};
-use support::heard::{are_some_of, read};
-use support::rosbag1::{Compression, Ending, Layout, Rosbag1, Written};
-use support::rosbag1_drive::{drive, layouts};
 
 /// Bag header: magic 13, length 4, then fields of 4 + name + `=` + value each, `op` first.
 const INDEX_POS: usize = 13 + 4 + 8 + 14;

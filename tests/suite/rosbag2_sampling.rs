@@ -2,15 +2,13 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
-mod support;
-
 use std::fs;
 
+use crate::support::reading::{folder, read};
+use crate::support::recipe::DRIVE;
+use crate::support::rosbag2::{Db3, Drive, Message, Topic, Yaml, write_parts};
 use frames_lint::read::bag::Sampling;
 use frames_lint::source::ReadStatus;
-use support::reading::{folder, read};
-use support::recipe::DRIVE;
-use support::rosbag2::{Db3, Drive, Message, Topic, Yaml, write_parts};
 
 /// Ten minutes with a static transform late, a topic that begins late, and clouds of 20 kB.
 fn long() -> Drive {

@@ -2,18 +2,17 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
-mod support;
-
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::support;
+use crate::support::damage::cut;
+use crate::support::reading::{folder, found, messages};
+use crate::support::recipe::{DRIVE, MESSAGES};
+use crate::support::rosbag2::{Db3, Drive, Schema, Yaml, write_parts, zstd_file};
+use crate::support::{bag, collected_from};
 use frames_lint::source::ReadStatus;
 use frames_lint::world::bag::BagEvidence;
-use support::damage::cut;
-use support::reading::{folder, found, messages};
-use support::recipe::{DRIVE, MESSAGES};
-use support::rosbag2::{Db3, Drive, Schema, Yaml, write_parts, zstd_file};
-use support::{bag, collected_from};
 
 /// What must not depend on how a drive was stored.
 fn essence(bag: &BagEvidence) -> String {

@@ -2,11 +2,9 @@
 
 #![allow(clippy::indexing_slicing, clippy::float_cmp)]
 
-mod support;
-
+use crate::support::recipe::Recipe;
+use crate::support::{edge, evidence};
 use frames_lint::world::Pose;
-use support::recipe::Recipe;
-use support::{edge, evidence};
 
 #[test]
 fn unknown_keys_are_errors() {

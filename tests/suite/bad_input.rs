@@ -4,18 +4,17 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::print_stderr)]
 
-mod support;
-
 use std::ffi::OsString;
 use std::fs::{self, File};
 use std::os::unix::ffi::OsStringExt;
 use std::os::unix::fs::{PermissionsExt, symlink};
 
+use crate::support;
+use crate::support::damage::{cut, first_chunk, patched};
+use crate::support::program::{check, check_all};
+use crate::support::reading::folder;
+use crate::support::recipe::DRIVE;
 use frames_lint::run::FailOn;
-use support::damage::{cut, first_chunk, patched};
-use support::program::{check, check_all};
-use support::reading::folder;
-use support::recipe::DRIVE;
 
 const ROBOT: &str = "<robot name=\"ä\"><link name=\"base_link\"/></robot>\n";
 const EXTRINSIC: &str = "# ä\nlidar_from_imu:\n  translation: [1.0, 2.0, 3.0]\n  rotation: [0.0, 0.0, 0.0, 1.0]\n";

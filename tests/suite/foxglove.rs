@@ -2,15 +2,14 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic, clippy::print_stderr)]
 
-mod support;
-
+use crate::support;
+use crate::support::foxglove::{FrameTransform, FrameTransforms, Stamped, at, descriptor, numbers};
+use crate::support::raw::{Layout, RawChannel, in_memory};
+use crate::support::{bag, edge, names};
 use frames_lint::source::ReadStatus;
 use frames_lint::world::FrameId;
 use prost::Message;
 use prost_types::{FileDescriptorProto, Timestamp};
-use support::foxglove::{FrameTransform, FrameTransforms, Stamped, at, descriptor, numbers};
-use support::raw::{Layout, RawChannel, in_memory};
-use support::{bag, edge, names};
 
 const START_NS: i64 = 1_700_000_000_000_000_000;
 const STEP_NS: i64 = 100_000_000;

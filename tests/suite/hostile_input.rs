@@ -3,12 +3,10 @@
 #![cfg(unix)]
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
-mod support;
-
 use std::fmt::Write as _;
 use std::fs::File;
 
-use support::program::{check, check_all, line};
+use crate::support::program::{check, check_all, line};
 
 /// `count` links that no joint connects.
 fn links(count: usize) -> String {

@@ -2,14 +2,13 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::panic)]
 
-mod support;
-
 use std::cell::RefCell;
 
+use crate::support;
+use crate::support::{edge, evidence, names};
 use frames_lint::collect::{How, collect};
 use frames_lint::source::{At, MessageRef, ReadStatus, Source, SourceId, SourceKind};
 use frames_lint::world::{FrameId, FrameRole};
-use support::{edge, evidence, names};
 
 const START_NS: i64 = 1_700_000_000_000_000_000;
 const MS: i64 = 1_000_000;

@@ -1,7 +1,7 @@
 //! The buffer against tf2 itself, by random scenes: same poses, same refusals, same exceptions.
 //!
 //! Ignored by default, for it needs tf2: `apt-get install python3-tf2` (Debian), then
-//! `cargo test --test tf2_reference -- --ignored --nocapture`. That tf2 is of ROS 1; a program that speaks the same lines
+//! `cargo test --test suite -- --ignored tf2_reference --nocapture`. That tf2 is of ROS 1; a program that speaks the same lines
 //! (see tests/tools/tf2_reference.py) over the tf2 of ROS 2 can be named in `FRAMES_LINT_TF2`, and is then asked more.
 
 #![allow(
