@@ -6,6 +6,7 @@
 //! recordings, (g): beams near the horizon make false planes. The search is RANSAC (Fischler and Bolles 1981), its triples from a
 //! fixed sequence, then least squares over the inliers.
 
+use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
@@ -57,6 +58,8 @@ pub struct Support {
     pub above: f64,
     /// Cells of the view, 10 degrees wide and an octave of range deep, of which a point lies on the plane.
     pub cells: usize,
+    /// Sectors of the view, 10 degrees wide, of 36, in which a point lies on the plane.
+    pub sectors: usize,
     /// Share of the points on the plane that the sensor sees within 3 degrees of its own horizon.
     pub at_horizon: f64,
     /// Median distance of the points on the plane from it, metres.
@@ -129,6 +132,11 @@ pub fn support(points: &[Vector3<f64>], up: &Vector3<f64>, options: &Options) ->
         below: share(&|off| off < -options.clear_m),
         above: share(&|off| off > options.clear_m),
         cells: cells_near.on(&normal, height_m, options.tolerance_m),
+        sectors: on
+            .iter()
+            .map(|point| frame.sector(point))
+            .collect::<BTreeSet<_>>()
+            .len(),
         at_horizon: at_horizon as f64 / on.len().max(1) as f64,
         spread_m: off.get(off.len() / 2).copied().unwrap_or(f64::NAN),
     })
@@ -189,6 +197,13 @@ impl Frame {
             x,
             y: up.cross(&x),
         }
+    }
+
+    /// Which of 36 ways a point lies.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // from 0 to 36
+    fn sector(&self, point: &Vector3<f64>) -> u32 {
+        let way = point.dot(&self.y).atan2(point.dot(&self.x));
+        ((way + PI) / CELL_RAD) as u32 % 36
     }
 
     fn elevation(&self, point: &Vector3<f64>) -> f64 {

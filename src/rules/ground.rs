@@ -33,8 +33,9 @@ pub(crate) type Sides = [Option<Support>; 6];
 pub(crate) struct IsGround {
     /// Least share of the points on it.
     pub(crate) min_on: f64,
-    /// Least share of the points above it.
+    /// Least share of the points above it; an open place has fewer, and lies in at least so many sectors of 10 degrees.
     pub(crate) min_above: f64,
+    pub(crate) min_around: usize,
     /// Share of the points beneath it from which on it is none.
     pub(crate) max_below: f64,
     /// Largest share of its points near the sensor's own horizon.
@@ -134,7 +135,7 @@ pub(crate) fn ground(sides: &Sides, is: &IsGround) -> Option<Ground> {
     let [side, next, ..] = *order else { return None };
     let plane = (*sides.get(side)?)?;
     let is_ground = plane.on >= is.min_on
-        && plane.above >= is.min_above
+        && (plane.above >= is.min_above || plane.sectors >= is.min_around)
         && plane.height_m >= is.least_m
         && plane.at_horizon <= is.max_at_horizon
         && of(side) >= is.min_score

@@ -16,9 +16,13 @@ use crate::world::{FrameId, World};
 /// Longest step between two poses, seconds.
 const MAX_STEP_S: f64 = 0.6;
 
-/// How much later or earlier than its stamp a scan may show the platform: so many steps, and their length in seconds. A turn at 10 Hz is 0.1.
-const MAX_LATE: i32 = 15;
+/// How much later or earlier than its stamp a scan may show the platform: so many steps, and their length in seconds. A turn at 10 Hz is 0.1,
+/// and where stamps are of another clock, a cloud is logged some tenths after it was made.
+const MAX_LATE: i32 = 60;
 const LATE_STEP_S: f64 = 0.01;
+/// Turns that differ by this many times the least mean square, and by this angle besides, are explained alike.
+const ALIKE: f64 = 1.5;
+const ALIKE_RAD: f64 = 0.0005;
 
 /// Words of topics with poses that are worked out of scans: those agree with any mounting, for they were told by it.
 const BY_SCANS: [&str; 19] = [
@@ -62,6 +66,8 @@ pub(crate) struct HandEye {
     pub(crate) poses: (String, Place),
     /// Pairs of motions.
     pub(crate) pairs: Vec<Pair>,
+    /// How far the moment that the scans show may be off, seconds.
+    pub(crate) unsure_s: f64,
 }
 
 /// The same motion, twice: the later in the axes of the earlier.
@@ -74,6 +80,8 @@ pub(crate) struct Pair {
     /// Standard errors of the scans' match, radians and metres.
     pub(crate) sigma_rad: f64,
     pub(crate) sigma_m: f64,
+    /// How long they took, seconds.
+    pub(crate) lasted_s: f64,
 }
 
 impl Pair {
@@ -140,12 +148,16 @@ impl HandEye {
         }
         let tied = tied.into_iter().filter(|(poses, ..)| !is_by_scans(poses));
         let moved = pick(steps);
-        let of = |(poses, body, told): (&Stream<PoseRow>, FrameId, Isometry3<f64>)| Self {
-            pairs: pairs(&moved, poses),
-            poses: (poses.subject.clone(), poses.place()),
-            body,
-            lidar: lidar.clone(),
-            told,
+        let of = |(poses, body, told): (&Stream<PoseRow>, FrameId, Isometry3<f64>)| {
+            let (pairs, unsure_s) = pairs(&moved, poses);
+            Self {
+                pairs,
+                unsure_s,
+                poses: (poses.subject.clone(), poses.place()),
+                body,
+                lidar: lidar.clone(),
+                told,
+            }
         };
         let best = tied.map(of).reduce(|best, other| {
             if other.pairs.len() > best.pairs.len() {
@@ -202,11 +214,11 @@ pub(crate) fn is_by_scans(poses: &Stream<PoseRow>) -> bool {
     is_lidar_odometry || words.iter().any(|word| BY_SCANS.contains(word))
 }
 
-/// The motions of both between the clouds that were matched.
-fn pairs(moved: &[Moved], poses: &Stream<PoseRow>) -> Vec<Pair> {
+/// The motions of both between the clouds that were matched, and how far their moment may be off, seconds.
+fn pairs(moved: &[Moved], poses: &Stream<PoseRow>) -> (Vec<Pair>, f64) {
     let (turned, track) = (Turned::of(poses), poses.track());
     let at = |t_s: f64| pose_at(&turned, &track.at(t_s)?, t_s);
-    let late_s = late_s(moved, poses, &turned);
+    let (late_s, unsure_s) = late_s(moved, poses, &turned);
     let pair = |moved: &Moved| {
         let times = [moved.from, moved.to].map(|moment| moment.on(poses.stamp_offset_s) + late_s);
         let [Some(from), Some(to)] = times.map(at) else {
@@ -217,14 +229,16 @@ fn pairs(moved: &[Moved], poses: &Stream<PoseRow>) -> Vec<Pair> {
             lidar: in_space(&moved.motion),
             sigma_rad: moved.sigma[0],
             sigma_m: moved.sigma[1],
+            lasted_s: moved.lasted_s(),
         })
     };
-    moved.iter().filter_map(pair).collect()
+    (moved.iter().filter_map(pair).collect(), unsure_s)
 }
 
 /// How much later than its stamp the platform was where a scan shows it, seconds: where both turn most alike. A stamp is that of the first
-/// point or of the last, and what a scan shows is the middle. Zero where nothing turns.
-fn late_s(moved: &[Moved], poses: &Stream<PoseRow>, turned: &Turned) -> f64 {
+/// point or of the last, and what a scan shows is the middle. Zero where nothing turns. And how far that may be off: others explain the turns
+/// nearly as well.
+fn late_s(moved: &[Moved], poses: &Stream<PoseRow>, turned: &Turned) -> (f64, f64) {
     let orientation = |moment: &Moment, late_s: f64| turned.at(moment.on(poses.stamp_offset_s) + late_s, MAX_STEP_S);
     // Which way is up is not asked here: angles alone are compared.
     let left = |late_s: f64| {
@@ -236,10 +250,13 @@ fn late_s(moved: &[Moved], poses: &Stream<PoseRow>, turned: &Turned) -> f64 {
         (count > 0).then(|| sum / f64::from(count))
     };
     let tried = (-MAX_LATE..=MAX_LATE).map(|steps| f64::from(steps) * LATE_STEP_S);
-    let found = tried.filter_map(|late_s| Some((late_s, left(late_s)?)));
-    found
-        .min_by(|a, b| a.1.total_cmp(&b.1))
-        .map_or(0.0, |(late_s, _)| late_s)
+    let found: Vec<(f64, f64)> = tried.filter_map(|late_s| Some((late_s, left(late_s)?))).collect();
+    let Some((best_s, least)) = found.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1)) else {
+        return (0.0, 0.0);
+    };
+    let is_alike = |(_, left): &&(f64, f64)| *left <= ALIKE * least + ALIKE_RAD * ALIKE_RAD;
+    let unsure_s = found.iter().filter(is_alike).map(|(late_s, _)| (late_s - best_s).abs());
+    (best_s, unsure_s.fold(0.0, f64::max))
 }
 
 pub(crate) fn pose_at(turned: &Turned, place: &Vector3<f64>, t_s: f64) -> Option<Isometry3<f64>> {

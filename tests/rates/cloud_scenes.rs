@@ -73,7 +73,7 @@ const INDOORS: Seen = Seen {
 };
 
 /// What AXES12 says where the yaw alone shows.
-const INVERSE: &str = "or the transform is told the wrong way round";
+const INVERSE: &str = "told the wrong way round";
 
 /// What TIME07 says of clouds that sweep the other way round.
 const SWEEPS: &str = "the cloud is mirrored, or its z points down";
@@ -146,7 +146,7 @@ pub const SEEN: &[Seen] = &[
     },
     Seen {
         name: "mounting lacks 180 deg",
-        names: (&["z180"], &[]),
+        names: (&["z180", "z180-extra", "z180-missing"], &[]),
         told: |mount| mount * Isometry3::rotation(Vector3::z() * PI),
         asked: &[FORWARD],
         ..MOVING

@@ -29,6 +29,7 @@ pub struct Limits {
     max_lean_deg: f64,
     max_tilt_deg: f64,
     min_way_m: f64,
+    min_lasts_s: f64,
 }
 
 /// A lidar over its ground.
@@ -317,6 +318,18 @@ fn judge_tilt(
         let why = format!(
             "the platform went {way_m:.0} m: a ground that leans by itself looks like a tilted sensor; {} m are needed",
             limits.min_way_m
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let mut logged = clouds.evidence.samples.iter().map(|sample| sample.at.log_ns);
+    let lasts_s = match (logged.next(), logged.next_back()) {
+        (Some(first), Some(last)) => last.saturating_sub(first) as f64 * 1e-9,
+        _ => 0.0,
+    };
+    if lasts_s < limits.min_lasts_s {
+        let why = format!(
+            "the clouds are of {lasts_s:.0} s: a road that leans for so long looks like a tilted sensor; {} are needed",
+            limits.min_lasts_s
         );
         return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
     }

@@ -96,12 +96,18 @@ fn yaw(known: &HandEye, limits: &Limits) -> Result<Yaw, (NotEvaluated, String)> 
             && pair.sigma_m <= limits.max_sigma * way_m
     });
     let lever = known.told.translation.vector;
-    let off: Vec<f64> = straight
+    let off: Vec<(f64, f64)> = straight
         .filter_map(|pair| {
             let by_poses = pair.body.translation.vector + pair.body.rotation * lever - lever;
             let by_scans = known.told.rotation * pair.lidar.translation.vector;
             let stands = by_poses.xy().norm() < 0.5 * limits.min_way_m || by_scans.xy().norm() < 0.5 * limits.min_way_m;
-            (!stands).then(|| difference(by_poses.y.atan2(by_poses.x), by_scans.y.atan2(by_scans.x)))
+            let rate = pair.body.rotation.scaled_axis().z / pair.lasted_s.max(1e-3);
+            (!stands).then(|| {
+                (
+                    difference(by_poses.y.atan2(by_poses.x), by_scans.y.atan2(by_scans.x)),
+                    rate,
+                )
+            })
         })
         .collect();
     if off.len() < limits.min_pairs {
@@ -112,10 +118,13 @@ fn yaw(known: &HandEye, limits: &Limits) -> Result<Yaw, (NotEvaluated, String)> 
             limits.min_pairs
         )));
     }
-    let mean = circular_mean(off.iter().map(|off| (*off, 1.0)));
+    let mean = circular_mean(off.iter().map(|(off, _)| (*off, 1.0)));
+    // Where all turn to one side, a moment that is off looks like a yaw.
+    let turning = off.iter().map(|(_, rate)| rate).sum::<f64>() / off.len() as f64;
+    let late_deg = (turning * known.unsure_s).abs().to_degrees();
     let told = mean.map(|mean| Yaw {
         off_deg: mean.mean_rad.to_degrees(),
-        error_deg: (mean.sd_rad() / (off.len() as f64).sqrt()).to_degrees(),
+        error_deg: (mean.sd_rad() / (off.len() as f64).sqrt()).to_degrees().hypot(late_deg),
         resultant: mean.resultant,
         pairs: off.len(),
     });

@@ -1,15 +1,18 @@
 //! AXES10: a cloud whose ground is not where z says that down is.
 
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
 use serde::Deserialize;
 
+use crate::math::stats::{median, quantile};
 use crate::rules::ground::{self, Ground, IsGround, Planes, SIDES};
 use crate::rules::lidar::Clouds;
 use crate::rules::motion::{Motion, mount};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::cloud::CloudSample;
 use crate::world::{FrameId, World};
 
 /// AXES10.
@@ -26,12 +29,19 @@ pub struct Limits {
     max_below: f64,
     min_on: f64,
     min_above: f64,
+    min_around: usize,
     max_at_horizon: f64,
     least_m: f64,
     max_off_deg: f64,
     ceiling_cells: f64,
+    min_open: f64,
+    top_deg: f64,
+    min_top_deg: f64,
     min_gravity: f64,
 }
+
+/// Width of a direction, degrees.
+const SECTOR_DEG: f64 = 10.0;
 
 impl Limits {
     /// What a ground is.
@@ -39,6 +49,7 @@ impl Limits {
         IsGround {
             min_on: self.min_on,
             min_above: self.min_above,
+            min_around: self.min_around,
             max_below: self.max_below,
             max_at_horizon: self.max_at_horizon,
             least_m: self.least_m,
@@ -117,7 +128,8 @@ fn judge_side(
     if off_deg <= limits.max_off_deg {
         return out.pass(subject, measured);
     }
-    let is_indoors = of_side().any(|ground| ground.ceiling_cells >= limits.ceiling_cells);
+    let has_ceiling = of_side().any(|ground| ground.ceiling_cells >= limits.ceiling_cells);
+    let is_indoors = has_ceiling || open_share(clouds, &axis, limits).is_none_or(|share| share < limits.min_open);
     let has_gravity =
         gravity_of_the_device(motion, clouds, frame.as_ref()).is_some_and(|up| up.dot(&axis) >= limits.min_gravity);
     let (relation, what, help) = named(word);
@@ -148,6 +160,33 @@ fn judge_side(
     };
     let finding = finding.relation(relation).help(help);
     out.fail(measured.into_iter().fold(finding, Finding::measured));
+}
+
+/// Share of the directions in which the highest beams meet nothing, where others do; the median over the clouds. `None` where no beam looks
+/// up.
+fn open_share(clouds: &Clouds, up: &Vector3<f64>, limits: &Limits) -> Option<f64> {
+    let aside = if up.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+    let x = (aside - up * up.dot(&aside)).normalize();
+    let y = up.cross(&x);
+    let of_cloud = |sample: &CloudSample| {
+        let points = sample.points.iter().map(|point| Vector3::from(point.xyz));
+        let seen: Vec<(f64, i32)> = points
+            .map(|point| {
+                let sector = point.dot(&y).atan2(point.dot(&x)).to_degrees() / SECTOR_DEG;
+                #[allow(clippy::cast_possible_truncation)] // within 18 to both sides
+                let sector = sector.floor() as i32;
+                ((point.dot(up) / point.norm()).asin().to_degrees(), sector)
+            })
+            .collect();
+        let highest = quantile(&seen.iter().map(|(elevation, _)| *elevation).collect::<Vec<_>>(), 0.995)?;
+        let sectors = |from: f64| -> BTreeSet<i32> {
+            let above = seen.iter().filter(|(elevation, _)| *elevation >= from);
+            above.map(|(_, sector)| *sector).collect()
+        };
+        let (any, top) = (sectors(-90.0).len(), sectors(highest - limits.top_deg).len());
+        (highest >= limits.min_top_deg).then(|| 1.0 - top as f64 / any.max(1) as f64)
+    };
+    median(&clouds.evidence.samples.iter().filter_map(of_cloud).collect::<Vec<_>>())
 }
 
 /// Up in the axes of the cloud, by an inertial sensor that tells in these very axes.

@@ -26,6 +26,8 @@ pub struct Limits {
     min_apart_m: f64,
     min_apart_deg: f64,
     ratio: f64,
+    paired_ratio: f64,
+    paired_t: f64,
     min_excess_m: f64,
     max_residual_m: f64,
 }
@@ -37,6 +39,37 @@ enum Reading {
     Inverse,
     Turned,
     InverseTurned,
+}
+
+/// What a reading leaves of each pair, metres.
+struct Residuals {
+    reading: Reading,
+    all_m: Vec<f64>,
+    median_m: f64,
+}
+
+impl Residuals {
+    fn of(reading: Reading, all_m: Vec<f64>) -> Self {
+        let median_m = median(&all_m).unwrap_or(f64::INFINITY);
+        Self {
+            reading,
+            all_m,
+            median_m,
+        }
+    }
+
+    /// Whether another leaves clearly less: by the ratio, or on nearly every pair a little.
+    fn is_beaten_by(&self, better: &Self, limits: &Limits) -> bool {
+        let by = |ratio: f64| self.median_m >= ratio * better.median_m;
+        if by(limits.ratio) && self.median_m - better.median_m >= limits.min_excess_m {
+            return true;
+        }
+        let more: Vec<f64> = self.all_m.iter().zip(&better.all_m).map(|(a, b)| a - b).collect();
+        let count = more.len() as f64;
+        let mean = more.iter().sum::<f64>() / count;
+        let variance = more.iter().map(|more| (more - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        by(limits.paired_ratio) && mean >= limits.paired_t * (variance / count).sqrt()
+    }
 }
 
 /// What was seen.
@@ -122,42 +155,33 @@ pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Se
     sure.sort_by(|a, b| b.size().1.total_cmp(&a.size().1));
     let turned = sure.iter().filter(|pair| is_turned(pair)).count();
     sure.truncate(turned.max(limits.min_pairs));
-    let residual = |mounting: &Isometry3<f64>| {
-        let all: Vec<f64> = sure.iter().map(|pair| pair.residual_m(mounting)).collect();
-        median(&all).unwrap_or(f64::INFINITY)
-    };
+    let all = |mounting: &Isometry3<f64>| -> Vec<f64> { sure.iter().map(|pair| pair.residual_m(mounting)).collect() };
     let readings = [
         (Reading::AsTold, known.told),
         (Reading::Inverse, inverse),
         (Reading::Turned, known.told * half_turn()),
         (Reading::InverseTurned, inverse * half_turn()),
     ];
-    let mut residuals: Vec<(Reading, f64)> = readings
+    let mut residuals: Vec<Residuals> = readings
         .iter()
-        .map(|(reading, mounting)| (*reading, residual(mounting)))
+        .map(|(reading, mounting)| Residuals::of(*reading, all(mounting)))
         .collect();
-    residuals.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let inverted = residual(&inverse);
-    let is_beaten = |least: f64, next: f64| next >= limits.ratio * least && next - least >= limits.min_excess_m;
+    residuals.sort_by(|a, b| a.median_m.total_cmp(&b.median_m));
+    let of = |reading: Reading| residuals.iter().find(|known| known.reading == reading);
     // What is told needs no fault, and is not held against two at once: at a yaw of 90 deg both together are nearly nothing.
-    let decided = residuals.first().and_then(|(best, least)| {
-        let told = (
-            Reading::AsTold,
-            residuals.iter().find(|known| known.0 == Reading::AsTold)?.1,
-        );
-        let (best, least) = if is_beaten(*least, told.1) {
-            (*best, *least)
-        } else {
-            told
-        };
-        let mut rivals = residuals.iter().filter(|rival| match best {
-            Reading::AsTold => rival.0 != Reading::InverseTurned,
+    let decided = residuals.first().zip(of(Reading::AsTold)).and_then(|(best, told)| {
+        let best = if told.is_beaten_by(best, limits) { best } else { told };
+        let mut rivals = residuals.iter().filter(|rival| match best.reading {
+            Reading::AsTold => rival.reading != Reading::InverseTurned,
             _ => true,
         });
-        let is_best = rivals.all(|rival| rival.0 == best || is_beaten(least, rival.1));
-        (is_best && least <= limits.max_residual_m).then_some(best)
+        let is_best = rivals.all(|rival| rival.reading == best.reading || rival.is_beaten_by(best, limits));
+        (is_best && best.median_m <= limits.max_residual_m).then_some(best.reading)
     });
-    let inverse_serves = inverted <= limits.max_residual_m && is_beaten(inverted, residual(&known.told));
+    let inverse_serves = of(Reading::Inverse)
+        .zip(of(Reading::AsTold))
+        .is_some_and(|(inverse, told)| inverse.median_m <= limits.max_residual_m && told.is_beaten_by(inverse, limits));
+    let residuals = residuals.iter().map(|known| (known.reading, known.median_m)).collect();
     Ok(Seen {
         inverse_serves,
         pairs: sure.len(),

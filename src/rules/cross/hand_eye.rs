@@ -149,9 +149,25 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Lim
         "`{}_from_{}` {what}: by the scans on `{}` and {} the lidar is at x {:.2}, y {:.2} m, where {:.2}, {:.2} is told",
         known.body, known.lidar, clouds.topic.topic, known.poses.0, found.place.x, found.place.y, told.x, told.y
     );
+    let inverse = known.told.inverse();
+    let is_inverse = in_plane(&(inverse * known.told.inverse()))
+        .rotation
+        .angle()
+        .to_degrees()
+        .abs()
+        <= limits.forward_deg
+        && (found.place - inverse.translation.vector.xy()).norm() <= limits.sure_place_m.max(limits.sigmas * sigma_m);
+    let (relation, message) = if is_inverse {
+        (
+            "inverse",
+            format!("{message}: that is where its inverse has it, as if it were told the wrong way round"),
+        )
+    } else {
+        ("moved", message)
+    };
     let finding = Finding::warning(subject, message, clouds.place())
         .likely()
-        .relation("moved")
+        .relation(relation)
         .related(known.poses.1.clone(), "where it went")
         .help("calibrate it anew; what moves in a plane does not determine roll, pitch and height");
     out.fail(measured.into_iter().fold(finding, Finding::measured));

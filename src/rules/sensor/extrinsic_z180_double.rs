@@ -4,6 +4,7 @@ use nalgebra::Isometry3;
 use serde::Deserialize;
 
 use crate::rules::axes::lidar_forward_axis::{self, LidarForwardAxis};
+use crate::rules::cross::extrinsic_direction::{self, ExtrinsicDirection};
 use crate::rules::hand_eye::half_turn;
 use crate::rules::landmarks::{Grid, Maps, maps};
 use crate::rules::lidar::Clouds;
@@ -106,6 +107,8 @@ fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Told, (NotEva
                 measured,
             })
         }
+        // A mirror image, or a lidar that is upside down: landmarks do not mend that.
+        Err((NotEvaluated::NotApplicable, reason)) => Err((NotEvaluated::NotApplicable, reason)),
         Err((why, reason)) => {
             let Some((is_turned, maps, ratio)) = landmarks else {
                 let more = match by_landmarks {
@@ -208,8 +211,20 @@ fn report(world: &World, clouds: &Clouds, subject: String, told: Told, limits: &
             "the clouds are told in the other one of the Lidar and the Sensor frame than the mounting was made for".to_owned(),
         ),
     };
+    let direction =
+        limits_of::<ExtrinsicDirection>().and_then(|limits| extrinsic_direction::look(world, clouds, &limits).ok());
+    let or = match direction {
+        Some(seen) if seen.is_inverse() => {
+            let why = "the mounting is told the wrong way round, as CROSS04 reports";
+            return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        }
+        Some(seen) if seen.may_be_inverse() => {
+            "; or it is told the wrong way round: its inverse brings the two together as well"
+        }
+        _ => "",
+    };
     let message = format!(
-        "`{}_from_{}` is half a turn about z off beside {}: {what}",
+        "`{}_from_{}` is half a turn about z off beside {}: {what}{or}",
         told.body, told.lidar, told.poses.0
     );
     let mut finding = Finding::error(subject, message, clouds.place())
