@@ -2,7 +2,8 @@
 //!
 //! The drives are made here: lidar 10 Hz, camera 30 Hz, IMU 200 Hz, TF 100 Hz. `FRAMES_LINT_BENCH_GB` is the size of their
 //! messages (4 without it), `FRAMES_LINT_BENCH_TENFOLD=1` adds a drive ten times as long, `FRAMES_LINT_BENCH_DIR` is where
-//! they are kept (`target/bench`). Other tools are run where they are on PATH: `mcap doctor`, `pymcap-cli tftree`.
+//! they are kept (`target/bench`). Then drives of a large lidar, 128 x 2048 points at 10 Hz: `FRAMES_LINT_BENCH_CLOUD_S` is how many
+//! seconds (15,60; 600 are ten minutes, in 25 GB), `FRAMES_LINT_BENCH_GB=0` leaves the others out. Other tools are run where they are on PATH: `mcap doctor`, `pymcap-cli tftree`.
 //! Measured is user plus system time of a process of its own, and its peak of resident memory; the best of several runs.
 
 #![allow(
@@ -15,6 +16,8 @@
     clippy::unwrap_used
 )]
 
+#[path = "clouds/drive.rs"]
+mod clouds;
 #[path = "../tests/support/encode.rs"]
 #[allow(dead_code, unreachable_pub)]
 mod encode;
@@ -65,6 +68,9 @@ fn compare() {
     if std::env::var_os("FRAMES_LINT_BENCH_TENFOLD").is_some() {
         drives.push(("zstd, 768 KiB chunks, ten times as long", zstd, 768 << 10, 10.0));
     }
+    if gigabytes <= 0.0 {
+        drives.clear();
+    }
     for (what, compression, chunk, times) in drives {
         let size = gigabytes * times;
         let name = format!("drive-{compression:?}-{chunk}-{size}.mcap").replace(['(', ')'], "-");
@@ -92,6 +98,50 @@ fn compare() {
         if let (Some(linear), Some(alone), Some(default), Some(full)) = (linear, alone, default, full) {
             println!("  the linear pass costs {:.1} times the check", linear / default);
             println!("  --full costs {:.2} times decompressing alone", full / alone);
+        }
+    }
+    compare_clouds(&folder);
+}
+
+/// What may be spent on ten minutes of clouds, seconds of CPU and MB.
+const MOST: (f64, f64) = (10.0, 400.0);
+
+/// Drives of a large lidar, of several lengths: by default what is read of them does not grow with them.
+fn compare_clouds(folder: &Path) {
+    let lengths = std::env::var("FRAMES_LINT_BENCH_CLOUD_S").unwrap_or_else(|_| "15,60".to_owned());
+    for seconds in lengths.split(',').filter(|word| !word.is_empty()) {
+        let seconds: u32 = seconds.parse().expect("a number");
+        let path = folder.join(format!("clouds-{seconds}.mcap"));
+        if !path.exists() {
+            clouds::write(&path, seconds);
+        }
+        let bytes = path.metadata().expect("the drive is there").len();
+        let held = f64::from(seconds) * 10.0 * clouds::CLOUD_BYTES as f64;
+        println!(
+            "\nclouds of 128 x 2048 points, {seconds} s: {:.2} GB of points in {:.2} GB",
+            held / 1e9,
+            bytes as f64 / 1e9
+        );
+        let file = path.to_str().expect("a path in UTF-8");
+        let itself = std::env::current_exe().expect("this program has a path");
+        let itself = itself.to_str().expect("a path in UTF-8").to_owned();
+        let ours = env!("CARGO_BIN_EXE_frames-lint");
+        run(&itself, &["inflate", file]);
+        let linear = best("linear pass of the mcap crate", 1, &itself, &["linear", file]);
+        best("decompressing alone", 1, &itself, &["inflate", file]);
+        let check = ["check", "--format", "json", "--output", "/dev/null", file];
+        let default = best("frames-lint check", 3, ours, &check);
+        if seconds <= 60 {
+            best("frames-lint check --full", 1, ours, &[&check[..], &["--full"]].concat());
+        }
+        best("mcap doctor", 1, "mcap", &["doctor", file]);
+        if let (Some(linear), Some(default)) = (linear, default) {
+            println!(
+                "  the linear pass costs {:.1} times the check; allowed are {} s and {} MB",
+                linear / default,
+                MOST.0,
+                MOST.1
+            );
         }
     }
 }

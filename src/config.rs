@@ -11,11 +11,23 @@
 //!     quaternion: {order: wxyz, algebra: hamilton}
 //!     time: gps                    # utc, gps, tai
 //!     fields: confirmed            # latitude, longitude, ... without a standard type are what their names say
+//! dataset: KITTI                   # a published dataset, held against its own conventions
+//! tables:                          # rows of one's own, in front of those of `rules/tables/`, with the same keys
+//!   lidar-clouds: our-lidars.yaml  # a file beside this one, or the rows themselves
+//!   lidar-imus:
+//!     - {name: Ours, words: [ours], lever_mm: [1, 2, 3]}
+//! projections:                     # see `projections`
+//!   - topic: /points
+//!     range_image: {width: 1024, height: 64, fov_up_deg: 22.5, fov_down_deg: -22.5}
 //! ```
+
+mod projections;
+mod tables;
 
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use globset::{GlobBuilder, GlobMatcher};
 
@@ -24,10 +36,11 @@ use crate::read::calibration::events;
 use crate::read::calibration::repair::OffsetMap;
 use crate::read::discover::CONFIGURATION;
 use crate::source::{LineIndex, Place, Source, SourceId, SourceKind, Span};
-use crate::world::Conventions;
+use crate::tables::Tables;
 use crate::world::conventions::{
     BodyAxes, Convention, Declaration, Fields, QuaternionAlgebra, QuaternionOrder, Scope, TimeScale, WorldAxes,
 };
+use crate::world::{Conventions, NamedDataset, Projection};
 
 /// Bound on its size, bytes.
 const MAX_BYTES: u64 = 1 << 20;
@@ -41,6 +54,11 @@ pub struct Config {
     pub text: String,
     /// What it declares; without places until [`Config::source`] gives it an identity.
     conventions: Vec<(Declaration, Span)>,
+    /// What is known of devices, with the user's own rows.
+    tables: Arc<Tables>,
+    /// The dataset that it names, and where.
+    dataset: Option<(NamedDataset, Span)>,
+    projections: Vec<projections::Declared>,
 }
 
 /// Why there is no configuration, with the place in words.
@@ -96,24 +114,21 @@ pub fn load(path: &Path) -> Result<Config, ConfigError> {
         return Err(failed(&format!("it has more than {MAX_BYTES} bytes")));
     }
     let text = String::from_utf8(bytes).map_err(|_| failed(&"it is not UTF-8"))?;
-    parse(&shown, text)
+    parse(&shown, text, path.parent().unwrap_or(Path::new("")))
 }
 
-/// Reads a configuration from its text.
-pub fn parse(path: &str, text: String) -> Result<Config, ConfigError> {
-    let conventions = {
+/// Reads a configuration from its text; files that it names are looked for from `folder`.
+pub fn parse(path: &str, text: String, folder: &Path) -> Result<Config, ConfigError> {
+    let mut config = {
         let reader = Reader {
             path,
             lines: LineIndex::new(&text),
             text: &text,
         };
-        reader.read()?
+        reader.read(folder)?
     };
-    Ok(Config {
-        path: path.to_owned(),
-        text,
-        conventions,
-    })
+    config.text = text;
+    Ok(config)
 }
 
 impl Config {
@@ -126,14 +141,43 @@ impl Config {
         source
     }
 
+    /// What is known of devices, drivers and datasets: the user's rows, and behind them those that come with the program.
+    pub fn tables(&self) -> Arc<Tables> {
+        Arc::clone(&self.tables)
+    }
+
+    /// Fields in which the user's drivers of lidars have the times of points.
+    pub fn time_fields(&self) -> Arc<[String]> {
+        self.tables.own_time_fields().map(str::to_owned).collect()
+    }
+
+    /// The dataset that it names; with a place, where it is a source of the run.
+    pub fn dataset(&self, id: Option<SourceId>) -> Option<NamedDataset> {
+        let (named, span) = self.dataset.as_ref()?;
+        Some(NamedDataset {
+            row: Arc::clone(&named.row),
+            place: id.map(|id| Place::text(id, *span)),
+        })
+    }
+
     /// What it declares; with places, where it is a source of the run.
     pub fn conventions(&self, id: Option<SourceId>) -> Conventions {
         let placed = |(declaration, span): &(Declaration, Span)| Declaration {
             place: id.map(|id| Place::text(id, *span)),
             ..declaration.clone()
         };
+        let projection = |declared: &projections::Declared| {
+            Some(Projection {
+                format: "frames-lint".to_owned(),
+                label: String::new(),
+                topic: declared.topic.clone(),
+                place: Place::text(id?, declared.span),
+                form: declared.form.clone(),
+            })
+        };
         Conventions {
             declarations: self.conventions.iter().map(placed).collect(),
+            projections: self.projections.iter().filter_map(projection).collect(),
         }
     }
 }
@@ -157,7 +201,33 @@ struct Reader<'t> {
 }
 
 impl Reader<'_> {
-    fn read(&self) -> Result<Vec<(Declaration, Span)>, ConfigError> {
+    fn read(&self, folder: &Path) -> Result<Config, ConfigError> {
+        let empty = Config {
+            path: self.path.to_owned(),
+            ..Config::default()
+        };
+        let Some(root) = self.document()? else {
+            return Ok(empty);
+        };
+        self.keys(&root, &["conventions", "dataset", "projections", "tables"])?;
+        let tables = match root.get("tables") {
+            Some(node) => self.tables(node, folder)?,
+            None => Tables::default(),
+        };
+        Ok(Config {
+            conventions: self.conventions(&root)?,
+            projections: self.projections(&root)?,
+            dataset: root
+                .get("dataset")
+                .map(|node| self.dataset(node, &tables))
+                .transpose()?,
+            tables: Arc::new(tables),
+            ..empty
+        })
+    }
+
+    /// The one document of the text; `None` where there is nothing in it.
+    fn document(&self) -> Result<Option<Node>, ConfigError> {
         let documents = events::build(self.text, &OffsetMap::default());
         if let Some(fault) = &documents.fault {
             return Err(self.error(fault.at, &fault.message));
@@ -165,18 +235,29 @@ impl Reader<'_> {
         if let Some((key, span)) = documents.repeated.first() {
             return Err(self.error(span.start, &format!("`{key}` stands there twice")));
         }
-        let root = match documents.roots.as_slice() {
-            [] => return Ok(Vec::new()),
-            [one] => one,
-            [_, second, ..] => return Err(self.error(second.span.start, "one document is expected")),
-        };
-        if root
-            .text()
-            .is_some_and(|text| text.is_empty() || text == "~" || text == "null")
-        {
-            return Ok(Vec::new());
+        let mut roots = documents.roots.into_iter();
+        let root = roots.next();
+        if let Some(second) = roots.next() {
+            return Err(self.error(second.span.start, "one document is expected"));
         }
-        self.keys(root, &["conventions"])?;
+        let is_nothing = |text: &str| text.is_empty() || text == "~" || text == "null";
+        Ok(root.filter(|root| !root.text().is_some_and(is_nothing)))
+    }
+
+    fn dataset(&self, node: &Node, tables: &Tables) -> Result<(NamedDataset, Span), ConfigError> {
+        let row = node.text().and_then(|text| tables.dataset(text));
+        let row = row.ok_or_else(|| {
+            let names = tables.dataset_names().join(", ");
+            let what = format!(
+                "`dataset` is one of {names}, not `{}`",
+                node.text().unwrap_or("a list or a mapping")
+            );
+            self.error(node.span.start, &what)
+        })?;
+        Ok((NamedDataset { row, place: None }, node.span))
+    }
+
+    fn conventions(&self, root: &Node) -> Result<Vec<(Declaration, Span)>, ConfigError> {
         let Some(list) = root.get("conventions") else {
             return Ok(Vec::new());
         };
@@ -287,14 +368,14 @@ mod tests {
     use super::*;
 
     fn fault(text: &str) -> String {
-        parse("c.yaml", text.to_owned()).unwrap_err().0
+        parse("c.yaml", text.to_owned(), Path::new("")).unwrap_err().0
     }
 
     #[test]
     fn every_key_is_read() {
         let text = "# ours\nconventions:\n  - topic: /ins/*\n    world: ned\n    body: FRD\n    \
                     quaternion: {order: wxyz, algebra: jpl}\n    time: GPS\n  - {frame: /odom, file: '*.mcap', world: ENU}\n";
-        let config = parse("c.yaml", text.to_owned()).unwrap();
+        let config = parse("c.yaml", text.to_owned(), Path::new("")).unwrap();
         let conventions = config.conventions(Some(SourceId(3)));
         let [ins, odom] = &conventions.declarations[..] else {
             panic!("two declarations")
@@ -314,7 +395,10 @@ mod tests {
     fn an_empty_configuration_declares_nothing() {
         for text in ["", "# nothing\n", "conventions: []\n", "---\n"] {
             assert!(
-                parse("c.yaml", text.to_owned()).unwrap().conventions.is_empty(),
+                parse("c.yaml", text.to_owned(), Path::new(""))
+                    .unwrap()
+                    .conventions
+                    .is_empty(),
                 "{text:?}"
             );
         }
@@ -324,7 +408,7 @@ mod tests {
     fn faults_have_a_place_and_say_what_is_known() {
         assert_eq!(
             fault("rules: {}\n"),
-            "c.yaml:1:1: unknown key `rules`; known keys: conventions"
+            "c.yaml:1:1: unknown key `rules`; known keys: conventions, dataset, projections, tables"
         );
         assert_eq!(
             fault("conventions:\n  - topic: /imu\n    wrold: NED\n"),

@@ -35,6 +35,8 @@ pub enum SourceKind {
     Xacro,
     /// A URDF published inside a bag on `/robot_description`.
     RobotDescription,
+    /// What a sensor says of itself on a topic of a bag, as an Ouster does on `/ouster/metadata`.
+    SensorMetadata,
     /// A YAML file that may hold transforms.
     Yaml,
     /// A JSON file that may hold transforms.
@@ -60,6 +62,7 @@ impl SourceKind {
             Self::Urdf => "urdf",
             Self::Xacro => "xacro",
             Self::RobotDescription => "robot-description",
+            Self::SensorMetadata => "sensor-metadata",
             Self::Yaml => "yaml",
             Self::Json => "json",
             Self::Mcap => "mcap",

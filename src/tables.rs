@@ -1,15 +1,147 @@
-//! Tables of published facts, as data in `rules/tables/`, read once and typed.
+//! Tables of published facts, as data in `rules/tables/`, read once and typed; to those of devices users add rows of their own.
 //!
-//! Owns their reading. Must not know rules or worlds. A table that does not read is a fault of ours: the tests hold
+//! Owns their reading. Must not know rules or worlds. A table of ours that does not read is a fault of ours: the tests hold
 //! every one, and without it a table is empty and answers nothing.
 
+mod clouds;
+mod dataset;
 mod named;
+mod ouster;
+mod rows;
 
-use std::sync::OnceLock;
+use std::collections::BTreeMap;
+use std::sync::{Arc, OnceLock};
 
 use serde::Deserialize;
 
-pub use named::{InsDriver, Known, LidarImu, Offset, Simulator, ins_driver, lidar_imu, simulator};
+pub use clouds::{CloudDriver, CountsFrom, PointTime, Sweep};
+pub use dataset::{Axes, Dataset, DatasetFrame, QuaternionWord};
+pub use named::{Forward, InsDriver, Lidar, LidarImu, Offset, Simulator};
+pub use ouster::{OusterPart, OusterPlace};
+pub use rows::{RowFault, Rows};
+
+use rows::Row;
+
+/// The tables of devices, drivers and datasets.
+#[derive(Clone, Debug)]
+pub struct Tables {
+    lidar_clouds: Rows<CloudDriver>,
+    lidars: Rows<Lidar>,
+    ouster: Rows<OusterPlace>,
+    lidar_imus: Rows<LidarImu>,
+    driver_frames: Rows<Driver>,
+    ins_drivers: Rows<InsDriver>,
+    simulators: Rows<Simulator>,
+    datasets: Rows<Dataset>,
+}
+
+impl Default for Tables {
+    /// Those that come with the program.
+    fn default() -> Self {
+        static TABLES: OnceLock<Tables> = OnceLock::new();
+        let read = || Self {
+            lidar_clouds: Rows::read(include_str!("../rules/tables/lidar-clouds.yaml")),
+            lidars: Rows::read(include_str!("../rules/tables/lidars.yaml")),
+            ouster: Rows::read(include_str!("../rules/tables/ouster.yaml")),
+            lidar_imus: Rows::read(include_str!("../rules/tables/lidar-imus.yaml")),
+            driver_frames: Rows::read(include_str!("../rules/tables/driver-frames.yaml")),
+            ins_drivers: Rows::read(include_str!("../rules/tables/ins-drivers.yaml")),
+            simulators: Rows::read(include_str!("../rules/tables/simulators.yaml")),
+            datasets: Rows::read(include_str!("../rules/tables/datasets.yaml")),
+        };
+        TABLES.get_or_init(read).clone()
+    }
+}
+
+impl Tables {
+    /// Their names, as the files in `rules/tables/` have them.
+    pub const NAMES: [&str; 8] = [
+        "lidar-clouds",
+        "lidars",
+        "ouster",
+        "lidar-imus",
+        "driver-frames",
+        "ins-drivers",
+        "simulators",
+        "datasets",
+    ];
+
+    /// Adds a row of the user's to a table; `origin` is where it stands.
+    pub fn add(&mut self, table: &str, row: &serde_yaml::Value, origin: &str) -> Result<(), RowFault> {
+        match table {
+            "lidar-clouds" => self.lidar_clouds.add(row, origin),
+            "lidars" => self.lidars.add(row, origin),
+            "ouster" => self.ouster.add(row, origin),
+            "lidar-imus" => self.lidar_imus.add(row, origin),
+            "driver-frames" => self.driver_frames.add(row, origin),
+            "ins-drivers" => self.ins_drivers.add(row, origin),
+            "simulators" => self.simulators.add(row, origin),
+            "datasets" => self.datasets.add(row, origin),
+            _ => Err(RowFault {
+                keys: Vec::new(),
+                message: format!("`{table}` is no table; known tables: {}", Self::NAMES.join(", ")),
+            }),
+        }
+    }
+
+    /// The driver whose points have these fields, each with its type.
+    pub fn cloud_driver<'f>(&self, fields: impl Iterator<Item = (&'f str, &'f str)>) -> Option<&CloudDriver> {
+        let known: BTreeMap<&str, &str> = fields.collect();
+        self.lidar_clouds.iter().map(Arc::as_ref).find(|row| row.fits(&known))
+    }
+
+    /// Fields in which the user's drivers of lidars have the times of points.
+    pub fn own_time_fields(&self) -> impl Iterator<Item = &str> {
+        let times = self.lidar_clouds.own().iter().filter_map(|row| row.time.as_ref());
+        times.map(|time| time.field.as_str())
+    }
+
+    /// The lidar that one of these lower-case words names.
+    pub fn lidar(&self, words: &[String]) -> Option<Arc<Lidar>> {
+        named::named(&self.lidars, words)
+    }
+
+    /// Every lidar.
+    pub fn lidars(&self) -> impl Iterator<Item = &Lidar> {
+        self.lidars.iter().map(Arc::as_ref)
+    }
+
+    /// Every place that is known of a part of an Ouster.
+    pub fn ouster_places(&self, part: OusterPart) -> impl Iterator<Item = &OusterPlace> {
+        self.ouster.iter().map(Arc::as_ref).filter(move |row| row.part == part)
+    }
+
+    /// The lidar with an inertial sensor that one of these lower-case words names.
+    pub fn lidar_imu(&self, words: &[String]) -> Option<Arc<LidarImu>> {
+        named::named(&self.lidar_imus, words)
+    }
+
+    /// The driver whose own edge this is.
+    pub fn driver_of_edge(&self, parent: &str, child: &str) -> Option<&str> {
+        let found = self.driver_frames.iter().find(|driver| driver.has(parent, child));
+        found.map(|driver| driver.driver.as_str())
+    }
+
+    /// The driver of an inertial navigation system that one of these lower-case words names.
+    pub fn ins_driver(&self, words: &[String]) -> Option<Arc<InsDriver>> {
+        named::named(&self.ins_drivers, words)
+    }
+
+    /// The simulator that one of these lower-case words names.
+    pub fn simulator(&self, words: &[String]) -> Option<Arc<Simulator>> {
+        named::named(&self.simulators, words)
+    }
+
+    /// The dataset that the user calls so.
+    pub fn dataset(&self, word: &str) -> Option<Arc<Dataset>> {
+        self.datasets.iter().find(|row| row.is_called(word)).cloned()
+    }
+
+    /// What the datasets are called.
+    pub fn dataset_names(&self) -> Vec<&str> {
+        self.datasets.iter().map(|row| row.name.as_str()).collect()
+    }
+}
 
 /// A day of the calendar, as seconds since 1970-01-01T00:00:00 UTC (leap seconds not counted: Unix time).
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Deserialize)]
@@ -91,18 +223,14 @@ pub fn leap_seconds() -> &'static LeapSeconds {
 pub struct Driver {
     /// The driver.
     pub driver: String,
-    /// Where that is written.
-    pub source: String,
     /// Patterns of parent and child; `*` stands for any text, the same in both.
-    pub edges: Vec<(String, String)>,
-}
-
-/// The table of drivers' own frames.
-#[derive(Clone, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct DriverFrames {
-    /// Its drivers.
-    pub drivers: Vec<Driver>,
+    edges: Vec<(String, String)>,
+    /// Whether somebody looked into the source.
+    #[serde(default)]
+    pub verified: bool,
+    /// Where that is written.
+    #[serde(default)]
+    pub source: String,
 }
 
 /// What `*` stands for where `name` fits `pattern`; empty for a pattern without one.
@@ -113,22 +241,26 @@ fn captured<'n>(pattern: &str, name: &'n str) -> Option<&'n str> {
     }
 }
 
-impl DriverFrames {
-    /// The driver whose own edge this is.
-    pub fn driver(&self, parent: &str, child: &str) -> Option<&str> {
-        let fits = |(of_parent, of_child): &(String, String)| {
+impl Driver {
+    /// Whether this edge is one of its own.
+    fn has(&self, parent: &str, child: &str) -> bool {
+        self.edges.iter().any(|(of_parent, of_child)| {
             let stem = captured(of_parent, parent);
             stem.is_some() && stem == captured(of_child, child)
-        };
-        let found = self.drivers.iter().find(|driver| driver.edges.iter().any(fits));
-        found.map(|driver| driver.driver.as_str())
+        })
     }
 }
 
-/// The table of drivers' own frames.
-pub fn driver_frames() -> &'static DriverFrames {
-    static TABLE: OnceLock<DriverFrames> = OnceLock::new();
-    TABLE.get_or_init(|| serde_yaml::from_str(include_str!("../rules/tables/driver-frames.yaml")).unwrap_or_default())
+impl Row for Driver {
+    fn source_mut(&mut self) -> &mut String {
+        &mut self.source
+    }
+
+    fn fault(&self) -> Option<(&'static str, &'static str)> {
+        let is_empty = |(parent, child): &(String, String)| parent.is_empty() || child.is_empty();
+        let is_faulty = self.edges.is_empty() || self.edges.iter().any(is_empty);
+        is_faulty.then_some(("edges", "pairs of a parent and a child are expected, at least one"))
+    }
 }
 
 /// A way in which files state where the origin of a local frame lies on the Earth.
@@ -173,6 +305,7 @@ pub fn earth_origins() -> &'static EarthOrigins {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
     use super::*;
 
     #[test]
@@ -190,18 +323,72 @@ mod tests {
 
     #[test]
     fn a_driver_knows_its_own_edges_and_no_mounting() {
-        let table = driver_frames();
-        assert_eq!(table.driver("os_sensor", "os_lidar"), Some("ouster-ros"));
-        assert_eq!(table.driver("front/os_sensor", "front/os_imu"), Some("ouster-ros"));
+        let table = Tables::default();
+        assert_eq!(table.driver_of_edge("os_sensor", "os_lidar"), Some("ouster-ros"));
         assert_eq!(
-            table.driver("camera_link", "camera_depth_frame"),
+            table.driver_of_edge("front/os_sensor", "front/os_imu"),
+            Some("ouster-ros")
+        );
+        assert_eq!(
+            table.driver_of_edge("camera_link", "camera_depth_frame"),
             Some("realsense2_camera")
         );
-        assert_eq!(table.driver("cam", "cam_optical_frame"), Some("any camera"));
-        assert_eq!(table.driver("left_link", "right_depth_frame"), None);
-        assert_eq!(table.driver("base_link", "camera_link"), None);
-        assert_eq!(table.driver("base_link", "os_sensor"), None);
-        assert!(table.drivers.iter().all(|driver| !driver.source.is_empty()));
+        assert_eq!(table.driver_of_edge("cam", "cam_optical_frame"), Some("any camera"));
+        assert_eq!(table.driver_of_edge("left_link", "right_depth_frame"), None);
+        assert_eq!(table.driver_of_edge("base_link", "camera_link"), None);
+        assert_eq!(table.driver_of_edge("base_link", "os_sensor"), None);
+    }
+
+    /// The files of the tables that users may add to.
+    const FILES: [(&str, &str); 8] = [
+        ("lidar-clouds", include_str!("../rules/tables/lidar-clouds.yaml")),
+        ("lidars", include_str!("../rules/tables/lidars.yaml")),
+        ("ouster", include_str!("../rules/tables/ouster.yaml")),
+        ("lidar-imus", include_str!("../rules/tables/lidar-imus.yaml")),
+        ("driver-frames", include_str!("../rules/tables/driver-frames.yaml")),
+        ("ins-drivers", include_str!("../rules/tables/ins-drivers.yaml")),
+        ("simulators", include_str!("../rules/tables/simulators.yaml")),
+        ("datasets", include_str!("../rules/tables/datasets.yaml")),
+    ];
+
+    #[test]
+    fn every_row_reads_as_a_users_row_would_and_has_a_source_and_says_whether_it_was_verified() {
+        assert_eq!(FILES.map(|(name, _)| name), Tables::NAMES);
+        let mut tables = Tables::default();
+        for (name, text) in FILES {
+            let file: serde_yaml::Value = serde_yaml::from_str(text).unwrap();
+            let rows = file.get("rows").and_then(serde_yaml::Value::as_sequence).unwrap();
+            assert!(!rows.is_empty(), "{name}");
+            for row in rows {
+                let has = |key: &str| row.get(key).is_some();
+                assert!(has("source") && has("verified"), "{name}: {row:?}");
+                assert_eq!(tables.add(name, row, "here"), Ok(()), "{name}: {row:?}");
+            }
+        }
+        assert_eq!(tables.lidar_clouds.own().len() * 2, tables.lidar_clouds.iter().count());
+    }
+
+    #[test]
+    fn the_users_rows_win() {
+        let mut tables = Tables::default();
+        let row = "{name: ours, fields: {time: float32, ring: uint16}, time: {field: time, unit_s: 1e-3, counts_from: header}}";
+        tables
+            .add("lidar-clouds", &serde_yaml::from_str(row).unwrap(), "ours.yaml:1")
+            .unwrap();
+        let fields = [("time", "float32"), ("ring", "uint16")];
+        let driver = tables.cloud_driver(fields.into_iter()).unwrap();
+        assert_eq!(
+            (driver.name.as_str(), driver.source.as_str(), driver.verified),
+            ("ours", "ours.yaml:1", false)
+        );
+        assert_eq!(tables.own_time_fields().collect::<Vec<_>>(), ["time"]);
+        assert!(
+            tables
+                .add("planets", &serde_yaml::Value::Null, "")
+                .unwrap_err()
+                .message
+                .contains("known tables")
+        );
     }
 
     /// `leap-seconds.list` of NIST: seconds since 1900, and `TAI - UTC` from then on.

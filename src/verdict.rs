@@ -109,6 +109,9 @@ pub struct Measured {
     pub spread: Option<f64>,
     /// Number of samples behind it.
     pub n: Option<u64>,
+    /// Whether it is the angle by which something is turned against what it should be; see [`Measured::turn`].
+    #[serde(skip)]
+    pub is_turn: bool,
 }
 
 impl Measured {
@@ -121,6 +124,7 @@ impl Measured {
             limit: None,
             spread: None,
             n: None,
+            is_turn: false,
         }
     }
 
@@ -133,6 +137,14 @@ impl Measured {
     #[must_use]
     pub fn limit(mut self, limit: f64) -> Self {
         self.limit = Some(limit);
+        self
+    }
+
+    /// An angle by which a frame or an orientation is turned against what it should be: what it moves far points by is told with
+    /// the finding.
+    #[must_use]
+    pub fn turn(mut self) -> Self {
+        self.is_turn = true;
         self
     }
 

@@ -6,10 +6,11 @@ use frames_lint::read::messages::content::{Body, MAX_PATH};
 use frames_lint::read::messages::decoder::{Decoder, Format};
 use frames_lint::read::messages::definition::Definitions;
 use frames_lint::read::messages::header::Header;
+use frames_lint::read::messages::radar::{Columns, MAX_ECHOES};
 use frames_lint::read::messages::{MAX_NAME, Wire, tf};
 use libfuzzer_sys::fuzz_target;
 
-const TYPES: [(&str, &str); 18] = [
+const TYPES: [(&str, &str); 25] = [
     ("/tf", "tf2_msgs/msg/TFMessage"),
     ("/pose/tf", "geometry_msgs/msg/TransformStamped"),
     ("/odom", "nav_msgs/msg/Odometry"),
@@ -28,6 +29,13 @@ const TYPES: [(&str, &str); 18] = [
     ("/fix_velocity", "geometry_msgs/msg/Vector3Stamped"),
     ("/geopose", "geographic_msgs/msg/GeoPoseStamped"),
     ("/plan", "nav_msgs/msg/Path"),
+    ("/points", "sensor_msgs/msg/PointCloud2"),
+    ("/livox", "livox_ros_driver2/msg/CustomMsg"),
+    ("/camera_info", "sensor_msgs/msg/CameraInfo"),
+    ("/image", "sensor_msgs/msg/Image"),
+    ("/scan", "sensor_msgs/msg/LaserScan"),
+    ("/radar", "radar_msgs/msg/RadarScan"),
+    ("/tracks", "radar_msgs/msg/RadarTracks"),
 ];
 
 fuzz_target!(|bytes: &[u8]| {
@@ -51,6 +59,19 @@ fuzz_target!(|bytes: &[u8]| {
                 Body::Description(text) => assert!(text.len() <= bytes.len()),
                 // The shortest pose is 12 bytes of header and 56 of numbers.
                 Body::Path(poses) => assert!(poses.len() <= (bytes.len() / 68).min(MAX_PATH as usize)),
+                // A range has four bytes; a return has 20, a track has more.
+                Body::LaserScan(scan) => assert!(scan.ranges.len() <= bytes.len() / 4),
+                Body::Radar(radar) => {
+                    assert!(radar.total as usize <= bytes.len() / 20);
+                    assert!(radar.echoes.len() <= (radar.total as usize).min(MAX_ECHOES as usize));
+                }
+                Body::Cloud(cloud) => {
+                    let last = cloud.point(cloud.height.wrapping_sub(1), cloud.width.wrapping_sub(1));
+                    assert!(last.is_none_or(|point| point.len() <= bytes.len()));
+                    if let Some(columns) = Columns::of(&cloud) {
+                        let _ = last.map(|point| columns.echo(point));
+                    }
+                }
                 Body::Fix(fix) => assert!(fix.velocity.is_none_or(|velocity| velocity.iter().all(|part| part.is_finite()))),
                 _ => {}
             }

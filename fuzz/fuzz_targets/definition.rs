@@ -7,10 +7,13 @@ use frames_lint::read::messages::MAX_NAME;
 use frames_lint::read::messages::content::Body;
 use frames_lint::read::messages::decoder::{Decoder, Format};
 use frames_lint::read::messages::definition::{Carried, Definitions, Schema};
+use frames_lint::read::messages::radar::{Form, MAX_ECHOES};
 use libfuzzer_sys::fuzz_target;
 
-const TYPES: [&str; 4] = [
+const TYPES: [&str; 6] = [
     "acme_msgs/msg/Top",
+    "radar_msgs/msg/RadarScan",
+    "delphi_esr_msgs/msg/EsrTrack",
     "nav_msgs/Odometry",
     "tf2_msgs::msg::dds_::TFMessage_",
     "sensor_msgs/msg/NavSatFix",
@@ -54,6 +57,12 @@ fuzz_target!(|bytes: &[u8]| {
                 for member in &content.members {
                     assert!(!member.field.is_empty() && !matches!(member.body, Body::Nothing));
                     assert!(member.header.is_some() || content.header.is_none());
+                    if let Body::Radar(radar) = &member.body {
+                        // The least detection is a range, an azimuth and a rate.
+                        let single = matches!(radar.form, Form::Single(_));
+                        assert!(single || radar.total as usize <= message.len() / 12);
+                        assert!(radar.echoes.len() <= MAX_ECHOES as usize);
+                    }
                 }
             }
         }

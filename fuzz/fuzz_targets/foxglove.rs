@@ -9,7 +9,7 @@ use frames_lint::read::messages::decoder::Format;
 use frames_lint::read::messages::foxglove::Reader;
 use libfuzzer_sys::fuzz_target;
 
-const TYPES: [&str; 9] = [
+const TYPES: [&str; 10] = [
     "foxglove.FrameTransform",
     "foxglove.FrameTransforms",
     "foxglove.LocationFix",
@@ -18,6 +18,7 @@ const TYPES: [&str; 9] = [
     "foxglove.Odometry",
     "foxglove.SceneUpdate",
     "foxglove.PointCloud",
+    "foxglove.LaserScan",
     "acme.Thing",
 ];
 
@@ -118,6 +119,17 @@ static READERS: LazyLock<Vec<Reader>> = LazyLock::new(|| {
         ),
         declared("SceneUpdate", &[many("entities", 2, ".foxglove.PointCloud")]),
         declared("PointCloud", &[time, frame]),
+        declared(
+            "LaserScan",
+            &[
+                time,
+                frame,
+                message("pose", 3, ".foxglove.Pose"),
+                double("start_angle", 4),
+                double("end_angle", 5),
+                many("ranges", 6, ""),
+            ],
+        ),
     ]
     .concat();
     let other = [

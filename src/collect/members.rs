@@ -23,6 +23,8 @@ const LATER: usize = 16;
 /// The members of one topic.
 pub(super) struct Members {
     rank: usize,
+    time_fields: Arc<[String]>,
+    of_type: usize,
     known: BTreeMap<Arc<str>, Box<One>>,
     /// Those that found no room.
     pub(super) refused: u64,
@@ -37,10 +39,12 @@ struct One {
 }
 
 impl Members {
-    /// Those of the topic that came `rank`-th, from 0.
-    pub(super) fn new(rank: usize) -> Self {
+    /// Those of the topic that came `rank`-th, from 0, and `of_type`-th among those of its type.
+    pub(super) fn new(rank: usize, of_type: usize, time_fields: Arc<[String]>) -> Self {
         Self {
             rank,
+            time_fields,
+            of_type,
             known: BTreeMap::new(),
             refused: 0,
         }
@@ -66,13 +70,13 @@ impl Members {
             };
             *room = left;
             let rank = self.rank + LATER * self.known.len();
-            let share = Share::of(rank);
+            let share = Share::of(rank).with_clouds(self.of_type + self.known.len());
             let one = One {
                 guessed: member.guessed,
                 first: point,
                 frames: Names::new(share),
                 children: Names::new(share),
-                contents: Contents::new(share, Room::of(rank)),
+                contents: Contents::new(share, Room::of(rank), Arc::clone(&self.time_fields)),
             };
             self.known.insert(Arc::clone(&member.field), Box::new(one));
         }

@@ -23,6 +23,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
 use crate::read::bag::{self, Channel, Extent, Message, Progress, Recording, Sampling, Visit, Wanted};
+use crate::read::calibration::ouster::may_be_ouster;
 use crate::read::messages::content::{Body, Content};
 use crate::read::messages::decoder::{Decoder, Format};
 use crate::read::messages::decoders::Decoders;
@@ -56,6 +57,8 @@ pub struct Collected {
     pub facts: Facts,
     /// Texts of robot descriptions, each different one once, with the first message that carries it.
     pub descriptions: Vec<(MessageRef, String)>,
+    /// Texts in which sensors describe themselves, likewise.
+    pub metadata: Vec<(MessageRef, String)>,
 }
 
 /// How a recording is read.
@@ -67,6 +70,8 @@ pub struct How {
     pub parts: Vec<PathBuf>,
     /// The definitions of messages for recordings that carry none.
     pub definitions: Arc<Definitions>,
+    /// Fields in which points have their times, beside those that are known.
+    pub time_fields: Arc<[String]>,
 }
 
 /// Reads a recording once and keeps bounded evidence of it. How far that went, and every problem, is written into
@@ -75,6 +80,7 @@ pub fn collect(path: &Path, how: &How, source: &mut Source, progress: Progress<'
     let mut collector = Collector {
         decoders: Decoders::new(Arc::clone(&how.definitions)),
         room_for_members: MAX_MEMBERS,
+        time_fields: Arc::clone(&how.time_fields),
         ..Collector::default()
     };
     let wanted = Wanted {
@@ -89,9 +95,10 @@ pub fn collect(path: &Path, how: &How, source: &mut Source, progress: Progress<'
     collector.finish(source, &extent)
 }
 
-/// Whether a channel holds what decides the tree: latched transforms, descriptions, and what else is sent once.
+/// Whether a channel holds what decides the tree: latched transforms, descriptions of robots and sensors, and what else is sent once.
 fn decides_the_tree(channel: &Channel) -> bool {
-    channel.latched || matches!(last_segment(&channel.topic), "tf_static" | "robot_description")
+    let is_sensor = || channel.message_type.ends_with("/String") && last_segment(&channel.topic).ends_with("metadata");
+    channel.latched || matches!(last_segment(&channel.topic), "tf_static" | "robot_description") || is_sensor()
 }
 
 /// A channel that was told.
@@ -112,6 +119,8 @@ struct Collector {
     tf: Tf,
     writers: Writers,
     descriptions: Descriptions,
+    metadata: Descriptions,
+    time_fields: Arc<[String]>,
     parts: Parts,
     annotations: Annotations,
     log_ns: Option<(i64, i64)>,
@@ -172,6 +181,7 @@ impl Visit for Collector {
             Body::ChildFrame(child) => topic.child(point, &child),
             Body::Frames(names) => topic.named(point, &names),
             Body::Description(text) => self.descriptions.push(point, &topic.name, &text),
+            Body::Metadata(text) if may_be_ouster(&text) => self.metadata.push(point, &topic.name, &text),
             body => {
                 if let Body::Odometry(odometry) = &body {
                     topic.child(point, &odometry.child);
@@ -220,7 +230,13 @@ impl Collector {
             None if next >= MAX_TOPICS || channel.topic.len() > MAX_TOPIC_NAME => return None,
             None => {
                 self.topic_of.insert(channel.topic.clone(), next);
-                self.topics.push(Topic::new(channel, &decoder, next));
+                let alike = self
+                    .topics
+                    .iter()
+                    .filter(|topic| topic.message_type == channel.message_type);
+                let of_type = alike.count();
+                self.topics
+                    .push(Topic::new(channel, &decoder, next, of_type, &self.time_fields));
                 next
             }
         };
@@ -281,6 +297,7 @@ impl Collector {
                 ..Facts::default()
             },
             descriptions: self.descriptions.kept,
+            metadata: self.metadata.kept,
         }
     }
 
@@ -368,6 +385,10 @@ impl Collector {
             (
                 self.descriptions.refused,
                 format!("robot descriptions beyond the first {MAX_DESCRIPTIONS}"),
+            ),
+            (
+                self.metadata.refused,
+                format!("descriptions of sensors beyond the first {MAX_DESCRIPTIONS}"),
             ),
             (self.parts.refused, "files of a split recording".to_owned()),
             (

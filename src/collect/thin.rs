@@ -3,6 +3,7 @@
 //! Owns thinning. Must not know what is sampled.
 
 use crate::world::bag::MAX_EXAMPLES;
+use crate::world::cloud::{MAX_POINTS, MAX_RUNS, MAX_SAMPLES};
 
 /// How many samples one subject (a topic, an edge) may keep. The first subjects of a recording get full series; a
 /// recording with thousands of them, real or hostile, gets short ones, so that memory stays bounded.
@@ -24,6 +25,10 @@ pub(super) struct Share {
     pub(super) names: usize,
     /// Examples of each fault.
     pub(super) examples: usize,
+    /// Clouds of which points are kept, and points of each.
+    pub(super) clouds: [usize; 2],
+    /// Runs of neighbouring clouds that are kept as slices.
+    pub(super) runs: usize,
 }
 
 impl Share {
@@ -48,7 +53,22 @@ impl Share {
             matrices,
             names,
             examples,
+            clouds: [1, 16],
+            runs: 0,
         }
+        .with_clouds(rank)
+    }
+
+    /// The same with room for the clouds of the topic that came `rank`-th among those of its type: vehicles have eight lidars, and
+    /// forty other topics before them.
+    pub(super) fn with_clouds(self, rank: usize) -> Self {
+        let (clouds, runs) = match rank {
+            0..8 => ([MAX_SAMPLES, MAX_POINTS], MAX_RUNS),
+            8..32 => ([MAX_SAMPLES, 1024], 10),
+            32..256 => ([4, 256], 0),
+            _ => ([1, 16], 0),
+        };
+        Self { clouds, runs, ..self }
     }
 }
 

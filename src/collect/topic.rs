@@ -1,6 +1,7 @@
 //! What is gathered of one topic: counts, log times, header frames, stamps.
 
 use std::borrow::Cow;
+use std::sync::Arc;
 
 use crate::read::bag::{Channel, Message};
 use crate::read::messages::DecodeError;
@@ -51,9 +52,15 @@ pub(super) struct Topic {
 }
 
 impl Topic {
-    /// A topic that came `rank`-th, from 0.
-    pub(super) fn new(channel: &Channel, decoder: &Decoder, rank: usize) -> Self {
-        let share = Share::of(rank);
+    /// A topic that came `rank`-th, from 0, and `of_type`-th among those of its type.
+    pub(super) fn new(
+        channel: &Channel,
+        decoder: &Decoder,
+        rank: usize,
+        of_type: usize,
+        time_fields: &Arc<[String]>,
+    ) -> Self {
+        let share = Share::of(rank).with_clouds(of_type);
         Self {
             name: channel.topic.clone(),
             message_type: channel.message_type.clone(),
@@ -71,8 +78,8 @@ impl Topic {
             frames: Names::new(share),
             children: Names::new(share),
             stamps: Stamps::new(share),
-            contents: Contents::new(share, Room::of(rank)),
-            members: Members::new(rank),
+            contents: Contents::new(share, Room::of(rank), Arc::clone(time_fields)),
+            members: Members::new(rank, of_type, Arc::clone(time_fields)),
         }
     }
 

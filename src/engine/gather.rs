@@ -29,7 +29,7 @@ pub(super) struct Reading {
     pub(super) input: usize,
 }
 
-/// A text that came out of a source and is read as a robot description.
+/// A text that came out of a source and is read as a description of a robot or of a sensor.
 struct Emerged {
     text: String,
     path: String,
@@ -85,6 +85,16 @@ fn read_emerged(emerged: Emerged, id: SourceId, inputs: &Inputs) -> Reading {
         ..Examined::default()
     };
     source.text = emerged.text;
+    if source.kind == SourceKind::SensorMetadata {
+        let facts = calibration::read_json(&mut source);
+        // A text that is cut off is no fault of the recording, nor of the call.
+        source.status = source.status.min(ReadStatus::Partial);
+        return Reading {
+            source,
+            facts,
+            input: emerged.input,
+        };
+    }
     let lookup = inputs
         .files
         .get(emerged.input)
@@ -179,18 +189,20 @@ impl Reader<'_> {
             how.parts.clone_from(&input.parts);
         }
         let collected = collect(&input.path, &how, source, &|done, _total| task.update(done));
-        emerged.extend(
-            collected
-                .descriptions
-                .into_iter()
-                .map(|(message, text): (MessageRef, String)| Emerged {
-                    text,
-                    path: input.display.clone(),
-                    kind: SourceKind::RobotDescription,
-                    derived: Derived::Message(message),
-                    input: index,
-                }),
-        );
+        let texts = [
+            (SourceKind::RobotDescription, collected.descriptions),
+            (SourceKind::SensorMetadata, collected.metadata),
+        ];
+        for (kind, texts) in texts {
+            let emerging = |(message, text): (MessageRef, String)| Emerged {
+                text,
+                path: input.display.clone(),
+                kind,
+                derived: Derived::Message(message),
+                input: index,
+            };
+            emerged.extend(texts.into_iter().map(emerging));
+        }
         collected.facts
     }
 

@@ -13,7 +13,7 @@ use super::plan::Enabled;
 /// Judges one world with every enabled rule. `label` is put before each subject when the run has several platforms.
 pub(super) fn judge(world: &World, rules: &[Enabled], label: Option<&str>) -> Verdict {
     let mut verdict = Verdict::default();
-    for rule in rules {
+    for rule in rules.iter().filter(|rule| rule.entry.review.is_none()) {
         let mut out = Judge::default();
         let missing: Vec<&str> = rule
             .entry
@@ -48,6 +48,19 @@ pub(super) fn judge(world: &World, rules: &[Enabled], label: Option<&str>) -> Ve
         }
         doubt_guesses(world, &mut out);
         take(out, rule, label, crash, &mut verdict);
+    }
+    // What speaks of the findings comes when all are there.
+    for rule in rules {
+        if let Some(review) = rule.entry.review {
+            let mut out = Judge::default();
+            let asked = AssertUnwindSafe(|| review(&mut verdict.findings, &verdict.rows, rule.whole()?, &mut out));
+            let crash = match catch_unwind(asked) {
+                Ok(Ok(())) => unmeasured(&out),
+                Ok(Err(error)) => Some(error.to_string()),
+                Err(panic) => Some(panic_words(panic.as_ref())),
+            };
+            take(out, rule, label, crash, &mut verdict);
+        }
     }
     verdict
 }
@@ -210,6 +223,7 @@ mod tests {
             needs: &[Need::Robot],
             evidence: Evidence::LEAST,
             run: |_, _, _| panic!("must not be asked"),
+            review: None,
             check_limits: |_| Ok(()),
         };
         let verdict = run_with(&ENTRY);
@@ -225,6 +239,7 @@ mod tests {
             needs: &[],
             evidence: Evidence::LEAST,
             run: |_, _, _| Ok(()),
+            review: None,
             check_limits: |_| Ok(()),
         };
         let verdict = run_with(&ENTRY);
@@ -244,6 +259,7 @@ mod tests {
                 out.pass("first", [Measured::count("things", 1)]);
                 panic!("boom")
             },
+            review: None,
             check_limits: |_| Ok(()),
         };
         let verdict = run_with(&ENTRY);
@@ -263,6 +279,7 @@ mod tests {
                 out.pass("thing", []);
                 Ok(())
             },
+            review: None,
             check_limits: |_| Ok(()),
         };
         assert_eq!(run_with(&ENTRY).count(Outcome::Crashed), 1);
@@ -278,6 +295,7 @@ mod tests {
                 out.fail(Finding::error("thing", "wrong", Place::whole(SourceId(0))).measured(Measured::count("n", 1)));
                 Ok(())
             },
+            review: None,
             check_limits: |_| Ok(()),
         };
         let verdict = run_with(&ENTRY);

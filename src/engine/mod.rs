@@ -239,6 +239,8 @@ fn add_config(worlds: &mut [World], sources: Arc<Vec<Source>>, config: &Config) 
     let (sources, conventions) = (Arc::new(sources), Arc::new(config.conventions(id)));
     for world in worlds {
         world.sources = Arc::clone(&sources);
+        world.tables = config.tables();
+        world.dataset = config.dataset(id);
         world.declare(Arc::clone(&conventions));
     }
     sources
@@ -255,6 +257,7 @@ fn worlds(
     let how = How {
         sampling: plan.sampling(),
         definitions: Arc::clone(definitions),
+        time_fields: config.map(Config::time_fields).unwrap_or_default(),
         ..How::default()
     };
     let readings = gather::gather(inputs, &options.xacro_args, &how, &progress);

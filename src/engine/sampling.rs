@@ -220,6 +220,7 @@ mod tests {
             needs: &[],
             evidence: Evidence::USUAL,
             run: |_, _, _| Ok(()),
+            review: None,
             check_limits: |_| Ok(()),
         };
         static CONTENT: Entry = Entry {

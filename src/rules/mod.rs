@@ -5,23 +5,32 @@
 
 pub mod auth;
 pub mod axes;
+pub mod camera;
 pub mod cov;
 pub mod cross;
 mod declared;
 pub mod geo;
+mod ground;
+mod hand_eye;
 mod judge;
+mod landmarks;
+mod lidar;
 mod literal;
 mod motion;
 pub mod name;
 mod names;
 mod near;
 mod optical;
+mod ouster;
 mod pairs;
 mod places;
+pub mod prec;
 mod promised;
 pub mod quat;
+mod radar;
 mod relate;
 pub mod rot;
+mod scan_motion;
 pub mod sensor;
 mod spelling;
 mod suffix;
@@ -34,6 +43,7 @@ pub mod urdf;
 use serde::de::DeserializeOwned;
 
 use crate::page::{Front, PageError};
+use crate::verdict::{Finding, Row};
 use crate::world::World;
 
 pub use judge::{Judge, Need};
@@ -49,9 +59,16 @@ pub trait Rule {
     /// The limits of the page, typed.
     type Limits: DeserializeOwned;
 
+    /// Whether the rule speaks of what the others found.
+    const REVIEWS: bool = false;
+
     /// Judges every subject of a world: one `pass`, `fail` or `not_evaluated` for each. Saying nothing at all means
     /// that the world holds no subject.
     fn judge(world: &World, limits: &Self::Limits, out: &mut Judge);
+
+    /// Speaks of what the other rules found, and may add to what they measured: asked last, instead of [`Rule::judge`], where
+    /// [`Rule::REVIEWS`] says so. As pure as that: findings and outcomes in, judgements out.
+    fn review(_found: &mut [Finding], _rows: &[Row], _limits: &Self::Limits, _out: &mut Judge) {}
 }
 
 /// The limits of another rule, as its page has them.
@@ -107,6 +124,7 @@ impl Evidence {
 pub struct NoLimits {}
 
 type Run = fn(&World, &Front, &mut Judge) -> Result<(), PageError>;
+type Review = fn(&mut [Finding], &[Row], &Front, &mut Judge) -> Result<(), PageError>;
 
 /// A registered rule.
 #[derive(Clone, Copy)]
@@ -119,6 +137,8 @@ pub struct Entry {
     pub evidence: Evidence,
     /// Loads the limits and judges.
     pub run: Run,
+    /// Loads the limits and speaks of what the others found, where the rule does that instead.
+    pub review: Option<Review>,
     /// Loads the limits only.
     pub check_limits: fn(&Front) -> Result<(), PageError>,
 }
@@ -132,8 +152,14 @@ const fn entry<R: Rule>() -> Entry {
             R::judge(world, &front.limits::<R::Limits>()?, out);
             Ok(())
         },
+        review: if R::REVIEWS { Some(review::<R>) } else { None },
         check_limits: |front| front.limits::<R::Limits>().map(|_| ()),
     }
+}
+
+fn review<R: Rule>(found: &mut [Finding], rows: &[Row], front: &Front, out: &mut Judge) -> Result<(), PageError> {
+    R::review(found, rows, &front.limits::<R::Limits>()?, out);
+    Ok(())
 }
 
 /// Every rule, in the order of the catalogue. Adding a rule: its page, its file, one line here.
@@ -171,6 +197,7 @@ pub static RULES: &[Entry] = &[
     entry::<rot::identity_or_placeholder::IdentityOrPlaceholder>(),
     entry::<rot::angle_unit::AngleUnit>(),
     entry::<rot::truncated_literal::TruncatedLiteral>(),
+    entry::<rot::rotation_error_budget::RotationErrorBudget>(),
     entry::<axes::imu_gravity_sign::ImuGravitySign>(),
     entry::<axes::imu_units::ImuUnits>(),
     entry::<axes::orientation_vs_gravity::OrientationVsGravity>(),
@@ -179,8 +206,13 @@ pub static RULES: &[Entry] = &[
     entry::<axes::accel_vs_speed::AccelVsSpeed>(),
     entry::<axes::gnss_vs_odom_handedness::GnssVsOdomHandedness>(),
     entry::<axes::odom_twist_frame::OdomTwistFrame>(),
+    entry::<axes::ground_z::GroundZ>(),
+    entry::<axes::up_axis_flip::UpAxisFlip>(),
+    entry::<axes::cloud_mirror::CloudMirror>(),
+    entry::<axes::lidar_forward_axis::LidarForwardAxis>(),
     entry::<axes::base_frame_flu::BaseFrameFlu>(),
     entry::<axes::map_z_up::MapZUp>(),
+    entry::<axes::radar_doppler::RadarDoppler>(),
     entry::<quat::quaternion_convention::QuaternionConvention>(),
     entry::<quat::quaternion_order_static::QuaternionOrderStatic>(),
     entry::<quat::euler_sequence::EulerSequence>(),
@@ -196,14 +228,32 @@ pub static RULES: &[Entry] = &[
     entry::<time::stamp_vs_log::StampVsLog>(),
     entry::<time::stamp_monotonic::StampMonotonic>(),
     entry::<time::clock_domain::ClockDomain>(),
+    entry::<time::point_time_missing::PointTimeMissing>(),
+    entry::<time::point_time_unit::PointTimeUnit>(),
+    entry::<time::point_time_sweep::PointTimeSweep>(),
+    entry::<time::point_time_reference::PointTimeReference>(),
     entry::<time::sensor_time_offset::SensorTimeOffset>(),
     entry::<time::tf_vs_sensor_time::TfVsSensorTime>(),
     entry::<time::leap_table_expiry::LeapTableExpiry>(),
+    entry::<sensor::ouster_frame::OusterFrame>(),
+    entry::<sensor::ouster_tf_metadata::OusterTfMetadata>(),
+    entry::<sensor::extrinsic_z180_double::ExtrinsicZ180Double>(),
+    entry::<sensor::native_y_forward::NativeYForward>(),
     entry::<sensor::imu_shares_lidar_frame::ImuSharesLidarFrame>(),
     entry::<sensor::ins_profile::InsProfile>(),
     entry::<sensor::mavros_frames::MavrosFrames>(),
     entry::<sensor::compass_in_quaternion::CompassInQuaternion>(),
     entry::<sensor::left_handed_simulator::LeftHandedSimulator>(),
+    entry::<sensor::dataset_profile::DatasetProfile>(),
+    entry::<camera::optical_rotation::OpticalRotation>(),
+    entry::<camera::camera_info_k_size::CameraInfoKSize>(),
+    entry::<camera::camera_info_distortion::CameraInfoDistortion>(),
+    entry::<camera::camera_info_r_p::CameraInfoRP>(),
+    entry::<camera::lidar_in_view::LidarInView>(),
+    entry::<camera::camera_extrinsic_direction::CameraExtrinsicDirection>(),
+    entry::<camera::stereo_baseline::StereoBaseline>(),
+    entry::<camera::range_image_config::RangeImageConfig>(),
+    entry::<camera::bev_panorama_metadata::BevPanoramaMetadata>(),
     entry::<cov::cov_psd::CovPsd>(),
     entry::<cov::cov_order::CovOrder>(),
     entry::<cov::cov_unknown_marking::CovUnknownMarking>(),
@@ -215,6 +265,9 @@ pub static RULES: &[Entry] = &[
     entry::<auth::calibration_missing_default::CalibrationMissingDefault>(),
     entry::<cross::extrinsic_consistency::ExtrinsicConsistency>(),
     entry::<cross::extrinsic_relation::ExtrinsicRelation>(),
+    entry::<cross::calibration_loop::CalibrationLoop>(),
+    entry::<cross::extrinsic_direction::ExtrinsicDirection>(),
+    entry::<cross::hand_eye::HandEyeCalibration>(),
     entry::<cross::urdf_tf_topology::UrdfTfTopology>(),
     entry::<urdf::mesh_scale::MeshScale>(),
     entry::<urdf::self_joint::SelfJoint>(),
@@ -229,4 +282,7 @@ pub static RULES: &[Entry] = &[
     entry::<urdf::ignored_name::IgnoredName>(),
     entry::<urdf::unknown_joint_type::UnknownJointType>(),
     entry::<urdf::consumer_disagrees::ConsumerDisagrees>(),
+    entry::<prec::float32_ulp::Float32Ulp>(),
+    entry::<prec::point_time_precision::PointTimePrecision>(),
+    entry::<prec::local_origin::LocalOrigin>(),
 ];

@@ -32,12 +32,14 @@ impl Difference {
     pub(crate) fn between(a: &Isometry3<f64>, b: &Isometry3<f64>, same: Same) -> Self {
         let difference = classify_either_way(a, b, &Tolerance::default()).classification;
         let (deg, m) = (difference.angle_rad.to_degrees(), difference.distance_m);
-        let measured = vec![
-            Measured::new("difference in rotation", deg, "deg").limit(same.deg),
-            Measured::new("difference in translation", m, "m").limit(same.m),
-        ];
         let is_same = deg <= same.deg && m <= same.m;
         let relation = difference.error().filter(|_| !is_same);
+        let rotation = Measured::new("difference in rotation", deg, "deg").limit(same.deg);
+        let measured = vec![
+            // Another convention is no error by an angle.
+            if relation.is_some() { rotation } else { rotation.turn() },
+            Measured::new("difference in translation", m, "m").limit(same.m),
+        ];
         // What these numbers can't tell from it is said, as CROSS02 does.
         let also: Vec<&str> = difference.class.iter().skip(1).map(|other| other.word()).collect();
         let words = match relation {

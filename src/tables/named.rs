@@ -1,66 +1,70 @@
 //! Devices, drivers and simulators that a recording names by a word.
 
-use std::sync::OnceLock;
+use std::sync::Arc;
 
 use serde::Deserialize;
-use serde::de::DeserializeOwned;
 
-/// What holds for everything that is known by a word.
-#[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
-struct Row<T> {
-    /// Its name in reports.
-    name: String,
+use super::rows::{Row, Rows};
+
+/// What is known by a word.
+pub(super) trait Named: Row {
     /// Lower-case words by which it is known.
-    words: Vec<String>,
-    /// Where what follows is written.
-    source: String,
-    /// What is known of it.
-    #[serde(flatten)]
-    facts: T,
+    fn words(&self) -> &[String];
 }
 
-#[derive(Clone, Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Table<T> {
-    rows: Vec<Row<T>>,
+/// The first row that one of these words names.
+pub(super) fn named<T: Named>(rows: &Rows<T>, words: &[String]) -> Option<Arc<T>> {
+    let names = |row: &&Arc<T>| words.iter().any(|word| row.words().contains(word));
+    rows.iter().find(names).cloned()
 }
 
-impl<T: DeserializeOwned> Table<T> {
-    fn read(text: &str) -> Self {
-        serde_yaml::from_str(text).unwrap_or(Self { rows: Vec::new() })
-    }
-
-    /// The first row that one of these words names.
-    fn named(&'static self, words: &[String]) -> Option<Known<T>> {
-        let names = |row: &&Row<T>| words.iter().any(|word| row.words.contains(word));
-        let row = self.rows.iter().find(names)?;
-        Some(Known {
-            name: &row.name,
-            facts: &row.facts,
-        })
-    }
+/// What is wrong with the words of a row.
+fn words_fault(words: &[String]) -> Option<(&'static str, &'static str)> {
+    let is_word = |word: &String| {
+        !word.is_empty()
+            && word
+                .chars()
+                .all(|letter| letter.is_alphanumeric() && !letter.is_uppercase())
+    };
+    let is_well = !words.is_empty() && words.iter().all(is_word);
+    (!is_well).then_some((
+        "words",
+        "whole words in lower-case letters and digits are expected, at least one",
+    ))
 }
 
-/// Something that a word names, and what is known of it.
-#[derive(Debug, PartialEq)]
-pub struct Known<T: 'static> {
-    /// Its name in reports.
-    pub name: &'static str,
-    /// What is known of it.
-    pub facts: &'static T,
+macro_rules! named {
+    ($row:ty) => {
+        impl Row for $row {
+            fn source_mut(&mut self) -> &mut String {
+                &mut self.source
+            }
+
+            fn fault(&self) -> Option<(&'static str, &'static str)> {
+                words_fault(&self.words)
+            }
+        }
+
+        impl Named for $row {
+            fn words(&self) -> &[String] {
+                &self.words
+            }
+        }
+    };
 }
 
-impl<T> Clone for Known<T> {
-    fn clone(&self) -> Self {
-        *self
-    }
-}
-
-impl<T> Copy for Known<T> {}
+named!(InsDriver);
+named!(LidarImu);
+named!(Simulator);
+named!(Lidar);
 
 /// An inertial navigation system with its driver.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct InsDriver {
+    /// Its name in reports.
+    pub name: String,
+    words: Vec<String>,
     /// What the system itself measures in.
     pub native: String,
     /// What to set, so that the convention of ROS is published.
@@ -68,6 +72,12 @@ pub struct InsDriver {
     /// Headings that wrong settings give.
     #[serde(default)]
     pub offsets: Vec<Offset>,
+    /// Whether somebody looked into the source.
+    #[serde(default)]
+    pub verified: bool,
+    /// Where it is written.
+    #[serde(default)]
+    pub source: String,
 }
 
 /// An angle that yaw minus course takes where a setting is wrong.
@@ -84,84 +94,109 @@ pub struct Offset {
 
 /// A lidar with an inertial sensor inside.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct LidarImu {
+    /// Its name in reports.
+    pub name: String,
+    words: Vec<String>,
     /// Position of the inertial sensor in the frame of the cloud, millimetres, where it is published.
     #[serde(default)]
     pub lever_mm: Option<[f64; 3]>,
+    /// Whether somebody looked into the source.
+    #[serde(default)]
+    pub verified: bool,
+    /// Where it is written.
+    #[serde(default)]
+    pub source: String,
 }
 
 /// A simulator.
 #[derive(Clone, Debug, PartialEq, Eq, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Simulator {
+    /// Its name in reports.
+    pub name: String,
+    words: Vec<String>,
     /// Axes of its world.
     pub axes: String,
     /// The way to those of ROS.
     pub conversion: String,
+    /// Whether somebody looked into the source.
+    #[serde(default)]
+    pub verified: bool,
+    /// Where it is written.
+    #[serde(default)]
+    pub source: String,
 }
 
-fn ins_drivers() -> &'static Table<InsDriver> {
-    static TABLE: OnceLock<Table<InsDriver>> = OnceLock::new();
-    TABLE.get_or_init(|| Table::read(include_str!("../../rules/tables/ins-drivers.yaml")))
+/// A lidar with the driver that publishes its clouds.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Lidar {
+    /// Its name in reports.
+    pub name: String,
+    words: Vec<String>,
+    /// The axis of the sensor itself that points forward.
+    pub sensor: Forward,
+    /// That of the clouds that its driver for ROS publishes.
+    pub driver: Forward,
+    /// Which way it sweeps, seen from above with z up.
+    #[serde(default)]
+    pub sweep: Option<super::Sweep>,
+    /// Keys under which a configuration of its driver holds a transform that the driver itself applies to every point.
+    #[serde(default)]
+    pub transform_keys: Vec<String>,
+    /// Whether it does so only where that is switched on.
+    #[serde(default)]
+    pub transform_by_setting: bool,
+    /// Message types of packets that hold its points unread.
+    #[serde(default)]
+    pub packets: Vec<String>,
+    /// Whether somebody looked into the source.
+    #[serde(default)]
+    pub verified: bool,
+    /// Where it is written.
+    #[serde(default)]
+    pub source: String,
 }
 
-fn lidar_imus() -> &'static Table<LidarImu> {
-    static TABLE: OnceLock<Table<LidarImu>> = OnceLock::new();
-    TABLE.get_or_init(|| Table::read(include_str!("../../rules/tables/lidar-imus.yaml")))
+impl Lidar {
+    /// Whether one of these lower-case words names it.
+    pub fn is_named_by(&self, words: &[String]) -> bool {
+        words.iter().any(|word| self.words.contains(word))
+    }
 }
 
-fn simulators() -> &'static Table<Simulator> {
-    static TABLE: OnceLock<Table<Simulator>> = OnceLock::new();
-    TABLE.get_or_init(|| Table::read(include_str!("../../rules/tables/simulators.yaml")))
-}
-
-/// The inertial navigation system that one of these lower-case words names.
-pub fn ins_driver(words: &[String]) -> Option<Known<InsDriver>> {
-    ins_drivers().named(words)
-}
-
-/// The lidar with an inertial sensor that one of these lower-case words names.
-pub fn lidar_imu(words: &[String]) -> Option<Known<LidarImu>> {
-    lidar_imus().named(words)
-}
-
-/// The simulator that one of these lower-case words names.
-pub fn simulator(words: &[String]) -> Option<Known<Simulator>> {
-    simulators().named(words)
+/// The axis that points forward, in axes with z up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Forward {
+    /// x forward, y left.
+    X,
+    /// y forward, x right.
+    Y,
+    /// Either of x and -x, by a setting of the driver.
+    XOrBack,
 }
 
 #[cfg(test)]
 mod tests {
-    use super::*;
+    use crate::tables::Tables;
 
     fn words(text: &str) -> Vec<String> {
         text.split(' ').map(str::to_owned).collect()
     }
 
-    fn is_whole<T>(table: &Table<T>) -> bool {
-        !table.rows.is_empty()
-            && table
-                .rows
-                .iter()
-                .all(|row| !row.source.is_empty() && !row.words.is_empty())
-    }
-
-    #[test]
-    fn every_table_reads_and_every_row_has_a_source() {
-        assert!(is_whole(ins_drivers()));
-        assert!(is_whole(lidar_imus()));
-        assert!(is_whole(simulators()));
-    }
-
     #[test]
     fn whole_words_name_and_parts_of_words_do_not() {
-        assert_eq!(
-            ins_driver(&words("vn driver vectornav")).map(|known| known.name),
-            Some("VectorNav")
-        );
-        assert_eq!(ins_driver(&words("imu data")), None);
-        assert_eq!(simulator(&words("carla ego")).map(|known| known.name), Some("CARLA"));
-        assert_eq!(simulator(&words("car community")), None);
-        let lever = |text: &str| lidar_imu(&words(text)).and_then(|known| known.facts.lever_mm);
+        let tables = Tables::default();
+        let ins = |text: &str| tables.ins_driver(&words(text)).map(|row| row.name.clone());
+        assert_eq!(ins("vn driver vectornav").as_deref(), Some("VectorNav"));
+        assert_eq!(ins("imu data"), None);
+        let simulator = |text: &str| tables.simulator(&words(text)).map(|row| row.name.clone());
+        assert_eq!(simulator("carla ego").as_deref(), Some("CARLA"));
+        assert_eq!(simulator("car community"), None);
+        let lever = |text: &str| tables.lidar_imu(&words(text)).and_then(|row| row.lever_mm);
         assert_eq!(lever("livox avia").map(|[x, ..]| x), Some(-41.65));
         assert_eq!(lever("livox"), None);
     }

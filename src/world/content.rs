@@ -6,8 +6,13 @@ use serde::{Deserialize, Serialize};
 
 use crate::source::MessageRef;
 
+use super::camera::{CalibrationEvidence, ImageEvidence};
 use super::claim::Pose;
+use super::cloud::CloudEvidence;
+use super::laser::LaserEvidence;
 use super::motion::MotionEvidence;
+use super::projection::GridEvidence;
+use super::radar::RadarEvidence;
 
 /// A pose at a message.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -186,6 +191,24 @@ pub struct ContentEvidence {
     pub imu: Option<ImuEvidence>,
     /// Odometry.
     pub odometry: Option<OdometryEvidence>,
+    /// Calibrations of a camera.
+    #[serde(default)]
+    pub calibrations: Option<CalibrationEvidence>,
+    /// Images.
+    #[serde(default)]
+    pub images: Option<ImageEvidence>,
+    /// Clouds of points.
+    #[serde(default)]
+    pub clouds: Option<CloudEvidence>,
+    /// Grids.
+    #[serde(default)]
+    pub grids: Option<GridEvidence>,
+    /// Scans of a plane.
+    #[serde(default)]
+    pub lasers: Option<Box<LaserEvidence>>,
+    /// Detections of a radar; also those of a cloud whose points have a speed.
+    #[serde(default)]
+    pub radar: Option<Box<RadarEvidence>>,
     /// What it says of motion, row by row.
     #[serde(default)]
     pub motion: MotionEvidence,

@@ -8,6 +8,7 @@ use globset::GlobMatcher;
 use crate::source::Place;
 
 use super::frame::FrameId;
+use super::projection::Projection;
 
 /// Axes of a world frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -176,6 +177,8 @@ pub struct Declared {
 pub struct Conventions {
     /// The declarations.
     pub declarations: Vec<Declaration>,
+    /// Projections that are declared.
+    pub projections: Vec<Projection>,
 }
 
 /// What a declaration may be for: a stream of a recording, or a statement in a file.
@@ -269,6 +272,7 @@ mod tests {
         };
         let conventions = Conventions {
             declarations: vec![declaration(all, ned, 2), declaration(one, flu, 5)],
+            projections: Vec::new(),
         };
         let of = |topic| {
             conventions.of(&Subject {

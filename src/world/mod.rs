@@ -4,17 +4,23 @@
 //! saved, altered and judged again. Must not know how files are read, nor any rule.
 
 pub mod bag;
+pub mod camera;
 pub mod chain;
 pub mod claim;
+pub mod cloud;
 pub mod content;
 pub mod conventions;
 mod derived;
 pub mod frame;
 pub mod graph;
+pub mod laser;
 pub mod motion;
 pub mod number;
 pub mod origin;
+pub mod ouster;
+pub mod projection;
 pub mod qos;
+pub mod radar;
 pub mod reference;
 pub mod robot;
 pub mod tf2;
@@ -26,6 +32,7 @@ use std::sync::{Arc, OnceLock};
 use serde::{Deserialize, Serialize};
 
 use crate::source::{At, Place, Source, SourceId};
+use crate::tables::{Dataset, Tables};
 
 use derived::Derived;
 
@@ -36,6 +43,8 @@ pub use conventions::{Conventions, Declared};
 pub use frame::{FrameId, FrameRole, FrameUse};
 pub use graph::FrameGraph;
 pub use origin::EarthOrigin;
+pub use ouster::OusterMetadata;
+pub use projection::Projection;
 pub use reference::{FileReference, ReferenceState};
 pub use robot::Robot;
 
@@ -67,6 +76,18 @@ pub struct World {
     /// Where files say that the origin of a local frame lies on the Earth.
     #[serde(default)]
     pub origins: Vec<EarthOrigin>,
+    /// What the metadata of Ouster sensors say.
+    #[serde(default)]
+    pub ousters: Vec<OusterMetadata>,
+    /// What is known of devices, drivers and datasets, the user's own rows among it.
+    #[serde(skip)]
+    pub tables: Arc<Tables>,
+    /// The dataset that the user says this is.
+    #[serde(skip)]
+    pub dataset: Option<NamedDataset>,
+    /// Projections that files declare.
+    #[serde(default)]
+    pub projections: Vec<Projection>,
     #[serde(skip)]
     graph: OnceLock<FrameGraph>,
     #[serde(skip)]
@@ -90,9 +111,27 @@ pub struct Facts {
     pub references: Vec<FileReference>,
     /// Where a file says that the origin of a local frame lies on the Earth.
     pub origins: Vec<EarthOrigin>,
+    /// What the metadata of Ouster sensors say.
+    pub ousters: Vec<OusterMetadata>,
+    /// Projections that a file declares.
+    pub projections: Vec<Projection>,
+}
+
+/// A dataset that the configuration names.
+#[derive(Clone, Debug)]
+pub struct NamedDataset {
+    /// What is known of it.
+    pub row: Arc<Dataset>,
+    /// Where it is named.
+    pub place: Option<Place>,
 }
 
 impl World {
+    /// Projections that files and the configuration declare.
+    pub fn projections(&self) -> impl Iterator<Item = &Projection> {
+        self.projections.iter().chain(&self.conventions.projections)
+    }
+
     /// The source with this id.
     pub fn source(&self, id: SourceId) -> Option<&Source> {
         self.sources.get(id.0 as usize)
@@ -134,6 +173,8 @@ impl World {
         self.chains.extend(facts.chains);
         self.references.extend(facts.references);
         self.origins.extend(facts.origins);
+        self.ousters.extend(facts.ousters);
+        self.projections.extend(facts.projections);
         self.graph = OnceLock::new();
         self.derived = Derived::default();
     }

@@ -6,6 +6,7 @@ use frames_lint::world::content::{ContentEvidence, CovarianceAt};
 use frames_lint::world::motion::{FixRow, InertialRow, PoseRow, Series, Twist};
 use nalgebra::Vector3;
 
+use crate::cameras;
 use crate::places;
 use crate::stages::Stage;
 use crate::streams::{At, Kind, Stream};
@@ -26,6 +27,8 @@ pub enum Change {
     Places(fn(places::Place, &places::Place) -> [f64; 3]),
     /// Fixes.
     Fixes(fn(&mut Fix)),
+    /// Where an optical frame sits in its parent.
+    Frames(fn(nalgebra::Isometry3<f64>) -> nalgebra::Isometry3<f64>),
     /// Stamps of inertial messages, seconds.
     Stamps(f64),
     /// What is staged beside the evidence.
@@ -91,6 +94,7 @@ impl Error {
             Change::Imu(..) | Change::Stamps(_) => Kind::Imu,
             Change::Poses(..) | Change::Places(_) => Kind::Poses,
             Change::Fixes(_) => Kind::Fixes,
+            Change::Frames(_) => Kind::Camera,
             Change::Staged(stage, _) => stage.kind,
         }
     }
@@ -117,6 +121,10 @@ impl Error {
                     change(world, stream);
                     true
                 }
+            }
+            (Change::Frames(change), Kind::Camera) => {
+                cameras::turn(world, stream, change);
+                true
             }
             (Change::Stamps(seconds), Kind::Imu) => places::restamp(world, stream, seconds),
             (Change::Poses(needs, change), Kind::Poses) => {

@@ -8,7 +8,7 @@
 //! prints the matrix, and why a cell was not evaluated. Recordings are read wholly, once; errors are put into their evidence,
 //! whose rows are means of messages, number by number, so that orders, signs and units of the numbers commute with them. A
 //! recording that lies beside others is judged with them, as a user gets it. What no recording at hand says (where the map lies on
-//! the Earth, a lidar beside the sensor, a simulator's name) is staged beside its evidence first, rightly, and must be passed so. `MATRIX_ONLY` is words of recordings and errors
+//! the Earth, a lidar beside the sensor, what a lidar sees on the way of the poses, a camera in an optical frame, a simulator's name) is staged beside its evidence first, rightly, and must be passed so. `MATRIX_ONLY` is words of recordings and errors
 //! that are tried, with commas between them (all).
 
 #![allow(
@@ -28,8 +28,10 @@
 #[path = "../support/mod.rs"]
 mod support;
 
+mod cameras;
 mod cells;
 mod errors;
+mod lidars;
 mod mended;
 mod places;
 mod stages;
@@ -147,7 +149,12 @@ fn short(path: &str) -> String {
 /// Prints the matrix, a kind of stream after the other; gives the legend of what is neither named nor lacks streams.
 fn print(lines: &[Line]) -> Vec<String> {
     let mut reasons = Vec::new();
-    for (kind, of) in [("imu", Kind::Imu), ("poses", Kind::Poses), ("fixes", Kind::Fixes)] {
+    for (kind, of) in [
+        ("imu", Kind::Imu),
+        ("poses", Kind::Poses),
+        ("fixes", Kind::Fixes),
+        ("camera", Kind::Camera),
+    ] {
         let lines: Vec<&Line> = lines
             .iter()
             .filter(|line| line.name.contains(&format!(" {kind} ")))

@@ -221,7 +221,14 @@ pub fn map_in_odom(world: &mut World, stream: &Stream) {
     put_topic(world, stream, "/map", "nav_msgs/msg/OccupancyGrid", "odom");
 }
 
-fn put_topic<'w>(world: &'w mut World, stream: &Stream, name: &str, kind: &str, frame: &str) -> &'w mut TopicEvidence {
+/// Puts a topic of a frame beside a stream.
+pub fn put_topic<'w>(
+    world: &'w mut World,
+    stream: &Stream,
+    name: &str,
+    kind: &str,
+    frame: &str,
+) -> &'w mut TopicEvidence {
     let bag = &mut world.bags[stream.bag];
     let first = message(name, bag.start_ns.unwrap_or_default());
     let used = HeaderFrame {
@@ -241,7 +248,7 @@ fn put_topic<'w>(world: &'w mut World, stream: &Stream, name: &str, kind: &str, 
     bag.topics.get_mut(name).unwrap()
 }
 
-fn message(topic: &str, log_ns: i64) -> MessageRef {
+pub fn message(topic: &str, log_ns: i64) -> MessageRef {
     MessageRef {
         topic: topic.to_owned(),
         index: 0,

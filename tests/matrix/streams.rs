@@ -6,6 +6,8 @@ use frames_lint::world::World;
 use frames_lint::world::bag::{BagEvidence, TopicEvidence};
 use frames_lint::world::content::ContentEvidence;
 
+use crate::cameras::is_optical;
+
 /// Frames that do not move, as far as recordings name them.
 const WORLDS: &[&str] = &["odom", "map", "world", "earth"];
 
@@ -24,6 +26,8 @@ pub enum Kind {
     Imu,
     Poses,
     Fixes,
+    /// An optical frame.
+    Camera,
 }
 
 /// What one driver publishes: a topic, or what tells the way of one frame on topics and TF alike.
@@ -58,6 +62,7 @@ impl Stream {
             Kind::Imu => "imu",
             Kind::Poses => "poses",
             Kind::Fixes => "fixes",
+            Kind::Camera => "camera",
         };
         let at: Vec<String> = self.at.iter().map(ToString::to_string).collect();
         format!("{kind} {}", at.join(" + "))
@@ -154,5 +159,16 @@ fn of_bag(bag: usize, evidence: &BagEvidence) -> Vec<Stream> {
         way.at.push(at);
     }
     streams.extend(ways.into_values());
+    streams.extend(evidence.tf.iter().filter(|edge| is_optical(&edge.child)).map(|edge| {
+        let [parent, child] = [&edge.parent, &edge.child].map(|frame| frame.canonical().as_str().to_owned());
+        Stream {
+            bag,
+            kind: Kind::Camera,
+            at: vec![At::Edge(parent, child.clone(), edge.topic.clone())],
+            frames: [child].into(),
+            is_of_base: false,
+            is_standard: false,
+        }
+    }));
     streams
 }

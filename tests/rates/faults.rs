@@ -7,7 +7,7 @@ use nalgebra::{Rotation3, Vector3};
 
 use crate::support::drive::errors::{Error, Oriented};
 use crate::support::drive::rows::{FixRow, ImuRow, OdometryRow};
-use crate::{frame_worlds, place_lines};
+use crate::{cloud_worlds, frame_worlds, place_lines};
 
 /// What is wrong with a recording.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -24,6 +24,8 @@ pub enum Fault {
     Made(&'static str),
     /// A scene of its own, by its name in [`place_lines::SCENES`]; some of them are healthy.
     Place(&'static str),
+    /// What a lidar sees, by its name in [`crate::cloud_scenes::SEEN`]; some of it is healthy.
+    Cloud(&'static str),
 }
 
 /// What names a fault: words of relations, and texts of messages where several faults fit and are told.
@@ -205,13 +207,18 @@ impl Fault {
     pub fn words(self) -> &'static str {
         match self {
             Self::Healthy => "healthy",
-            Self::Imu(name) | Self::Odometry(name) | Self::Fix(name) | Self::Made(name) | Self::Place(name) => name,
+            Self::Imu(name)
+            | Self::Odometry(name)
+            | Self::Fix(name)
+            | Self::Made(name)
+            | Self::Place(name)
+            | Self::Cloud(name) => name,
         }
     }
 
     fn known(self) -> Option<&'static Known> {
         let (of, name) = match self {
-            Self::Healthy | Self::Made(_) | Self::Place(_) => return None,
+            Self::Healthy | Self::Made(_) | Self::Place(_) | Self::Cloud(_) => return None,
             Self::Imu(name) => (IMU, name),
             Self::Odometry(name) => (ODOMETRY, name),
             Self::Fix(name) => (FIX, name),
@@ -224,6 +231,7 @@ impl Fault {
     pub fn is_healthy(self) -> bool {
         match self {
             Self::Place(name) => place_lines::scene(name).is_healthy,
+            Self::Cloud(name) => cloud_worlds::seen(name).is_healthy,
             _ => self.names().is_none(),
         }
     }
@@ -282,6 +290,9 @@ impl Fault {
     pub fn is_named_by(self, finding: &Finding) -> bool {
         if let Self::Place(name) = self {
             return place_lines::scene(name).is_named_by(finding.relation.as_deref(), &finding.message);
+        }
+        if let Self::Cloud(name) = self {
+            return cloud_worlds::seen(name).is_named_by(finding);
         }
         self.names().is_some_and(|(words, texts)| {
             let relation = finding.relation.as_deref();

@@ -4,7 +4,7 @@ use crate::drives::Kind;
 use crate::faults::{Fault, IMU, ODOMETRY};
 use crate::support::drive::description::{Gnss, Grade, Motion, Vehicle};
 use crate::table::{ALL, Asked, Reference, Table};
-use crate::{frame_lines, place_lines};
+use crate::{cloud_lines, frame_lines, place_lines};
 
 const VEHICLES: [Vehicle; 4] = [Vehicle::Car, Vehicle::Walker, Vehicle::Drone, Vehicle::Robot];
 
@@ -18,6 +18,7 @@ pub fn table() -> Table {
     rules(&mut table);
     frame_lines::lines(&mut table);
     place_lines::lines(&mut table);
+    cloud_lines::lines(&mut table);
     table
 }
 

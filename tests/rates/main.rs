@@ -1,4 +1,4 @@
-//! How often the rules of motion are right, wrong and silent, on drives whose truth is known.
+//! How often the rules of motion, and those of what lidars see, are right, wrong and silent, on drives whose truth is known.
 //!
 //! ```text
 //! cargo test --profile rates --test rates -- --ignored --nocapture
@@ -23,6 +23,9 @@
 mod support;
 
 mod answers;
+mod cloud_lines;
+mod cloud_scenes;
+mod cloud_worlds;
 mod drives;
 mod faults;
 mod frame_lines;

@@ -8,6 +8,7 @@ use frames_lint::engine::Rules;
 use rayon::prelude::*;
 
 use crate::answers::{self, Answer};
+use crate::cloud_worlds::{self, Shared};
 use crate::drives::Kind;
 use crate::faults::Fault;
 use crate::support::drive::description::{Gnss, Grade, Motion, Vehicle};
@@ -165,6 +166,11 @@ impl Table {
             "AXES", "QUAT", "GEO", "COV", "TIME09", "TREE16", "SENSOR05", "SENSOR06", "SENSOR08", "SENSOR09",
         ]);
         let rules = rules.unwrap();
+        let sensing = Rules::select(&[
+            "AXES", "QUAT", "TIME05", "TIME06", "TIME07", "TIME08", "TIME09", "TREE16", "SENSOR", "PREC", "CROSS04",
+            "CROSS05",
+        ]);
+        let sensing = sensing.unwrap();
         // Whoever is through early takes the next of the long drives first.
         let mut tasks: Vec<(usize, u64)> = Vec::new();
         for drives in 0..self.drives.len() {
@@ -175,8 +181,13 @@ impl Table {
             let Drives { kind, cells } = &self.drives[*drives];
             let messages = LazyCell::new(|| kind.messages(*seed));
             let mut answers = Vec::new();
+            let shared = Shared::default();
             for cell in cells {
                 let (verdict, truth) = match cell.fault {
+                    Fault::Cloud(name) => {
+                        let world = cloud_worlds::seen(name).world(&messages, &shared);
+                        (sensing.judge(&world), cell.fault)
+                    }
                     Fault::Place(name) => (rules.judge(&place_lines::scene(name).world(*kind, *seed)), cell.fault),
                     fault => (
                         rules.judge(&messages.world(fault)),
@@ -223,7 +234,7 @@ impl Table {
                 group = line.group;
                 let _ = writeln!(
                     text,
-                    "\n{group}\n{:<9}{:<21}{:<39}{:>7}{:>7}{:>8}{:>7}  reference",
+                    "\n{group}\n{:<9}{:<36}{:<39}{:>7}{:>7}{:>8}{:>7}  reference",
                     "rule", "fault", "drive", "right", "wrong", "not ev.", "n"
                 );
             }
@@ -231,7 +242,7 @@ impl Table {
             let reference = line.reference.map_or("", |reference| reference.words);
             let _ = writeln!(
                 text,
-                "{:<9}{:<21}{:<39}{:>7.1}{:>7.2}{:>8.1}{:>7}  {reference}{}",
+                "{:<9}{:<36}{:<39}{:>7.1}{:>7.2}{:>8.1}{:>7}  {reference}{}",
                 line.rule,
                 line.what,
                 line.drive,

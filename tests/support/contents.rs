@@ -42,6 +42,10 @@ impl Topic {
                 matrix::<9>(self.acceleration_covariance.as_deref()),
             ],
             "sensor_msgs/msg/NavSatFix" => self.fix(at_s),
+            "nav_msgs/msg/OccupancyGrid" => self.grid.as_ref()?.occupancy(),
+            "grid_map_msgs/msg/GridMap" => self.grid.as_ref()?.layers(),
+            "sensor_msgs/msg/Image" => self.camera.as_ref()?.image(),
+            "sensor_msgs/msg/CameraInfo" => self.camera.as_ref()?.info(),
             _ => return None,
         })
     }

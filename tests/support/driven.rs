@@ -3,13 +3,18 @@
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use serde::Deserialize;
 
+use super::clouds::Lidar;
 use super::contents::{pose_fields, twist_fields};
 use super::drive::errors::rotation;
+use super::drive::lidar::Ray;
 use super::drive::nmea::compass;
+use super::drive::radar::Echo;
 use super::drive::rows::{FixRow, ImuRow, OdometryRow, PoseRow, VelocityRow};
+use super::drive::scene::Surroundings;
 use super::drive::{Drive, Stream};
 use super::encode::{Body, Field, Header};
 use super::motion::Published;
+use super::radars::{Laser, Radar};
 use super::topic::{Topic, Transform, Twist};
 
 /// A sensor or an edge of a drive.
@@ -36,6 +41,12 @@ pub enum FromDrive {
     Odometry,
     /// `geometry_msgs/msg/PoseStamped`, or `PoseWithCovarianceStamped`; as an edge, `map_from_base`.
     Pose,
+    /// A cloud, as the topic's `lidar` says.
+    Lidar,
+    /// Detections, as the topic's `radar` says.
+    Radar,
+    /// `sensor_msgs/msg/LaserScan`, as the topic's `laser` says.
+    Laser,
     /// The edge `map_from_odom`.
     MapOdom,
     /// The edge `earth_from_map`.
@@ -70,6 +81,9 @@ pub enum Rows {
     Pose(Vec<PoseRow>),
     Odometry(Vec<OdometryRow>),
     Sentences(Vec<Vec<String>>),
+    Scans(Vec<Vec<Ray>>),
+    Echoes(Vec<Vec<Echo>>),
+    Ranges(Vec<Vec<f64>>),
 }
 
 impl FromDrive {
@@ -85,6 +99,9 @@ impl FromDrive {
             Self::Nmea => "nmea_msgs/msg/Sentence",
             Self::Odometry => "nav_msgs/msg/Odometry",
             Self::Pose => "geometry_msgs/msg/PoseStamped",
+            Self::Lidar => "sensor_msgs/msg/PointCloud2",
+            Self::Radar => "radar_msgs/msg/RadarScan",
+            Self::Laser => "sensor_msgs/msg/LaserScan",
             Self::MapOdom | Self::Earth => panic!("{self:?} is an edge of TF, not a topic"),
         }
     }
@@ -128,6 +145,24 @@ impl Topic {
                 FromDrive::Nmea => Rows::Sentences(drive.sentences(&stream, &self.sentences, start_s)),
                 FromDrive::Odometry => Rows::Odometry(drive.odometry_rows(&stream)),
                 FromDrive::Pose => Rows::Pose(drive.pose_rows(&stream)),
+                FromDrive::Lidar => {
+                    let lidar = self.lidar();
+                    let (scanner, scene) = (lidar.scanner(), drive.scene(lidar.surroundings));
+                    let starts = ticks.iter().map(|tick| tick - lidar.before_stamp_s());
+                    let scan = |start_s| drive.scan(&scene, &scanner, &stream.base_from_sensor, start_s);
+                    Rows::Scans(starts.map(scan).collect())
+                }
+                FromDrive::Radar => {
+                    let (antenna, mount) = (self.radar().antenna(), &stream.base_from_sensor);
+                    let scan = |tick: &f64| drive.echoes(&antenna, mount, tick - stream.late_s, stream.noise);
+                    Rows::Echoes(ticks.iter().map(scan).collect())
+                }
+                FromDrive::Laser => {
+                    let fan = self.laser().fan();
+                    let scene = drive.scene(Surroundings::Street);
+                    let scan = |tick: &f64| drive.fan(&scene, &fan, &stream.base_from_sensor, tick - stream.late_s);
+                    Rows::Ranges(ticks.iter().map(scan).collect())
+                }
                 FromDrive::MapOdom | FromDrive::Earth => panic!("{kind:?} is an edge of TF, not a topic"),
             }
         });
@@ -139,6 +174,21 @@ impl Topic {
             rows,
             edges: self.transforms.iter().map(edge).collect(),
         }
+    }
+
+    fn lidar(&self) -> &Lidar {
+        let lidar = self.lidar.as_ref();
+        lidar.unwrap_or_else(|| panic!("`{}` is a lidar, and does not say which", self.name))
+    }
+
+    pub(super) fn radar(&self) -> &Radar {
+        let radar = self.radar.as_ref();
+        radar.unwrap_or_else(|| panic!("`{}` is a radar, and does not say which", self.name))
+    }
+
+    fn laser(&self) -> &Laser {
+        let laser = self.laser.as_ref();
+        laser.unwrap_or_else(|| panic!("`{}` is a planar scanner, and does not say which", self.name))
     }
 
     fn stream(&self, ticks: &[f64]) -> Stream {
@@ -243,6 +293,9 @@ impl Rows {
                 fields.push(Field::F64s(row.twist_covariance.into()));
                 fields
             }
+            Self::Scans(scans) => topic.lidar().fields(&scans[number], header.stamp_ns),
+            Self::Ranges(scans) => topic.laser().fields(&scans[number]),
+            Self::Echoes(scans) => return topic.radar().bodies(&scans[number], header),
             Self::Sentences(rows) => {
                 let body = |(k, text): (usize, &'a String)| {
                     let stamp_ns = header.stamp_ns + sentence_ns(k);

@@ -110,6 +110,13 @@ impl Recording {
         self
     }
 
+    /// With a topic that was collected elsewhere.
+    #[must_use]
+    pub fn topic(mut self, topic: TopicEvidence) -> Self {
+        self.0.topics.insert(topic.topic.clone(), topic);
+        self
+    }
+
     /// With satellite fixes that are logged so many seconds after their stamps.
     #[must_use]
     pub fn fixes(mut self, topic: &str, frame: &str, rows: &[FixRow], latency_s: f64) -> Self {

@@ -58,6 +58,20 @@ pub enum Body<'a> {
 pub enum Field<'a> {
     /// Numbers in double precision.
     F64s(Vec<f64>),
+    /// As many numbers in double precision as there are, behind their count.
+    Numbers(Vec<f64>),
+    /// A number of four bytes.
+    U32(u32),
+    /// A number of eight bytes.
+    U64(u64),
+    /// A number in single precision.
+    F32(f32),
+    /// The length of a sequence whose elements follow.
+    Count(usize),
+    /// A sequence of bytes.
+    Bytes(Vec<u8>),
+    /// A text of its own.
+    Owned(String),
     /// A small number.
     I8(i8),
     /// A small number.
@@ -129,6 +143,23 @@ impl Body<'_> {
                 for field in fields {
                     match field {
                         Field::F64s(values) => values.iter().for_each(|value| out.write_f64(*value)),
+                        Field::Numbers(values) => {
+                            out.write_sequence_length(values.len());
+                            for value in values {
+                                out.write_f64(*value);
+                            }
+                        }
+                        Field::U32(value) => out.write_u32(*value),
+                        Field::U64(value) => out.write_u64(*value),
+                        Field::F32(value) => out.write_f32(*value),
+                        Field::Count(count) => out.write_sequence_length(*count),
+                        Field::Bytes(bytes) => {
+                            out.write_sequence_length(bytes.len());
+                            for byte in bytes {
+                                out.write_u8(*byte);
+                            }
+                        }
+                        Field::Owned(text) => out.write_string(text),
                         Field::I8(value) => out.write_i8(*value),
                         Field::U8(value) => out.write_u8(*value),
                         Field::U16(value) => out.write_u16(*value),

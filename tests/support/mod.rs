@@ -1,6 +1,6 @@
 //! What integration tests share.
 //!
-//! Used as `mod support;`. Each test binary uses a part of it, hence the allowances.
+//! Each test binary uses a part of it, hence the allowances.
 
 #![allow(
     dead_code,
@@ -15,6 +15,8 @@
     clippy::missing_panics_doc
 )]
 
+pub mod camera;
+pub mod clouds;
 pub mod contents;
 pub mod damage;
 pub mod drive;
@@ -25,16 +27,20 @@ pub mod foxglove;
 pub mod heard;
 pub mod motion;
 pub mod program;
+pub mod radars;
 pub mod raw;
 pub mod reading;
 pub mod recipe;
 pub mod rosbag1;
 pub mod rosbag1_drive;
 pub mod rosbag2;
+pub mod scans;
 pub mod schemas;
 pub mod topic;
 
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::thread::available_parallelism;
 
 use frames_lint::collect::{Collected, How, collect};
 use frames_lint::engine::{self, Options};
@@ -52,6 +58,24 @@ pub fn build(recipe: &str) -> Vec<u8> {
 /// Writes the MCAP that a recipe describes.
 pub fn write(recipe: &str, path: &Path) {
     std::fs::write(path, build(recipe)).expect("the MCAP is written");
+}
+
+/// Does a work on all of something, on all processors; what it gives is in no order.
+pub fn in_parallel<T: Sync, R: Send>(all: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
+    let next = AtomicUsize::new(0);
+    let one = || {
+        let mut found = Vec::new();
+        while let Some(item) = all.get(next.fetch_add(1, Ordering::Relaxed)) {
+            found.push(work(item));
+        }
+        found
+    };
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..available_parallelism().map_or(1, usize::from))
+            .map(|_| scope.spawn(one))
+            .collect();
+        workers.into_iter().flat_map(|worker| worker.join().unwrap()).collect()
+    })
 }
 
 /// Copies a platform's files to a folder, with its recipes built to recordings.

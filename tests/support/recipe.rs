@@ -36,6 +36,11 @@
 //!   `angular_velocity_covariance: [9]`, `linear_acceleration: [3]` (gravity +9.81 along z), `acceleration_covariance: [9]`
 //! - sensor_msgs/msg/NavSatFix: `latitude`, `longitude` (48, 11), `altitude` (500), `status` (0), `covariance: [9]`,
 //!   `east_velocity`, `north_velocity` (m/s), `nan_from_s` (from then on the position is NaN)
+//! - sensor_msgs/msg/CameraInfo and Image: `camera: {size: [w, h], k: [fx, fy, cx, cy] or all nine, d: [..], model: plumb_bob,
+//!   r: [9], p: [fx, fy, cx, cy, Tx] or all twelve (that of K), binning: [x, y], roi: [left, top, w, h], encoding: rgb8}`; without
+//!   it zeros
+//! - nav_msgs/msg/OccupancyGrid and grid_map_msgs/msg/GridMap: `grid: {resolution, size: [w, h], origin: [x, y, z], orientation: [x, y, z, w],
+//!   data: cells that follow}`
 //!
 //! **A drive** with exact truth, realistic noise and, where wanted, convention errors (`drive/`): topics and transforms
 //! with `from_drive` are its sensors, and all of them fit together.
@@ -65,6 +70,9 @@
 //! longitude, altitude), `gnss_velocity` (TwistStamped; ENU), `heading` (QuaternionStamped), `nmea` (nmea_msgs/msg/Sentence;
 //! `sentences: [GGA, RMC, HDT]` are sent at every tick, 5 ms apart), `odometry`, `pose` (PoseStamped, in the map = ENU). A `type` may
 //! name the variant WithCovariance of TwistStamped and PoseStamped, and be any name for `ins` and `custom_gps`.
+//! `lidar` with `lidar: {..}` (see `clouds.rs`); `radar` with `radar: {driver: scan | smartmicro | ti_mmwave | nebula | delphi |
+//! nuscenes, sides_deg: 60, reflectors: 4 (in 25 m x 25 m), movers: 4, reversed, compensated, mirrored}`; `laser` with `laser: {rays:
+//! 361, sides_deg: 135, period_s: 0.1, time_scale, increment_scale, backward}` (sensor_msgs/msg/LaserScan).
 //! `from_drive` of a transform: `odometry` (odom from base), `pose` (map from base), `map_odom` (map from odom), `earth`
 //! (earth from map). GNSS topics of one `frame_id` are of one receiver and share its noise.
 //!
@@ -89,6 +97,13 @@
 //!   ENU, the pose being in `world_from_enu`); imu, fix: `covariance_up_first`
 //! - earth: `transposed`, `ned_rows`, `spherical_latitude`, `active_rotations`, `lat_lon_swapped`
 //!
+//! `from_drive: lidar` (a cloud; of what drives around the vehicle it sees) needs `lidar: {..}`, all of it optional: `driver: plain |
+//! ouster | velodyne | hesai | robosense | livox | livox_points | nebula | unknown` (the layout of points and times), `beams`,
+//! `columns`, `table: even | vlp16 | pandar40 | os1` (elevations, and how beams look aside), `solid_state: true`, `surroundings: street |
+//! apron | slope | warehouse | garage`, `lost` (share of the rays), `window_deg: [from, to]`, `destaggered`, `filtered` (not
+//! organised); errors: `turned_deg`, `mirrored`, `swapped`, `z_negated`, `offset: [x, y, z]`, `times: driver | missing | constant |
+//! reversed`, `time_scale`, `clock_s`, `epoch_single`.
+//!
 //! **Stamps**: `stamp_offset_s` (header stamp minus log time), `stamp_s` (constant), `stamp_scale` (multiplies),
 //! `stamp_start_s` (replaces the clock's origin), `stamp_drift_ppm` (of the time since the start), `stamp_jitter_s`
 //! (seeded, even in ± that), `stamp_repeat: n` (each stamp serves n messages). `from_s`, `until_s`: the active window of
@@ -105,7 +120,6 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 
 use super::drive::{Description, Drive};
-use super::driven::sentence_ns;
 use super::raw::{self, Layout};
 use super::topic::{Topic, active, nanoseconds};
 
@@ -196,7 +210,7 @@ impl Recipe {
                 let stamp_ns = topic.stamp_ns(nanoseconds(self.start_s), stamped_s, stamped);
                 let of_tick = topic.messages(at_s, number, stamp_ns, &driven);
                 for (k, message) in of_tick.into_iter().enumerate() {
-                    messages.push((log_ns + sentence_ns(k), index, message));
+                    messages.push((log_ns + topic.later_ns(k), index, message));
                 }
             }
         }

@@ -319,6 +319,29 @@ bool is_dense
 ",
     ),
     (
+        "livox_ros_driver2/msg/CustomMsg",
+        "
+std_msgs/Header header
+uint64 timebase
+uint32 point_num
+uint8 lidar_id
+uint8[3] rsvd
+CustomPoint[] points
+",
+    ),
+    (
+        "livox_ros_driver2/msg/CustomPoint",
+        "
+uint32 offset_time
+float32 x
+float32 y
+float32 z
+uint8 reflectivity
+uint8 tag
+uint8 line
+",
+    ),
+    (
         "sensor_msgs/msg/LaserScan",
         "
 # Single scan from a planar laser range-finder
@@ -337,6 +360,67 @@ float32 range_max
 
 float32[] ranges
 float32[] intensities
+",
+    ),
+    (
+        "nav_msgs/msg/MapMetaData",
+        "
+builtin_interfaces/Time map_load_time
+float32 resolution
+uint32 width
+uint32 height
+geometry_msgs/Pose origin
+",
+    ),
+    (
+        "nav_msgs/msg/OccupancyGrid",
+        "
+std_msgs/Header header
+MapMetaData info
+int8[] data
+",
+    ),
+    (
+        "grid_map_msgs/msg/GridMapInfo",
+        "
+float64 resolution
+float64 length_x
+float64 length_y
+geometry_msgs/Pose pose
+",
+    ),
+    (
+        "grid_map_msgs/msg/GridMap",
+        "
+std_msgs/Header header
+GridMapInfo info
+string[] layers
+string[] basic_layers
+std_msgs/Float32MultiArray[] data
+uint16 outer_start_index
+uint16 inner_start_index
+",
+    ),
+    (
+        "std_msgs/msg/Float32MultiArray",
+        "
+MultiArrayLayout layout
+float32[] data
+",
+    ),
+    (
+        "std_msgs/msg/MultiArrayLayout",
+        "
+MultiArrayDimension[] dim
+uint32 data_offset
+",
+    ),
+    (
+        "std_msgs/msg/MultiArrayDimension",
+        "
+string label
+uint32 size
+uint32 stride
 ",
     ),
     (
@@ -490,6 +574,103 @@ uint8 COVARIANCE_TYPE_APPROXIMATED = 1
 uint8 COVARIANCE_TYPE_DIAGONAL_KNOWN = 2
 uint8 COVARIANCE_TYPE_KNOWN = 3
 uint8 position_covariance_type
+",
+    ),
+    (
+        "sensor_msgs/msg/LaserScan",
+        "
+std_msgs/Header header
+float32 angle_min
+float32 angle_max
+float32 angle_increment
+float32 time_increment
+float32 scan_time
+float32 range_min
+float32 range_max
+float32[] ranges
+float32[] intensities
+",
+    ),
+    (
+        "radar_msgs/msg/RadarReturn",
+        "
+float32 range
+float32 azimuth
+float32 elevation
+float32 doppler_velocity
+float32 amplitude
+",
+    ),
+    (
+        "radar_msgs/msg/RadarScan",
+        "
+std_msgs/Header header
+radar_msgs/RadarReturn[] returns
+",
+    ),
+    (
+        "ti_mmwave_rospkg/msg/RadarScan",
+        "
+std_msgs/Header header
+uint16 point_id
+float32 x
+float32 y
+float32 z
+float32 range
+float32 velocity
+uint16 doppler_bin
+float32 bearing
+float32 intensity
+",
+    ),
+    (
+        "continental_msgs/msg/ContinentalSrr520Detection",
+        "
+float32 range
+float32 azimuth_angle
+float32 range_rate
+float32 rcs
+uint8 pdh00
+uint8 pdh01
+uint8 pdh02
+uint8 pdh03
+uint8 pdh04
+uint8 pdh05
+float32 snr
+",
+    ),
+    (
+        "continental_msgs/msg/ContinentalSrr520DetectionList",
+        "
+std_msgs/Header header
+uint32 internal_time_stamp_usec
+uint8 global_time_stamp_sync_status
+uint8 signal_status
+uint8 sequence_counter
+uint32 cycle_counter
+float32 vambig
+float32 max_range
+continental_msgs/ContinentalSrr520Detection[] detections
+",
+    ),
+    (
+        "delphi_esr_msgs/msg/EsrTrack",
+        "
+std_msgs/Header header
+string canmsg
+uint8 id
+float32 lat_rate
+bool grouping_changed
+bool oncoming
+uint8 status
+float32 angle
+float32 range
+bool bridge_object
+bool rolling_count
+float32 width
+float32 range_accel
+uint8 med_range_mode
+float32 range_rate
 ",
     ),
     (

@@ -2,12 +2,15 @@
 
 use serde::Deserialize;
 
+use super::camera::{Camera, Grid};
+use super::clouds::Lidar;
 use super::drive::nmea::Kind;
 use super::drive::rows::PoseRow;
 use super::drive::{Error, Place};
-use super::driven::{Driven, FromDrive, Offset};
+use super::driven::{Driven, FromDrive, Offset, sentence_ns};
 use super::encode::{Body, Endian, Header, Transform as RawTransform};
 use super::motion::{Motion, Published, even};
+use super::radars::{Laser, Radar};
 use super::raw::RawChannel;
 use super::schemas;
 
@@ -122,6 +125,11 @@ pub struct Topic {
     #[serde(default)]
     pub(super) north_velocity: f64,
     pub(super) nan_from_s: Option<f64>,
+    pub(super) camera: Option<Camera>,
+    pub(super) grid: Option<Grid>,
+    pub(super) lidar: Option<Lidar>,
+    pub(super) radar: Option<Radar>,
+    pub(super) laser: Option<Laser>,
 }
 
 /// `offered_qos_profiles`.
@@ -228,6 +236,8 @@ impl Topic {
             "tf" | "tf_static" => "tf2_msgs/msg/TFMessage",
             _ if !self.transforms.is_empty() => "tf2_msgs/msg/TFMessage",
             _ if self.text.is_some() => "std_msgs/msg/String",
+            _ if self.lidar.is_some() => self.lidar.as_ref().unwrap().message_type(),
+            _ if self.radar.is_some() => self.radar.as_ref().unwrap().message_type(),
             _ if self.from_drive.is_some() => self.from_drive.unwrap().message_type(),
             _ => panic!("`{}` needs a type", self.name),
         };
@@ -268,6 +278,15 @@ impl Topic {
             writer: self.writer.as_deref(),
             ..RawChannel::default()
         }
+    }
+
+    /// How much later than the first the `k`-th message of a tick is written, nanoseconds: detections of a radar that come one by
+    /// one come in a burst.
+    pub(super) fn later_ns(&self, k: usize) -> i64 {
+        if self.radar.is_some() {
+            return 50_000 * i64::try_from(k).unwrap();
+        }
+        sentence_ns(k)
     }
 
     /// The header stamp of the `number`-th message, nanoseconds.

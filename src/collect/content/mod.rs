@@ -1,26 +1,40 @@
 //! What the messages of one topic say beyond their header, while it is being collected.
 
+mod camera;
+mod cloud;
 mod covariance;
 mod fixes;
+mod grid;
 mod imu;
+mod laser;
 pub(super) mod motion;
 mod odometry;
 mod path;
+mod radar;
+mod runs;
+mod slices;
 pub(super) mod steps;
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::read::messages::content::{Body, Fix, Imu, Odometry, Pose, Twist};
+use crate::read::messages::radar::Columns;
 use crate::world::content::{ContentEvidence, CovarianceEvidence};
 
 use super::point::{On, Point};
 use super::series::Room;
 use super::thin::Share;
+use camera::{Calibrations, Images};
+use cloud::Clouds;
 use covariance::Covariances;
 use fixes::Fixes;
+use grid::Grids;
 use imu::Inertial;
+use laser::Lasers;
 use motion::Motion;
 use odometry::Odometries;
+use radar::Radars;
 
 /// Poses and twists have six degrees of freedom, positions and vectors three.
 type Six = Covariances<6, 36>;
@@ -29,23 +43,38 @@ type Three = Covariances<3, 9>;
 /// What one topic says; nothing is set aside for what it does not.
 pub(super) struct Contents {
     share: Share,
+    /// Fields in which points have their times, beside those that are known.
+    time_fields: Arc<[String]>,
     fixes: Option<Box<Fixes>>,
     imu: Option<Box<Inertial>>,
     odometry: Option<Box<Odometries>>,
     six: BTreeMap<&'static str, Box<Six>>,
     three: BTreeMap<&'static str, Box<Three>>,
+    calibrations: Option<Box<Calibrations>>,
+    images: Option<Box<Images>>,
+    clouds: Option<Box<Clouds>>,
+    grids: Option<Box<Grids>>,
+    lasers: Option<Box<Lasers>>,
+    radar: Option<Box<Radars>>,
     motion: Motion,
 }
 
 impl Contents {
-    pub(super) fn new(share: Share, room: Room) -> Self {
+    pub(super) fn new(share: Share, room: Room, time_fields: Arc<[String]>) -> Self {
         Self {
             share,
+            time_fields,
             fixes: None,
             imu: None,
             odometry: None,
             six: BTreeMap::new(),
             three: BTreeMap::new(),
+            calibrations: None,
+            images: None,
+            clouds: None,
+            grids: None,
+            lasers: None,
+            radar: None,
             motion: Motion::new(room),
         }
     }
@@ -57,6 +86,15 @@ impl Contents {
         }
         if let Some(odometry) = &mut self.odometry {
             odometry.seam();
+        }
+        if let Some(clouds) = &mut self.clouds {
+            clouds.seam();
+        }
+        if let Some(lasers) = &mut self.lasers {
+            lasers.seam();
+        }
+        if let Some(radar) = &mut self.radar {
+            radar.seam();
         }
         self.motion.seam();
     }
@@ -73,13 +111,47 @@ impl Contents {
             Body::Orientation(orientation) => self.motion.orientation(point, *orientation),
             Body::Vector(vector) => self.motion.vector(point, *vector),
             Body::Twist(twist) => self.twist(point, twist),
+            Body::CameraInfo(info) => self
+                .calibrations
+                .get_or_insert_with(|| Box::new(Calibrations::new()))
+                .push(point, info),
+            Body::Image(image) => self
+                .images
+                .get_or_insert_with(|| Box::new(Images::new()))
+                .push(point, image),
+            Body::Cloud(cloud) => {
+                let share = self.share;
+                self.clouds
+                    .get_or_insert_with(|| Box::new(Clouds::new(share, Arc::clone(&self.time_fields))))
+                    .push(point, cloud);
+                if let Some(columns) = Columns::of(cloud) {
+                    self.radar(point).cloud(point, cloud, &columns);
+                }
+            }
+            Body::Grid(grid) => self
+                .grids
+                .get_or_insert_with(|| Box::new(Grids::new()))
+                .push(point, grid),
+            Body::LaserScan(scan) => {
+                let share = self.share;
+                self.lasers
+                    .get_or_insert_with(|| Box::new(Lasers::new(share, point)))
+                    .push(point, scan);
+            }
+            Body::Radar(radar) => self.radar(point).push(point, radar),
             Body::Nothing
             | Body::ChildFrame(_)
             | Body::Transforms(_)
             | Body::Description(_)
+            | Body::Metadata(_)
             | Body::Frames(_)
             | Body::Clock(_) => {}
         }
+    }
+
+    fn radar(&mut self, point: Point) -> &mut Radars {
+        let share = self.share;
+        self.radar.get_or_insert_with(|| Box::new(Radars::new(share, point)))
     }
 
     fn odometry(&mut self, point: Point, odometry: &Odometry<'_>) {
@@ -161,6 +233,12 @@ impl Contents {
             covariances,
             imu: self.imu.map(|imu| imu.finish(on)),
             odometry: self.odometry.map(|odometry| odometry.finish(on)),
+            calibrations: self.calibrations.map(|calibrations| calibrations.finish(on)),
+            images: self.images.map(|images| images.finish(on)),
+            clouds: self.clouds.map(|clouds| clouds.finish(on)),
+            grids: self.grids.map(|grids| grids.finish(on)),
+            lasers: self.lasers.map(|lasers| Box::new(lasers.finish(on))),
+            radar: self.radar.and_then(|radar| radar.finish(on).map(Box::new)),
             motion: self.motion.finish(),
         }
     }

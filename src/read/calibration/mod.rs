@@ -1,7 +1,7 @@
 //! The reader of YAML and JSON files that may hold transforms.
 //!
 //! Owns the two entry points and the words on how a file could be read. `repair`, `events` and `document` turn text into nodes,
-//! `names` and `numbers` recognise, `shapes` spells, `origins` and `references` look for what they say, `walk` and `generic` make claims, `dialect` knows formats.
+//! `names` and `numbers` recognise, `shapes` spells, `origins`, `ouster` and `references` look for what they say, `walk` and `generic` make claims, `dialect` knows formats.
 
 mod dialect;
 pub(crate) mod document;
@@ -10,6 +10,8 @@ mod generic;
 mod names;
 mod numbers;
 mod origins;
+pub mod ouster;
+mod projections;
 mod references;
 pub(crate) mod repair;
 mod shapes;
@@ -100,6 +102,8 @@ fn read_text(source: &mut Source, text: &str, parse: impl Fn(&str, usize) -> (Do
     for root in &documents.roots {
         facts.references.extend(references::collect(root, source.id));
         facts.origins.extend(origins::collect(root, source.id));
+        facts.ousters.extend(ouster::collect(root, source.id));
+        facts.projections.extend(projections::collect(root, source.id));
     }
     let reached = documents.fault.as_ref().map_or(text.len(), |fault| fault.at);
     source.examined.bytes = reached as u64;
@@ -173,8 +177,12 @@ fn template(text: &str) -> Option<usize> {
 /// The line of words on a source: what was found, what was mended, what stands twice.
 fn describe(source: &mut Source, text: &str, documents: &Documents, mended: &Mended, facts: &Facts) {
     let mut notes = Vec::new();
-    if !facts.origins.is_empty() && facts.claims.is_empty() {
+    if !facts.ousters.is_empty() && facts.claims.is_empty() {
+        notes.push("metadata of an Ouster, and no transforms".to_owned());
+    } else if !facts.origins.is_empty() && facts.claims.is_empty() {
         notes.push("an origin on the Earth, and no transforms".to_owned());
+    } else if !facts.projections.is_empty() && facts.claims.is_empty() {
+        notes.push("a projection, and no transforms".to_owned());
     } else if facts.claims.is_empty() && facts.chains.is_empty() {
         notes.push("no transforms found".to_owned());
     }

@@ -3,6 +3,7 @@
 mod corpus;
 mod forms;
 mod frames;
+mod ouster;
 mod quirks;
 
 use crate::source::{LineIndex, ReadStatus, Source, SourceId, SourceKind, Span};

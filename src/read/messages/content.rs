@@ -3,8 +3,13 @@
 use std::borrow::Cow;
 use std::sync::Arc;
 
+use super::cloud::Cloud;
 use super::header::Header;
+use super::radar::Radar;
 use super::tf::Transform;
+
+/// Most coefficients of a distortion that are read; OpenCV's largest model has 14.
+pub const MAX_DISTORTION: u32 = 64;
 
 /// Bound on the poses that are kept of a path: of a longer one every second, third, ... one, the first always.
 pub const MAX_PATH: u32 = 10_000;
@@ -71,8 +76,22 @@ pub enum Body<'m> {
     Vector([f64; 3]),
     /// A velocity with its covariance.
     Twist(Box<Twist>),
+    /// The calibration of a camera.
+    CameraInfo(Box<CameraInfo<'m>>),
+    /// A cloud of points.
+    Cloud(Box<Cloud<'m>>),
+    /// An image, its bytes aside.
+    Image(Image<'m>),
+    /// A grid, its cells aside.
+    Grid(Box<Grid>),
+    /// A scan of a plane.
+    LaserScan(Box<LaserScan>),
+    /// Detections of a radar.
+    Radar(Box<Radar>),
     /// The text of a robot description.
     Description(Cow<'m, str>),
+    /// A text that may be what a sensor says of itself.
+    Metadata(Cow<'m, str>),
     /// Frames that it names beyond its header's (`foxglove.SceneUpdate`).
     Frames(Vec<Cow<'m, str>>),
     /// A time that everyone should use, nanoseconds: `rosgraph_msgs/Clock`.
@@ -201,4 +220,113 @@ pub struct Twist {
     pub angular: [f64; 3],
     /// Row-major 6x6, where the type has one.
     pub covariance: Option<[f64; 36]>,
+}
+
+/// `sensor_msgs/msg/CameraInfo`, numbers as published.
+#[derive(Clone, Debug, PartialEq)]
+pub struct CameraInfo<'m> {
+    /// Pixels, of the calibrated image.
+    pub height: u32,
+    /// Pixels, of the calibrated image.
+    pub width: u32,
+    /// `distortion_model`.
+    pub model: Cow<'m, str>,
+    /// Coefficients of the distortion.
+    pub d: Vec<f64>,
+    /// Intrinsics of the raw image, row-major 3x3, pixels.
+    pub k: [f64; 9],
+    /// Rectification, row-major 3x3.
+    pub r: [f64; 9],
+    /// Projection of the rectified image, row-major 3x4, pixels; its fourth column pixels times metres.
+    pub p: [f64; 12],
+    /// Pixels that are taken together, across and down; 0 is 1.
+    pub binning: [u32; 2],
+    /// The part that the images show.
+    pub roi: Roi,
+}
+
+/// `sensor_msgs/msg/RegionOfInterest`: pixels of the full image without binning; all zeros is the whole image.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Roi {
+    /// Left edge.
+    pub x: u32,
+    /// Upper edge.
+    pub y: u32,
+    /// Height.
+    pub height: u32,
+    /// Width.
+    pub width: u32,
+    /// Whether the image is to be rectified.
+    pub do_rectify: bool,
+}
+
+/// `nav_msgs/msg/OccupancyGrid` or `grid_map_msgs/msg/GridMap`, their cells aside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Grid {
+    /// Side of a cell, metres.
+    pub resolution_m: f64,
+    /// Cells along x and y; of a `GridMap` lengths over the resolution.
+    pub cells: [f64; 2],
+    /// Of the corner of the first cell, or of a `GridMap`'s centre; metres.
+    pub position: [f64; 3],
+    /// `[x, y, z, w]`, not normalised.
+    pub orientation: [f64; 4],
+    /// How many cells follow, where they are one list.
+    pub data: Option<u64>,
+}
+
+impl Grid {
+    /// Whether two are the same bit by bit.
+    pub fn is_same(&self, other: &Self) -> bool {
+        let bits = |grid: &Self| {
+            let numbers = grid.cells.iter().chain(&grid.position).chain(&grid.orientation);
+            let bits: Vec<u64> = numbers.map(|value| value.to_bits()).collect();
+            (grid.resolution_m.to_bits(), bits, grid.data)
+        };
+        bits(self) == bits(other)
+    }
+}
+
+/// `sensor_msgs/msg/Image`, its bytes aside.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Image<'m> {
+    /// Pixels.
+    pub height: u32,
+    /// Pixels.
+    pub width: u32,
+    /// `encoding`.
+    pub encoding: Cow<'m, str>,
+}
+
+/// `sensor_msgs/msg/LaserScan` or `foxglove.LaserScan`, numbers as published.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LaserScan {
+    /// Of the first and the last ray, and from one to the next, radians from x towards y.
+    pub angles: [f64; 3],
+    /// From one ray to the next, seconds; NaN where the type has no such field.
+    pub time_increment: f64,
+    /// From one scan to the next, seconds; NaN where the type has no such field.
+    pub scan_time: f64,
+    /// The least and the largest range that counts, metres; NaN where the type does not say.
+    pub range: [f64; 2],
+    /// Metres, ray by ray.
+    pub ranges: Vec<f64>,
+    /// Where the plane lies in the frame of the message, where the type says it.
+    pub pose: Option<Pose>,
+}
+
+impl LaserScan {
+    /// A scan whose rays are spread evenly from the first angle to the last, and that tells no times and no limits of ranges.
+    pub(super) fn spread(start: f64, end: f64, ranges: Vec<f64>, pose: Option<Pose>) -> Self {
+        let steps = ranges.len().saturating_sub(1);
+        let increment = if steps == 0 { 0.0 } else { (end - start) / steps as f64 };
+        Self {
+            angles: [start, end, increment],
+            time_increment: f64::NAN,
+            scan_time: f64::NAN,
+            range: [f64::NAN; 2],
+            ranges,
+            pose,
+        }
+    }
 }

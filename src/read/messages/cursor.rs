@@ -141,6 +141,16 @@ impl<'a> Cursor<'a> {
         })
     }
 
+    /// `u64`.
+    pub fn u64(&mut self) -> Result<u64, DecodeError> {
+        let bytes = self.aligned::<8>()?;
+        Ok(if self.little {
+            u64::from_le_bytes(bytes)
+        } else {
+            u64::from_be_bytes(bytes)
+        })
+    }
+
     /// `f64`.
     pub fn f64(&mut self) -> Result<f64, DecodeError> {
         let bytes = self.aligned::<8>()?;
@@ -242,7 +252,18 @@ impl<'a> Cursor<'a> {
         }
     }
 
-    fn bytes(&mut self) -> Result<&'a [u8], DecodeError> {
+    /// All bytes that are left, from the next multiple of `alignment` on, as the encoding aligns.
+    pub fn rest(&self, alignment: usize) -> &'a [u8] {
+        self.message.get(self.start_of(alignment)..).unwrap_or_default()
+    }
+
+    /// Whether the least significant byte of a number comes first.
+    pub fn is_little(&self) -> bool {
+        self.little
+    }
+
+    /// A sequence of bytes: its length, then the bytes.
+    pub fn bytes(&mut self) -> Result<&'a [u8], DecodeError> {
         let len = usize::try_from(self.u32()?).unwrap_or(usize::MAX);
         match self.message.get(self.at..).and_then(|rest| rest.get(..len)) {
             Some(bytes) => {

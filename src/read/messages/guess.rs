@@ -158,7 +158,7 @@ fn imu(schema: &Schema, fields: &[Field], wire: Wire) -> Option<Vec<(usize, Slot
 }
 
 /// The words of a name in small letters: `Lat_deg`, `latDeg`.
-fn words(name: &str) -> Vec<String> {
+pub(super) fn words(name: &str) -> Vec<String> {
     let mut words = vec![String::new()];
     let mut was_small = false;
     for letter in name.chars() {

@@ -3,6 +3,7 @@
 //! Owns the bytes of single messages. Must not know recordings, nor keep anything.
 
 mod bodies;
+pub mod cloud;
 pub mod content;
 mod cursor;
 pub mod decoder;
@@ -12,7 +13,9 @@ pub mod foxglove;
 mod guess;
 pub mod header;
 mod nmea;
+pub mod radar;
 mod route;
+mod sensing;
 mod standard;
 #[cfg(test)]
 mod tests;

@@ -10,6 +10,7 @@ use super::content::{Body, Content, Member};
 use super::definition::{Count, Definitions, Field, Kind, Schema, Struct};
 use super::guess::{self, Guess, Slot};
 use super::header::Header;
+use super::radar::{self, Detection};
 use super::standard::Standard;
 use super::walk::Walk;
 use super::{Cursor, DecodeError, Wire};
@@ -25,6 +26,8 @@ pub(super) struct Route {
     schema: Schema,
     items: Vec<Item>,
     guesses: Vec<Guess>,
+    /// The one detection of a radar that the message's own fields make.
+    detection: Option<Detection>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -40,6 +43,10 @@ enum Item {
     Member(Arc<str>, Standard),
     /// A field of one of the guesses.
     Plain(usize, Slot),
+    /// A part of the message's own detection.
+    Detected(radar::Slot),
+    /// A list of detections: what each is read from.
+    Detections(Arc<str>, Arc<(Detection, Vec<Field>)>),
 }
 
 impl Route {
@@ -75,10 +82,16 @@ impl Route {
             wire,
             items: Vec::new(),
             guesses: Vec::new(),
+            detection: None,
             members: 0,
             wanted: 0,
         };
         let looked_into = (!Definitions::is_standard(&root.name)).then(|| plan.guess(fields, ""));
+        if looked_into.is_some() && fields.len() <= MAX_INNER_FIELDS {
+            // A detection without its header has no frame to be in.
+            let whole = || Detection::of(root).filter(|found| found.slots.iter().all(|(at, _)| *at < fields.len()));
+            plan.detection = header.and_then(|_| whole());
+        }
         for (at, field) in fields.iter().enumerate() {
             match (&field.kind, &looked_into) {
                 (Kind::Header { has_seq }, _) if header == Some(at) => plan.want(Item::Header { has_seq: *has_seq }),
@@ -90,6 +103,7 @@ impl Route {
         let Plan {
             mut items,
             guesses,
+            detection,
             wanted,
             ..
         } = plan;
@@ -98,12 +112,19 @@ impl Route {
             schema: schema.passed_by(&items),
             items,
             guesses,
+            detection,
         }))
     }
 
     /// How many fields are kept, for a bound on all routes together.
     pub(super) fn fields(&self) -> usize {
-        self.items.len() + self.schema.types.iter().map(|one| one.fields.len()).sum::<usize>()
+        let listed = |item: &Item| match item {
+            Item::Detections(_, list) => list.1.len(),
+            _ => 0,
+        };
+        self.items.len()
+            + self.items.iter().map(listed).sum::<usize>()
+            + self.schema.types.iter().map(|one| one.fields.len()).sum::<usize>()
     }
 
     /// Whether the message is read by its header alone, which stands first.
@@ -117,6 +138,7 @@ impl Route {
         let mut content = Content::new(None, Body::Nothing);
         let mut guesses: Vec<_> = self.guesses.iter().map(Guess::values).collect();
         let mut walk = Walk::new(&self.schema, &cursor);
+        let mut detected = Detection::numbers();
         for item in &self.items {
             walk.step(&cursor)?;
             match item {
@@ -134,6 +156,13 @@ impl Route {
                         values.read(&mut cursor, *slot)?;
                     }
                 }
+                Item::Detected(slot) => slot.read(&mut detected, &mut cursor)?,
+                Item::Detections(field, list) => content.members.push(Member {
+                    field: Arc::clone(field),
+                    header: None,
+                    body: list.0.list(&mut cursor, &mut walk, &list.1)?,
+                    guessed: true,
+                }),
             }
         }
         let guessed = self.guesses.iter().zip(guesses).map(|(guess, values)| Member {
@@ -143,6 +172,14 @@ impl Route {
             guessed: true,
         });
         content.members.extend(guessed);
+        if let Some(detection) = &self.detection {
+            content.members.push(Member {
+                field: Arc::clone(detection.field()),
+                header: None,
+                body: detection.single(&detected),
+                guessed: true,
+            });
+        }
         if let Some(outer) = &content.header {
             for member in &mut content.members {
                 fill(&mut member.header, outer);
@@ -169,6 +206,7 @@ struct Plan<'s> {
     wire: Wire,
     items: Vec<Item>,
     guesses: Vec<Guess>,
+    detection: Option<Detection>,
     members: usize,
     /// How many of the items lead up to the last one that is wanted.
     wanted: usize,
@@ -209,6 +247,21 @@ impl Plan<'_> {
     fn field(&mut self, at: usize, field: &Field, prefix: &str, guessed: &Guessed) {
         if let Some((_, guess, slot)) = guessed.iter().find(|(place, ..)| *place == at) {
             return self.want(Item::Plain(*guess, *slot));
+        }
+        if prefix.is_empty() {
+            let mut slots = self.detection.iter().flat_map(|detection| &detection.slots);
+            if let Some((_, slot)) = slots.find(|(place, _)| *place == at) {
+                let slot = *slot;
+                return self.want(Item::Detected(slot));
+            }
+        }
+        if field.count == Count::Sequence
+            && self.members < MAX_MEMBERS
+            && let Some(list) = self.schema.detections(field)
+        {
+            self.members += 1;
+            let path = format!("{prefix}{}", field.name);
+            return self.want(Item::Detections(path.into(), Arc::new(list)));
         }
         let inner = match field.kind {
             Kind::Nested(index) if field.count == Count::One && self.members < MAX_MEMBERS => {
@@ -255,11 +308,12 @@ impl Schema {
             Kind::Nested(index) => Some(index),
             _ => None,
         };
-        let passed = items.iter().filter_map(|item| match item {
-            Item::Pass(field) => nested(field),
-            _ => None,
+        let passed = items.iter().flat_map(|item| match item {
+            Item::Pass(field) => std::slice::from_ref(field),
+            Item::Detections(_, list) => list.1.as_slice(),
+            _ => &[],
         });
-        let mut to_look: Vec<usize> = passed.collect();
+        let mut to_look: Vec<usize> = passed.filter_map(nested).collect();
         let mut reached = vec![false; self.types.len()];
         while let Some(index) = to_look.pop() {
             let (Some(one), Some(seen)) = (self.types.get(index), reached.get_mut(index)) else {

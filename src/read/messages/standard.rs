@@ -6,7 +6,7 @@ use std::borrow::Cow;
 
 use super::content::{Body, Content, Member};
 use super::header::Header;
-use super::{Cursor, DecodeError, bodies, nmea, tf};
+use super::{Cursor, DecodeError, bodies, cloud, nmea, radar, sensing, tf};
 
 /// A standard type.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -19,14 +19,30 @@ pub(super) enum Standard {
     GpsFix,
     GeoPoint,
     GeoPose,
-    Pose { covariance: bool },
+    Pose {
+        covariance: bool,
+    },
     Path,
-    Twist { covariance: bool },
+    Twist {
+        covariance: bool,
+    },
     Orientation,
     Vector,
+    CameraInfo,
+    /// A map or a cost map.
+    OccupancyGrid,
+    /// A map of layers.
+    GridMap,
+    Image,
+    Cloud,
+    LivoxCloud,
+    LaserScan,
+    RadarScan,
+    RadarTracks,
     Nmea,
     NmeaText,
     Description,
+    Metadata,
     Clock,
 }
 
@@ -35,6 +51,8 @@ pub(super) enum Standard {
 pub(super) enum TopicWord {
     /// They are robot descriptions.
     Description,
+    /// They may be what a sensor says of itself.
+    Metadata,
     /// They are sentences of NMEA 0183.
     Nmea,
 }
@@ -49,6 +67,8 @@ impl TopicWord {
         };
         match last {
             "robot_description" => Some(Self::Description),
+            "metadata" => Some(Self::Metadata),
+            _ if last.ends_with("_metadata") => Some(Self::Metadata),
             _ if begins("nmea") => Some(Self::Nmea),
             _ => None,
         }
@@ -64,11 +84,15 @@ impl Standard {
             "geometry_msgs/Vector3Stamped" => Self::Vector,
             "geographic_msgs/GeoPointStamped" => Self::GeoPoint,
             "geographic_msgs/GeoPoseStamped" => Self::GeoPose,
+            "livox_ros_driver2/CustomMsg" | "livox_ros_driver/CustomMsg" => Self::LivoxCloud,
+            "nav_msgs/OccupancyGrid" => Self::OccupancyGrid,
+            "grid_map_msgs/GridMap" => Self::GridMap,
             "nav_msgs/Path" => Self::Path,
             "nmea_msgs/Sentence" => Self::Nmea,
             "rosgraph_msgs/Clock" => Self::Clock,
             "std_msgs/String" => match topic? {
                 TopicWord::Description => Self::Description,
+                TopicWord::Metadata => Self::Metadata,
                 TopicWord::Nmea => Self::NmeaText,
             },
             _ => return Self::of_member(name),
@@ -87,6 +111,12 @@ impl Standard {
             "geometry_msgs/TwistStamped" => Self::Twist { covariance: false },
             "geometry_msgs/TwistWithCovarianceStamped" => Self::Twist { covariance: true },
             "geometry_msgs/QuaternionStamped" => Self::Orientation,
+            "sensor_msgs/CameraInfo" => Self::CameraInfo,
+            "sensor_msgs/Image" => Self::Image,
+            "sensor_msgs/PointCloud2" => Self::Cloud,
+            "sensor_msgs/LaserScan" => Self::LaserScan,
+            "radar_msgs/RadarScan" => Self::RadarScan,
+            "radar_msgs/RadarTracks" => Self::RadarTracks,
             _ => return None,
         })
     }
@@ -96,6 +126,7 @@ impl Standard {
         let body = match self {
             Self::Tf => Body::Transforms(tf::transforms(cursor)?.collect::<Result<_, _>>()?),
             Self::Description => Body::Description(Cow::Borrowed(cursor.str()?)),
+            Self::Metadata => Body::Metadata(Cow::Borrowed(cursor.str()?)),
             Self::NmeaText => nmea::body(&mut cursor)?,
             Self::Clock => Body::Clock(cursor.time()?),
             Self::Transform => {
@@ -138,7 +169,18 @@ impl Standard {
             Self::Orientation => Ok(Body::Orientation(cursor.f64s()?)),
             Self::Vector => Ok(Body::Vector(cursor.f64s()?)),
             Self::Nmea => nmea::body(cursor),
-            Self::Tf | Self::Transform | Self::NmeaText | Self::Description | Self::Clock => Ok(Body::Nothing),
+            Self::CameraInfo => sensing::camera_info(cursor),
+            Self::Image => sensing::image(cursor),
+            Self::OccupancyGrid => sensing::occupancy_grid(cursor),
+            Self::GridMap => sensing::grid_map(cursor),
+            Self::Cloud => cloud::point_cloud(cursor),
+            Self::LivoxCloud => cloud::livox(cursor),
+            Self::LaserScan => sensing::laser_scan(cursor),
+            Self::RadarScan => radar::scan(cursor),
+            Self::RadarTracks => radar::tracks(cursor),
+            Self::Tf | Self::Transform | Self::NmeaText | Self::Description | Self::Metadata | Self::Clock => {
+                Ok(Body::Nothing)
+            }
         }
     }
 }

@@ -28,8 +28,18 @@ pub(super) fn ask(root: &Element<'_>) -> ConsumerOpinion {
     }
     match catch_unwind(AssertUnwindSafe(|| urdf_rs::read_from_string(&text))) {
         Ok(Ok(robot)) => ConsumerOpinion::Loads(joints(&robot)),
-        Ok(Err(error)) => ConsumerOpinion::Refuses(one_line(&error.to_string())),
+        Ok(Err(error)) => ConsumerOpinion::Refuses(words(&error.to_string())),
         Err(_) => ConsumerOpinion::Refuses("the parser panicked".to_owned()),
+    }
+}
+
+/// What it says, in one line. Attributes of one element come to it in no order, so that which of two faulty ones it counts is by chance:
+/// the count is left out.
+fn words(error: &str) -> String {
+    let line = one_line(error);
+    match line.split_once(", expected ") {
+        Some((what, _)) if what.ends_with("element count") => what.to_owned(),
+        _ => line,
     }
 }
 
@@ -113,4 +123,16 @@ fn joints(robot: &urdf_rs::Robot) -> Vec<ConsumerJoint> {
 fn one_line(text: &str) -> String {
     let words: Vec<&str> = text.split_whitespace().collect();
     words.join(" ").chars().take(300).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_counted_by_chance_is_not_told() {
+        let error = "custom: Wrong vector element count, expected 3 found 2 for [$(optenv XYZ 0 0)]";
+        assert_eq!(words(error), "custom: Wrong vector element count");
+        assert_eq!(words("missing field, expected 3"), "missing field, expected 3");
+    }
 }

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 use crate::rules::{Judge, Need, Rule, names, tf};
 use crate::source::Place;
-use crate::tables::driver_frames;
+use crate::tables::Tables;
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::bag::TfEdge;
 use crate::world::{BagEvidence, ClaimKind, FrameId, World};
@@ -78,7 +78,7 @@ fn judge_bag(
     let adhoc: Vec<&TfEdge> = latched
         .iter()
         .copied()
-        .filter(|edge| links.contains(&edge.parent.canonical()) && !is_stated(edge, links, stated))
+        .filter(|edge| links.contains(&edge.parent.canonical()) && !is_stated(edge, links, stated, &world.tables))
         .collect();
     let measured = Measured::count("latched transforms that nothing states", adhoc.len())
         .limit(limits.max_edges)
@@ -91,13 +91,13 @@ fn judge_bag(
 }
 
 /// Whether somebody owes the edge: the description, a calibration file, a driver inside its device, or the map.
-fn is_stated(edge: &TfEdge, links: &BTreeSet<FrameId>, stated: &BTreeSet<FrameId>) -> bool {
+fn is_stated(edge: &TfEdge, links: &BTreeSet<FrameId>, stated: &BTreeSet<FrameId>, tables: &Tables) -> bool {
     let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
     links.contains(&child)
         || stated.contains(&child)
         || names::is_world(&parent)
         || names::is_world(&child)
-        || driver_frames().driver(parent.as_str(), child.as_str()).is_some()
+        || tables.driver_of_edge(parent.as_str(), child.as_str()).is_some()
 }
 
 /// Frames that sensor data are given in matter; others may be aids of planning or display.

@@ -3,8 +3,10 @@
 //! One wrong setting shows in several measurements. Where they fit a fault that is known, one rule reports it, and the others
 //! point there. Must not measure.
 
+use std::sync::Arc;
+
 use crate::rules::motion::ToldIn;
-use crate::tables::{InsDriver, Known};
+use crate::tables::InsDriver;
 use crate::verdict::Finding;
 
 use super::causes::{Base, CAUSES, Cause, HEALTHY, Heading, Push, Seen, Sense, Turn, World};
@@ -22,12 +24,12 @@ pub(crate) struct Diagnosis {
     /// What the sensor's numbers were told in.
     told_in: ToldIn,
     /// The driver, where names tell it.
-    driver: Option<Known<InsDriver>>,
+    driver: Option<Arc<InsDriver>>,
 }
 
 impl Diagnosis {
     /// Finds the faults that fit.
-    pub(crate) fn of(mut seen: Seen, told_in: &ToldIn, driver: Option<Known<InsDriver>>) -> Self {
+    pub(crate) fn of(mut seen: Seen, told_in: &ToldIn, driver: Option<Arc<InsDriver>>) -> Self {
         if seen.turn == Some(Turn::Ordered) {
             // QUAT03 reports the order by itself. Wrong roll and pitch tilt the world; whatever else is seen has a cause of
             // its own.
@@ -120,10 +122,10 @@ impl Diagnosis {
     fn help(&self) -> Option<String> {
         let helps: Vec<&str> = self.causes.iter().map(|cause| cause.help).collect();
         let help = (!helps.is_empty()).then(|| helps.join("; or: "))?;
-        Some(match self.driver {
+        Some(match &self.driver {
             Some(driver) if self.causes.iter().any(|cause| cause.is_of_driver) => format!(
                 "{help}. {} measures in {}: {}",
-                driver.name, driver.facts.native, driver.facts.setting
+                driver.name, driver.native, driver.setting
             ),
             _ => help,
         })

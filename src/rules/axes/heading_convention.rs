@@ -191,12 +191,12 @@ impl Decided {
     }
 
     /// What the driver's profile says of a large offset.
-    pub(super) fn known_offset(&self, imu: &Imu, limits: &Limits) -> Option<&'static Offset> {
+    pub(super) fn known_offset(&self, imu: &Imu, limits: &Limits) -> Option<Offset> {
         let offset = self
             .large_offset_deg(limits)
             .filter(|_| self.class() == causes::Heading::With)?;
         let near = |known: &&Offset| apart_deg(offset, known.deg) <= limits.max_spread_deg;
-        imu.driver?.facts.offsets.iter().find(near)
+        imu.driver.as_ref()?.offsets.iter().find(near).cloned()
     }
 }
 

@@ -74,6 +74,7 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
     let degrees = gravity.angle_deg();
     let measured = [
         Measured::new("angle of gravity's up to z", degrees, "deg")
+            .turn()
             .limit(limits.warning_deg)
             .samples(gravity.rows),
         Measured::new("agreement", gravity.concentration, "1").limit(limits.min_concentration),

@@ -67,6 +67,7 @@ fn judge_above(imu: &Imu, subject: String, above: &Above, diagnosis: &Diagnosis,
     let degrees = above.force.from_up_rad.to_degrees();
     let measured = [
         Measured::new("angle of the mean acceleration to z of the world", degrees, "deg")
+            .turn()
             .limit(limits.max_tilt_deg)
             .samples(rows),
         Measured::new("concentration", above.force.concentration, "1")

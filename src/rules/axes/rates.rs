@@ -5,7 +5,7 @@
 use nalgebra::Vector3;
 
 use crate::math::circular::wrapped;
-use crate::rules::motion::{Course, Follower, Imu};
+use crate::rules::motion::{Course, Follower, Imu, around};
 
 /// Half the time that a course is taken over, seconds.
 const HALF_S: f64 = 1.0;
@@ -114,12 +114,12 @@ impl Rates {
 }
 
 /// Integrals over time of the rate about the base's z axis, and of the force along its x and y axes.
-pub(super) struct Integrals {
+pub(crate) struct Integrals {
     stretches: Vec<Vec<(f64, Vector3<f64>)>>,
 }
 
 impl Integrals {
-    pub(super) fn of(imu: &Imu) -> Self {
+    pub(crate) fn of(imu: &Imu) -> Self {
         let base_from_imu = imu.base_from_imu();
         let mut stretches = Vec::new();
         for rows in &imu.stream.stretches {
@@ -148,6 +148,19 @@ impl Integrals {
         }
         stretches.retain(|run| run.len() > 1);
         Self { stretches }
+    }
+
+    /// How far the base turned about its z axis between two times, radians; `None` where the gyro does not cover them.
+    pub(crate) fn turned_rad(&self, from_s: f64, to_s: f64) -> Option<f64> {
+        let covers = |run: &&Vec<(f64, Vector3<f64>)>| {
+            run.first().is_some_and(|first| first.0 <= from_s) && run.last().is_some_and(|last| last.0 >= to_s)
+        };
+        let run = self.stretches.iter().find(covers)?;
+        let at = |t_s: f64| {
+            let ([before, after], share) = around(run, t_s)?;
+            Some(before.1.x + (after.1.x - before.1.x) * share)
+        };
+        Some(at(to_s)? - at(from_s)?)
     }
 
     /// Means over two seconds about times that mostly grow.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 use crate::rules::limits_of;
 use crate::rules::motion::{BagMotion, Imu, Motion, Track};
 use crate::rules::quat::quaternion_convention::{self, QuaternionConvention};
-use crate::tables::{Known, Offset, Simulator};
+use crate::tables::{Offset, Simulator};
 use crate::verdict::NotEvaluated;
 use crate::world::{FrameId, World};
 
@@ -40,9 +40,9 @@ pub(crate) struct Sensor {
     /// The fault that explains them.
     pub(crate) diagnosis: Diagnosis,
     /// What the driver's profile says of the yaw's offset from the course, where that is large.
-    pub(crate) offset: Option<&'static Offset>,
+    pub(crate) offset: Option<Offset>,
     /// The simulator that names in its recording tell.
-    pub(super) simulator: Option<Known<Simulator>>,
+    pub(super) simulator: Option<Arc<Simulator>>,
     /// What the base's yaw is more than its course, radians, where another axis of it than x points forward.
     pub(super) base_yaw_rad: Option<f64>,
     /// A wrong setting of a driver that would look the same as what was seen.
@@ -117,7 +117,7 @@ fn sensors(bag: &BagMotion, bases: &[Base], is_off: impl Fn(Option<&FrameId>) ->
             push: accel_vs_speed::look(imu, &integrals, &tracks.asked, &push).map_err(asked),
             diagnosis: Diagnosis::default(),
             offset: None,
-            simulator: bag.simulator,
+            simulator: bag.simulator.clone(),
             base_yaw_rad: None,
             unseen: None,
         };
@@ -127,7 +127,7 @@ fn sensors(bag: &BagMotion, bases: &[Base], is_off: impl Fn(Option<&FrameId>) ->
         let on = bases.iter().find(|base| Some(&base.frame) == mount);
         let on = on.and_then(|base| base.seen.as_ref().ok());
         let seen = sensor.seen();
-        sensor.diagnosis = Diagnosis::of(seen, &imu.stream.told_in, imu.driver);
+        sensor.diagnosis = Diagnosis::of(seen, &imu.stream.told_in, imu.driver.clone());
         sensor.unseen = diagnosis::unseen(seen);
         if let Some(on) = on.filter(|on| on.is_turned() || on.is_backward()) {
             sensor.diagnosis.leave_mounting_to("AXES13");

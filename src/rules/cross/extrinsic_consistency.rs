@@ -42,7 +42,9 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, angles: Option<angles
     let found = pair.classify();
     let (angle_deg, distance_m) = (found.angle_rad.to_degrees(), found.distance_m);
     let measured = [
-        Measured::new("rotation difference", angle_deg, "deg").limit(limits.equal_deg),
+        Measured::new("rotation difference", angle_deg, "deg")
+            .turn()
+            .limit(limits.equal_deg),
         Measured::new("translation difference", distance_m, "m").limit(limits.equal_m),
     ];
     if angle_deg <= limits.equal_deg && distance_m <= limits.equal_m {

@@ -54,11 +54,15 @@ fn judge_pair(world: &World, mut pair: Pair, limits: &Limits, out: &mut Judge) {
     }
     let found = blame(&mut pair, limits.mount_m);
     let (angle_deg, distance_m) = (found.angle_rad.to_degrees(), found.distance_m);
+    let small = angle_deg <= limits.small_deg && distance_m <= limits.small_m;
+    let rotation =
+        Measured::new("rotation difference", angle_deg, "deg").limit(Tolerance::default().angle_rad.to_degrees());
+    // Another convention is no error by an angle.
+    let is_explained = !small && found.best.is_some_and(|best| best != Relation::Equal);
     let difference = [
-        Measured::new("rotation difference", angle_deg, "deg").limit(Tolerance::default().angle_rad.to_degrees()),
+        if is_explained { rotation } else { rotation.turn() },
         Measured::new("translation difference", distance_m, "m").limit(Tolerance::default().distance_m),
     ];
-    let small = angle_deg <= limits.small_deg && distance_m <= limits.small_m;
     match (found.best, small) {
         (_, true) | (Some(Relation::Equal), _) => out.pass(subject, difference),
         (None, _) => {

@@ -2,8 +2,11 @@
 
 pub(crate) mod angles;
 mod blame;
+pub mod calibration_loop;
 pub mod extrinsic_consistency;
+pub mod extrinsic_direction;
 pub mod extrinsic_relation;
 mod fold;
+pub mod hand_eye;
 pub(crate) mod statements;
 pub mod urdf_tf_topology;

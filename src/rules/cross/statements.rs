@@ -64,6 +64,18 @@ pub(crate) struct Statement {
     bare_quaternion: bool,
 }
 
+impl Statement {
+    /// Whether it was spelled as a quaternion.
+    pub(crate) fn is_bare_quaternion(&self) -> bool {
+        self.bare_quaternion
+    }
+
+    /// Whether a calibration file states it.
+    pub(crate) fn is_of_a_file(&self) -> bool {
+        self.rank == Rank::File
+    }
+}
+
 /// Two statements about one pair, the more trusted one first, both as `target_from_source` of the first.
 #[derive(Clone, Debug)]
 pub(crate) struct Pair {
@@ -225,7 +237,8 @@ fn is_letter(frame: &FrameId) -> bool {
     frame.as_str().chars().count() == 1
 }
 
-fn statements(world: &World) -> Vec<Statement> {
+/// Every word on a rigid pair.
+pub(crate) fn statements(world: &World) -> Vec<Statement> {
     let files = world.claims.iter().filter_map(|claim| from_claim(world, claim));
     let edges = world
         .bags

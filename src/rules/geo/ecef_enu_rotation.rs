@@ -66,8 +66,10 @@ fn judge_one(stated: &OnEarth, limits: &Limits, out: &mut Judge) {
     };
     let excused = stated.rounding_rad.to_degrees();
     let measured = [
-        Measured::new("tilt against east, north, up", worst.tilt_deg, "deg").limit(limits.warning_deg.max(excused)),
-        Measured::new("turn about up", worst.yaw_deg, "deg"),
+        Measured::new("tilt against east, north, up", worst.tilt_deg, "deg")
+            .turn()
+            .limit(limits.warning_deg.max(excused)),
+        Measured::new("turn about up", worst.yaw_deg, "deg").turn(),
     ];
     if worst.tilt_deg <= limits.warning_deg.max(excused) && !worst.is_inverse {
         return out.pass(subject, measured);

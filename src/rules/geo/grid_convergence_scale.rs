@@ -143,7 +143,11 @@ fn measured(laid: &Laid, points: u64, limits: &Limits) -> Vec<Measured> {
     ];
     if let Some(grid) = laid.grids.first() {
         let (angle, scale) = laid.beside(grid);
-        all.push(Measured::new("turn against the UTM grid", angle.to_degrees(), "deg").limit(limits.max_angle_deg));
+        all.push(
+            Measured::new("turn against the UTM grid", angle.to_degrees(), "deg")
+                .turn()
+                .limit(limits.max_angle_deg),
+        );
         all.push(Measured::new("scale against the UTM grid, minus 1", scale, "1").limit(limits.max_scale));
     }
     all

@@ -1,9 +1,11 @@
 //! An inertial sensor: its rows, where it is mounted, and whether it gives an orientation at all.
 
+use std::sync::Arc;
+
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::math::readings::Reading;
-use crate::tables::{self, InsDriver, Known};
+use crate::tables::InsDriver;
 use crate::world::bag::Said;
 use crate::world::content::ContentEvidence;
 use crate::world::motion::InertialRow;
@@ -25,7 +27,7 @@ pub(crate) struct Imu {
     /// What its numbers measure.
     pub(crate) inertial: Inertial,
     /// The driver that publishes it, by the names around it.
-    pub(crate) driver: Option<Known<InsDriver>>,
+    pub(crate) driver: Option<Arc<InsDriver>>,
 }
 
 impl Imu {
@@ -39,7 +41,7 @@ impl Imu {
             mount,
             inertial: Inertial::of(&stream, no_orientation.is_none()),
             no_orientation,
-            driver: tables::ins_driver(&said.topic.words()),
+            driver: world.tables.ins_driver(&said.topic.words()),
             stream,
         })
     }

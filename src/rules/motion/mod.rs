@@ -19,7 +19,7 @@ mod yaw;
 
 use std::sync::Arc;
 
-use crate::tables::{self, Known, Simulator};
+use crate::tables::Simulator;
 use crate::world::bag::TopicEvidence;
 use crate::world::motion::{FixRow, NmeaRow, OrientationRow, PoseRow, TwistRow};
 use crate::world::{BagEvidence, FrameId, World};
@@ -52,7 +52,7 @@ pub(crate) struct BagMotion {
     /// Velocities on topics of their own.
     pub(crate) twists: Vec<Stream<TwistRow>>,
     /// The simulator that names in the recording tell.
-    pub(crate) simulator: Option<Known<Simulator>>,
+    pub(crate) simulator: Option<Arc<Simulator>>,
     /// Velocities of satellite receivers, east, north, up, without a turning velocity.
     pub(crate) velocities: Vec<Stream<TwistRow>>,
     /// Orientations on topics of their own.
@@ -77,7 +77,10 @@ impl BagMotion {
             fixes: Vec::new(),
             poses: Vec::new(),
             twists: Vec::new(),
-            simulator: bag.topics.values().find_map(|topic| tables::simulator(&topic.words())),
+            simulator: bag
+                .topics
+                .values()
+                .find_map(|topic| world.tables.simulator(&topic.words())),
             velocities: Vec::new(),
             orientations: Vec::new(),
             nmea: Vec::new(),

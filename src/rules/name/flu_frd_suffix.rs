@@ -122,7 +122,9 @@ fn judge_pair(pair: &Pair, place: Place, limits: &Limits, out: &mut Judge) {
     let Pair { frame, other, .. } = pair;
     let expected = pair.axes.turn(pair.other_axes);
     let deg = off_deg(expected, &pair.other_from_frame);
-    let off = Measured::new(format!("rotation off {}", pair.axes.word()), deg, "deg").limit(limits.max_deg);
+    let off = Measured::new(format!("rotation off {}", pair.axes.word()), deg, "deg")
+        .turn()
+        .limit(limits.max_deg);
     if deg <= limits.max_deg {
         out.pass(pair.subject.as_str(), [off]);
         return;

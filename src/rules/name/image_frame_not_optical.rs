@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use crate::rules::names::has_word;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Judge, Need, Rule, limits_of};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{BagEvidence, FrameId, World};
@@ -38,6 +38,16 @@ impl Rule for ImageFrameNotOptical {
             }
         }
     }
+}
+
+/// Whether this rule says of a camera's frame that it is no optical one.
+pub(crate) fn reports(world: &World, bag: &BagEvidence, frame: &FrameId) -> bool {
+    let Some(limits) = limits_of::<ImageFrameNotOptical>() else {
+        return false;
+    };
+    let is_up = || up(world, frame).is_some_and(|(_, z_up)| z_up > limits.min_up && !has_word(frame, UPWARD_WORDS));
+    let of_camera = cameras(bag).get(frame).is_some_and(|camera| camera.is_camera(frame));
+    of_camera && !frame.has_token("optical") && (optical_beside(world, frame, limits.optical_deg).is_some() || is_up())
 }
 
 fn judge_camera(world: &World, bag: &BagEvidence, frame: &FrameId, camera: &Camera, limits: &Limits, out: &mut Judge) {
@@ -89,7 +99,10 @@ fn judge_camera(world: &World, bag: &BagEvidence, frame: &FrameId, camera: &Came
             "`{frame}`, the frame of {}, has its z axis up in `{base}`: it is no optical frame, whose z axis looks ahead",
             camera.topic
         );
-        let finding = Finding::error(subject, message, place).likely().help(help);
+        let finding = Finding::error(subject, message, place)
+            .likely()
+            .relation("optical")
+            .help(help);
         out.fail(finding.measured(measured).measured(messages));
     } else if z_up.abs() > limits.min_up {
         let reason = "its z axis is vertical, and the camera may look straight up or down";

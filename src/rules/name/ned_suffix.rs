@@ -61,7 +61,9 @@ fn judge_pair(
         .map(|expected| off_deg(*expected, &seen))
         .fold(f64::INFINITY, f64::min);
     let subject = format!("frame `{frame}`");
-    let off = Measured::new(format!("rotation off {}", axes.word()), deg, "deg").limit(limits.max_deg);
+    let off = Measured::new(format!("rotation off {}", axes.word()), deg, "deg")
+        .turn()
+        .limit(limits.max_deg);
     if deg <= limits.max_deg {
         out.pass(subject, [off]);
         return;

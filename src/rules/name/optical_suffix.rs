@@ -7,7 +7,7 @@ use crate::math::constants::AxisTurn;
 use crate::math::relation::{Relation, Tolerance, classify_rotation};
 use crate::math::rotation::rotation_angle_between;
 use crate::rules::optical::{Mount, mounts};
-use crate::rules::{Judge, Need, Rule, names, places};
+use crate::rules::{Judge, Need, Rule, limits_of, names, places};
 use crate::verdict::{Finding, Measured, NotEvaluated, Safety};
 use crate::world::graph::FrameGraph;
 use crate::world::{FrameId, World};
@@ -43,11 +43,46 @@ impl Rule for OpticalSuffix {
     }
 }
 
+/// How far a turn is from the optical one, degrees.
+fn off(mount: &Mount) -> f64 {
+    rotation_angle_between(&AxisTurn::Optical.quaternion(), &mount.parent_from_optical).to_degrees()
+}
+
+/// Whether a mount tells what its optical frame is turned from: the camera's own link, or a mistake wherever it hangs.
+fn tells(mount: &Mount, limits: &Limits) -> bool {
+    let not_turned = mount.parent_from_optical.angle().to_degrees() <= limits.exact_deg;
+    // No camera is rolled by a quarter turn and looks sideways at once: exactly the inverse is a mistake anywhere.
+    let inverse = AxisTurn::Optical.quaternion().inverse();
+    let is_inverse = rotation_angle_between(&inverse, &mount.parent_from_optical).to_degrees() <= limits.exact_deg;
+    mount.is_sibling || (not_turned || is_inverse) && names::optical_stem(mount.parent).is_none()
+}
+
+/// The mount of an optical frame that is off most.
+fn worst<'a>(graph: &'a FrameGraph, frame: &FrameId) -> Option<Mount<'a>> {
+    let stem = names::optical_stem(frame)?;
+    mounts(graph, frame, &stem)
+        .into_iter()
+        .max_by(|a, b| off(a).total_cmp(&off(b)))
+}
+
+/// Whether this rule finds more than a calibration in the turn of a frame.
+pub(crate) fn reports(world: &World, frame: &FrameId) -> bool {
+    let Some(limits) = limits_of::<OpticalSuffix>() else {
+        return false;
+    };
+    worst(world.graph(), frame).is_some_and(|worst| off(&worst) > limits.calibrated_deg && tells(&worst, &limits))
+}
+
+/// Whether a frame is turned from the camera's own link as optical frames are.
+pub(crate) fn is_turned_from_its_link(world: &World, frame: &FrameId) -> bool {
+    let Some(limits) = limits_of::<OpticalSuffix>() else {
+        return false;
+    };
+    worst(world.graph(), frame).is_some_and(|worst| worst.is_sibling && off(&worst) <= limits.calibrated_deg)
+}
+
 fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[String], limits: &Limits, out: &mut Judge) {
     let subject = format!("frame `{frame}`");
-    let off = |mount: &Mount| {
-        rotation_angle_between(&AxisTurn::Optical.quaternion(), &mount.parent_from_optical).to_degrees()
-    };
     let mounts = mounts(graph, frame, stem);
     let Some(worst) = mounts.iter().max_by(|a, b| off(a).total_cmp(&off(b))) else {
         out.not_evaluated(
@@ -58,17 +93,14 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
         return;
     };
     let deg = off(worst);
-    let measured = Measured::new("rotation off optical", deg, "deg").limit(limits.exact_deg);
+    let measured = Measured::new("rotation off optical", deg, "deg")
+        .turn()
+        .limit(limits.exact_deg);
     if deg <= limits.exact_deg {
         out.pass(subject, [measured]);
         return;
     }
-    let not_turned = worst.parent_from_optical.angle().to_degrees() <= limits.exact_deg;
-    // No camera is rolled by a quarter turn and looks sideways at once: exactly the inverse is a mistake anywhere.
-    let is_inverse = rotation_angle_between(&AxisTurn::Optical.quaternion().inverse(), &worst.parent_from_optical)
-        .to_degrees()
-        <= limits.exact_deg;
-    if !worst.is_sibling && (!(not_turned || is_inverse) || names::optical_stem(worst.parent).is_some()) {
+    if !tells(worst, limits) {
         let reason = format!(
             "`{}` is not this camera's own link, and the camera may be mounted at any angle",
             worst.parent

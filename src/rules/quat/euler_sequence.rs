@@ -46,7 +46,9 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
     }
     let apart_deg = pair.classify().angle_rad.to_degrees();
     if apart_deg <= limits.equal_deg {
-        let measured = Measured::new("rotation difference", apart_deg, "deg").limit(limits.equal_deg);
+        let measured = Measured::new("rotation difference", apart_deg, "deg")
+            .turn()
+            .limit(limits.equal_deg);
         return out.pass(subject, [measured]);
     }
     if let Some(found) = angles::explained(pair, limits) {
@@ -101,7 +103,11 @@ fn finding(pair: &Pair, subject: String, found: &Explained, limits: &Limits) -> 
     Finding::error(subject, message, pair.other.place.clone())
         .help(help)
         .relation(word(found))
-        .measured(Measured::new("rotation difference", found.apart_deg, "deg").limit(limits.equal_deg))
+        .measured(
+            Measured::new("rotation difference", found.apart_deg, "deg")
+                .turn()
+                .limit(limits.equal_deg),
+        )
         .measured(Measured::new("left by the order", rounded(found.left_deg), "deg").limit(limits.left_deg))
         .measured(Measured::count("other orders that give the same", found.alike.len()))
 }

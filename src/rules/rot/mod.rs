@@ -14,6 +14,7 @@ pub mod identity_or_placeholder;
 pub mod non_finite_or_zero;
 pub mod quaternion_norm;
 pub mod rotation_determinant;
+pub mod rotation_error_budget;
 pub mod rotation_orthogonality;
 pub mod translation_units;
 pub mod truncated_literal;

@@ -4,7 +4,6 @@ use serde::Deserialize;
 
 use crate::rules::{Evidence, Judge, Need, Rule, names};
 use crate::source::{MessageRef, Place};
-use crate::tables;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::bag::{Said, TopicEvidence};
 use crate::world::{BagEvidence, FrameId, World};
@@ -28,7 +27,7 @@ impl Rule for ImuSharesLidarFrame {
             let clouds: Vec<&TopicEvidence> = bag.topics.values().filter(|topic| is_cloud(topic)).collect();
             let said = bag.topics.values().flat_map(TopicEvidence::said);
             for imu in said.filter(|said| said.content.imu.is_some()) {
-                judge_imu(bag, &imu, &clouds, out);
+                judge_imu(world, bag, &imu, &clouds, out);
             }
         }
     }
@@ -41,7 +40,7 @@ fn is_cloud(topic: &TopicEvidence) -> bool {
     TYPES.contains(&name) && topic.count > 0
 }
 
-fn judge_imu(bag: &BagEvidence, imu: &Said<'_>, clouds: &[&TopicEvidence], out: &mut Judge) {
+fn judge_imu(world: &World, bag: &BagEvidence, imu: &Said<'_>, clouds: &[&TopicEvidence], out: &mut Judge) {
     let subject = format!("frame of {}", imu.subject());
     if clouds.is_empty() {
         return out.not_evaluated(subject, NotEvaluated::MissingInput, "no point cloud in the recording");
@@ -67,15 +66,22 @@ fn judge_imu(bag: &BagEvidence, imu: &Said<'_>, clouds: &[&TopicEvidence], out: 
         );
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
-    out.fail(finding(bag, subject, imu, cloud, &frame));
+    out.fail(finding(world, bag, subject, imu, cloud, &frame));
 }
 
-fn finding(bag: &BagEvidence, subject: String, imu: &Said<'_>, cloud: &TopicEvidence, frame: &FrameId) -> Finding {
+fn finding(
+    world: &World,
+    bag: &BagEvidence,
+    subject: String,
+    imu: &Said<'_>,
+    cloud: &TopicEvidence,
+    frame: &FrameId,
+) -> Finding {
     let words = [imu.topic.words(), cloud.words()].concat();
     let place = |first: Option<&MessageRef>| Place::of(bag.source, first);
-    let known = tables::lidar_imu(&words);
-    let lever = known.and_then(|known| known.facts.lever_mm);
-    let (what, help) = match (known, lever) {
+    let known = world.tables.lidar_imu(&words);
+    let lever = known.as_ref().and_then(|known| known.lever_mm);
+    let (what, help) = match (&known, lever) {
         (Some(known), Some([x, y, z])) => (
             format!(
                 "in a {} it sits at ({x:.1}, {y:.1}, {z:.1}) mm in the frame of the cloud",

@@ -5,7 +5,7 @@ use serde::Deserialize;
 use crate::rules::axes::sensors::{Sensor, Sensors};
 use crate::rules::motion::{Imu, Motion};
 use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::tables::{InsDriver, Known};
+use crate::tables::InsDriver;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
@@ -29,7 +29,7 @@ impl Rule for InsProfile {
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {
         let (motion, sensors) = (Motion::of(world), Sensors::of(world));
         for (imu, sensor) in sensors.each(&motion) {
-            if let Some(driver) = imu.driver {
+            if let Some(driver) = &imu.driver {
                 judge_up(imu, sensor, driver, limits, out);
                 judge_zero(imu, sensor, driver, limits, out);
             }
@@ -38,7 +38,7 @@ impl Rule for InsProfile {
 }
 
 /// Up of the world, which tells ENU and FLU from NED and FRD.
-fn judge_up(imu: &Imu, sensor: &Sensor, driver: Known<InsDriver>, limits: &Limits, out: &mut Judge) {
+fn judge_up(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, out: &mut Judge) {
     let subject = format!("axes of {} ({})", imu.stream.subject, driver.name);
     if let Some(why) = elsewhere(sensor) {
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
@@ -68,7 +68,7 @@ fn judge_up(imu: &Imu, sensor: &Sensor, driver: Known<InsDriver>, limits: &Limit
 }
 
 /// The zero of the yaw.
-fn judge_zero(imu: &Imu, sensor: &Sensor, driver: Known<InsDriver>, limits: &Limits, out: &mut Judge) {
+fn judge_zero(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, out: &mut Judge) {
     let subject = format!("zero of the yaw of {} ({})", imu.stream.subject, driver.name);
     if let Some(why) = elsewhere(sensor) {
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
@@ -78,7 +78,7 @@ fn judge_zero(imu: &Imu, sensor: &Sensor, driver: Known<InsDriver>, limits: &Lim
         Err((why, reason)) => return out.not_evaluated(subject, why, reason),
     };
     let measured = Measured::new("yaw minus course", offset, "deg").limit(limits.max_offset_deg);
-    let Some(known) = sensor.offset else {
+    let Some(known) = &sensor.offset else {
         if offset.abs() <= limits.max_offset_deg {
             return out.pass(subject, [measured]);
         }

@@ -9,7 +9,7 @@ use crate::rules::axes::sensors::Sensors;
 use crate::rules::limits_of;
 use crate::rules::motion::{BagMotion, Imu, Motion, Stream, Track};
 use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::tables::{Known, Simulator};
+use crate::tables::Simulator;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 use crate::world::motion::{FixRow, PoseRow};
@@ -41,7 +41,7 @@ impl Rule for LeftHandedSimulator {
         };
         let (motion, sensors) = (Motion::of(world), Sensors::of(world));
         for (index, bag) in motion.bags.iter().enumerate() {
-            let Some(simulator) = bag.simulator else { continue };
+            let Some(simulator) = &bag.simulator else { continue };
             // A gyro that hangs upside down tells nothing of the track's hand.
             let upright = bag
                 .imus
@@ -92,7 +92,7 @@ fn by_gyros(imus: &[&Imu], track: &Track, limits: &gyro_vs_turn_sign::Limits) ->
     imus.iter().filter_map(tell).collect()
 }
 
-fn judge_track(poses: &Stream<PoseRow>, simulator: Known<Simulator>, told: Vec<Told>, out: &mut Judge) {
+fn judge_track(poses: &Stream<PoseRow>, simulator: &Simulator, told: Vec<Told>, out: &mut Judge) {
     let subject = format!("{} ({})", poses.subject, simulator.name);
     if told.is_empty() {
         let why = "neither satellite fixes nor an upright gyro show which way it turns, or it does not turn enough";
@@ -122,7 +122,7 @@ fn judge_track(poses: &Stream<PoseRow>, simulator: Known<Simulator>, told: Vec<T
         .relation("left-handed")
         .help(format!(
             "{} is {}; to ROS: {}",
-            simulator.name, simulator.facts.axes, simulator.facts.conversion
+            simulator.name, simulator.axes, simulator.conversion
         ));
     let finding = poses.told_in.tell(finding);
     out.fail(

@@ -104,7 +104,9 @@ fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, fixed: &Fixed, 
     };
     let deg = off_deg(Some(fixed.turn), &parent_from_frame.rotation);
     let m = parent_from_frame.translation.vector.norm();
-    let turn = Measured::new(format!("rotation off {}", fixed.turn.word()), deg, "deg").limit(limits.max_deg);
+    let turn = Measured::new(format!("rotation off {}", fixed.turn.word()), deg, "deg")
+        .turn()
+        .limit(limits.max_deg);
     let shift = Measured::new("distance of the origins", m, "m").limit(limits.max_m);
     if deg > limits.named_deg {
         let reason = format!(

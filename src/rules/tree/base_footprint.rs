@@ -76,7 +76,9 @@ fn judge_mount(
     measured: &mut Vec<Measured>,
     findings: &mut Vec<Finding>,
 ) {
-    let yaw = Measured::new("yaw off", mount.yaw_deg, "deg").limit(limits.max_yaw_deg);
+    let yaw = Measured::new("yaw off", mount.yaw_deg, "deg")
+        .turn()
+        .limit(limits.max_yaw_deg);
     let below = Measured::new("below", mount.below_m, "m").limit(limits.max_below_m);
     if mount.yaw_deg > limits.max_yaw_deg {
         let message = format!(

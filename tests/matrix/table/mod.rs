@@ -12,8 +12,10 @@ macro_rules! error {
     };
 }
 
+mod cameras;
 mod fixes;
 mod imu;
+mod lidars;
 mod poses;
 mod staged;
 
@@ -24,7 +26,13 @@ const MIRRORED: &str = "the track that it is held against is a mirror image";
 
 /// Every error: of inertial sensors, of poses, of fixes, and of what is staged beside them.
 pub fn all() -> impl Iterator<Item = &'static Error> {
-    [imu::ERRORS, poses::ERRORS, fixes::ERRORS, staged::ERRORS]
-        .into_iter()
-        .flatten()
+    let tables = [
+        imu::ERRORS,
+        poses::ERRORS,
+        fixes::ERRORS,
+        staged::ERRORS,
+        lidars::ERRORS,
+        cameras::ERRORS,
+    ];
+    tables.into_iter().flatten()
 }

@@ -41,7 +41,7 @@ const GOLDEN: [(&str, [f64; 9]); 2] = [
     ),
 ];
 
-fn corpus() -> Option<PathBuf> {
+pub(super) fn corpus() -> Option<PathBuf> {
     let folder = match std::env::var_os("FRAMES_LINT_CORPUS") {
         Some(folder) => PathBuf::from(folder),
         None => Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -54,7 +54,7 @@ fn corpus() -> Option<PathBuf> {
 }
 
 /// Every YAML and JSON file of the corpus, read.
-fn read_all(folder: &Path) -> Vec<(String, Source, Facts)> {
+pub(super) fn read_all(folder: &Path) -> Vec<(String, Source, Facts)> {
     let mut files = Vec::new();
     let mut todo = vec![folder.to_path_buf()];
     while let Some(next) = todo.pop() {

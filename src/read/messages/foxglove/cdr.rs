@@ -3,7 +3,7 @@
 //! Source: `foxglove_msgs/msg/*.msg` (foxglove/foxglove-sdk, ros/src/foxglove_msgs).
 
 use super::wanted::Kind;
-use crate::read::messages::content::{Body, Content};
+use crate::read::messages::content::{Body, Content, LaserScan, Pose};
 use crate::read::messages::decoder::Format;
 use crate::read::messages::header::Header;
 use crate::read::messages::tf::Transform;
@@ -14,11 +14,23 @@ use crate::read::messages::{Cursor, DecodeError};
 pub(super) fn is_read(format: &Format<'_>, kind: Kind) -> bool {
     let is_ours = format.message_type.starts_with("foxglove_msgs/");
     let is_transform = matches!(kind, Kind::Transform | Kind::Transforms);
-    is_ours && (is_transform || begins_with_frame(format))
+    is_ours
+        && (is_transform || kind != Kind::LaserScan && begins_with_frame(format, &[]) || is_laser_scan(format, kind))
 }
 
-/// Whether the first two fields are `builtin_interfaces/Time timestamp` and `string frame_id`.
-fn begins_with_frame(format: &Format<'_>) -> bool {
+/// Whether it is a scan with the fields that are published.
+fn is_laser_scan(format: &Format<'_>, kind: Kind) -> bool {
+    let fields: [(&[&str], &str); 4] = [
+        (&["geometry_msgs/Pose", "geometry_msgs/msg/Pose"], "pose"),
+        (&["float64"], "start_angle"),
+        (&["float64"], "end_angle"),
+        (&["float64[]"], "ranges"),
+    ];
+    kind == Kind::LaserScan && begins_with_frame(format, &fields)
+}
+
+/// Whether the first fields are `builtin_interfaces/Time timestamp`, `string frame_id` and these.
+fn begins_with_frame(format: &Format<'_>, further: &[(&[&str], &str)]) -> bool {
     let text = std::str::from_utf8(format.schema).unwrap_or_default();
     let mut fields = text
         .lines()
@@ -32,6 +44,7 @@ fn begins_with_frame(format: &Format<'_>) -> bool {
     format.schema_encoding == "ros2msg"
         && is(&["builtin_interfaces/Time", "builtin_interfaces/msg/Time"], "timestamp")
         && is(&["string"], "frame_id")
+        && further.iter().all(|(types, name)| is(types, name))
 }
 
 /// Reads one message.
@@ -40,6 +53,11 @@ pub(super) fn decode(kind: Kind, message: &[u8]) -> Result<Content<'_>, DecodeEr
     let count = match kind {
         Kind::Transform => 1,
         Kind::Transforms => cdr.u32()?,
+        Kind::LaserScan => {
+            let header = Header::read(&mut cdr)?;
+            let body = Body::LaserScan(Box::new(laser_scan(&mut cdr)?));
+            return Ok(Content::new(Some(header), body));
+        }
         _ => {
             return Ok(Content::new(Some(Header::read(&mut cdr)?), Body::Nothing));
         }
@@ -58,4 +76,18 @@ pub(super) fn decode(kind: Kind, message: &[u8]) -> Result<Content<'_>, DecodeEr
         });
     }
     Ok(Content::new(None, Body::Transforms(transforms)))
+}
+
+/// Reads the rest of a `foxglove_msgs/LaserScan` behind its frame, as far as its ranges.
+fn laser_scan(cdr: &mut Cursor<'_>) -> Result<LaserScan, DecodeError> {
+    let pose = Pose {
+        position: cdr.f64s()?,
+        orientation: cdr.f64s()?,
+        covariance: None,
+    };
+    let [start, end] = cdr.f64s()?;
+    let count = cdr.u32()?;
+    // Nothing is set aside for the number that a message claims.
+    let ranges = (0..count).map(|_| cdr.f64()).collect::<Result<_, DecodeError>>()?;
+    Ok(LaserScan::spread(start, end, ranges, Some(pose)))
 }

@@ -5,8 +5,8 @@ use std::collections::BTreeSet;
 
 use super::time;
 use super::value::{Object, Value};
-use super::wanted::Kind;
-use crate::read::messages::content::{Body, Content, Fix, Odometry, Pose};
+use super::wanted::{Kind, RANGES};
+use crate::read::messages::content::{Body, Content, Fix, LaserScan, Odometry, Pose};
 use crate::read::messages::header::Header;
 use crate::read::messages::tf::Transform;
 use crate::read::messages::{DecodeError, MAX_NAME};
@@ -41,6 +41,10 @@ pub(super) fn of(kind: Kind, value: Value<'_>) -> Result<Content<'_>, DecodeErro
             Content::new(header(object)?, body)
         }
         Kind::Scene => scene(object)?,
+        Kind::LaserScan => {
+            let body = Body::LaserScan(Box::new(laser_scan(object)?));
+            Content::new(header(object)?, body)
+        }
         Kind::Header => nothing(header(object)?),
         Kind::Unknown => nothing(header(object).ok().flatten()),
     })
@@ -112,6 +116,22 @@ fn odometry<'m>(object: &mut Object<'m>) -> Result<Odometry<'m>, DecodeError> {
         angular: vector(object, "angular_velocity")?,
         twist_covariance: matrix(object, "velocity_covariance")?,
     })
+}
+
+/// A scan of a plane. A pose that is left out is none: JSON may do so.
+fn laser_scan(object: &mut Object<'_>) -> Result<LaserScan, DecodeError> {
+    let ranges = match object.take(RANGES) {
+        Some(Value::List(list)) => list.iter().map(as_number).collect::<Option<Vec<f64>>>(),
+        found => return Err(not_a(RANGES, "a list", found.as_ref())),
+    };
+    let ranges = ranges.ok_or_else(|| DecodeError(format!("`{RANGES}` holds more than numbers")))?;
+    let pose = match object.take("pose") {
+        Some(Value::Object(mut inner)) => Some(pose(&mut inner)?),
+        None | Some(Value::Null) => None,
+        found => return Err(not_a("pose", "an object", found.as_ref())),
+    };
+    let (start, end) = (number(object, "start_angle")?, number(object, "end_angle")?);
+    Ok(LaserScan::spread(start, end, ranges, pose))
 }
 
 /// The frames of a scene's entities. The header is that of the first entity; the frames of the others are told besides,

@@ -2,10 +2,13 @@
 
 use std::borrow::Cow;
 
+use super::wanted::RANGES;
 use crate::read::messages::DecodeError;
 
 /// Numbers of a list that are kept: one more than the longest list that is wanted (6x6), so that a longer one is seen.
 pub(super) const MAX_NUMBERS: usize = 37;
+/// Ranges of a scan that are kept; planar scanners have some thousand rays.
+pub(super) const MAX_RANGES: usize = 20_000;
 /// Bound on the messages within a list (`transforms`, `entities`); real ones hold some hundred. Without a bound, empty
 /// messages of two bytes each would grow a hundredfold in memory.
 pub(super) const MAX_ELEMENTS: usize = 20_000;
@@ -44,7 +47,8 @@ impl Value<'_> {
     /// Adds an element to a list; an error where it has too many messages.
     pub(super) fn push_into(self, list: &mut Vec<Self>, name: &str) -> Result<(), DecodeError> {
         if !matches!(self, Self::Object(_)) {
-            if list.len() < MAX_NUMBERS {
+            let most = if name == RANGES { MAX_RANGES } else { MAX_NUMBERS };
+            if list.len() < most {
                 list.push(self);
             }
             return Ok(());

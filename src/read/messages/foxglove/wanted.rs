@@ -68,8 +68,19 @@ static ODOMETRY: Wanted = Wanted(&[
     ("pose_covariance", &PLAIN),
     ("velocity_covariance", &PLAIN),
 ]);
+static LASER_SCAN: Wanted = Wanted(&[
+    ("timestamp", &TIME),
+    ("frame_id", &PLAIN),
+    ("pose", &POSE),
+    ("start_angle", &PLAIN),
+    ("end_angle", &PLAIN),
+    (RANGES, &PLAIN),
+]);
 static ENTITY: Wanted = Wanted(&[("timestamp", &TIME), ("frame_id", &PLAIN)]);
 static SCENE: Wanted = Wanted(&[("entities", &ENTITY)]);
+
+/// The one list of numbers that is as long as a sensor likes.
+pub(super) const RANGES: &str = "ranges";
 
 /// What a type says about frames.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,6 +101,8 @@ pub(super) enum Kind {
     Odometry,
     /// `SceneUpdate`.
     Scene,
+    /// `LaserScan`.
+    LaserScan,
     /// Another type of Foxglove's: a header, where it has one, spelled as the schemas say.
     Header,
     /// A type of somebody else's: a header, where it has what looks like one.
@@ -118,6 +131,7 @@ impl Kind {
             "PoseInFrame" => Self::PoseInFrame,
             "Odometry" => Self::Odometry,
             "SceneUpdate" => Self::Scene,
+            "LaserScan" => Self::LaserScan,
             _ => Self::Header,
         }
     }
@@ -133,6 +147,7 @@ impl Kind {
             Self::PoseInFrame => &POSE_IN_FRAME,
             Self::Odometry => &ODOMETRY,
             Self::Scene => &SCENE,
+            Self::LaserScan => &LASER_SCAN,
             Self::Header | Self::Unknown => &HEADER,
         }
     }

@@ -6,6 +6,8 @@ mod members;
 mod nmea;
 mod places;
 mod plain;
+mod radar;
+mod sensing;
 mod unknown;
 
 use re_cdr::{BigEndian, ByteOrder, CdrWriter, LittleEndian};

@@ -84,3 +84,32 @@ fn other_types_are_read_by_their_definition() {
     assert_eq!(of("acme_msgs/msg/Grid", schema), None);
     assert_eq!(of("tf2_msgs/msg/TFMessage", ""), None);
 }
+
+#[test]
+fn scans_of_planes_are_read_by_the_published_definition_alone() {
+    let published = "builtin_interfaces/Time timestamp\nstring frame_id\ngeometry_msgs/Pose pose\nfloat64 start_angle\nfloat64 end_angle\n\
+                     float64[] ranges\nfloat64[] intensities\n";
+    let bytes = message(|out| {
+        out.write_i32(1);
+        out.write_u32(5);
+        out.write_string("laser");
+        for number in [0.0, 0.0, 0.3, 0.0, 0.0, 0.0, 1.0, -1.0, 1.0] {
+            out.write_f64(number);
+        }
+        out.write_sequence_length(3);
+        for number in [1.0, 2.0, 3.0] {
+            out.write_f64(number);
+        }
+        out.write_sequence_length(0);
+    });
+    let reader = of("foxglove_msgs/msg/LaserScan", published).unwrap();
+    let content = reader.decode(&bytes).unwrap();
+    assert_eq!(content.header.unwrap().frame_id, "laser");
+    let Body::LaserScan(scan) = content.body else {
+        panic!("no scan");
+    };
+    assert_eq!((scan.angles, scan.ranges), ([-1.0, 1.0, 1.0], vec![1.0, 2.0, 3.0]));
+    assert_eq!(scan.pose.unwrap().position, [0.0, 0.0, 0.3]);
+    let other = published.replace("start_angle", "first_angle");
+    assert!(of("foxglove_msgs/msg/LaserScan", &other).is_none());
+}

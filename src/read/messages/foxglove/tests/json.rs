@@ -166,3 +166,30 @@ fn fixes_and_poses_are_read() {
         ([1.0, 2.0, 3.0], [0.0, 0.0, 0.0, 1.0])
     );
 }
+
+#[test]
+fn scans_of_planes_keep_all_their_ranges() {
+    let ranges = (0..500).map(|ray| {
+        if ray == 7 {
+            "null".to_owned()
+        } else {
+            format!("{ray}.5")
+        }
+    });
+    let ranges = ranges.collect::<Vec<_>>().join(",");
+    let head = r#"{"timestamp":{"sec":1,"nsec":0},"frame_id":"laser","start_angle":-1,"end_angle":1,"ranges":["#;
+    let message = format!("{head}{ranges}]}}");
+    let Body::LaserScan(scan) = json("foxglove.LaserScan", &message).unwrap().body else {
+        panic!("no scan");
+    };
+    assert_eq!((scan.ranges.len(), scan.ranges[499]), (500, 499.5));
+    assert!(scan.ranges[7].is_nan() && scan.time_increment.is_nan() && scan.pose.is_none());
+    assert!((scan.angles[2] - 2.0 / 499.0).abs() < 1e-12);
+    let without = head.replace(r#","ranges":["#, "}");
+    assert!(
+        json("foxglove.LaserScan", &without)
+            .unwrap_err()
+            .0
+            .contains("lacks `ranges`")
+    );
+}

@@ -1,0 +1,472 @@
+//! Clouds of one topic.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use crate::read::messages::cloud::{Cloud, Column, Datatype};
+use crate::source::MessageRef;
+use crate::world::cloud::{
+    CloudEvidence, CloudLayout, CloudPoint, CloudSample, MAX_DISTINCT, MAX_LAYOUTS, PointField, PointTimes,
+};
+
+use super::super::point::{On, Point};
+use super::super::thin::Share;
+use super::slices::Slices;
+
+/// Names of the times of points, as drivers write them.
+const TIMES: &[&str] = &[
+    "t",
+    "time",
+    "timestamp",
+    "time_stamp",
+    "offset_time",
+    "time_offset",
+    "t_us",
+    "timeoffset",
+    "stamp",
+    "ts",
+];
+
+/// A cloud that is kept.
+struct Kept {
+    point: Point,
+    sample: Sampled,
+}
+
+/// What is kept of a cloud, without its place.
+struct Sampled {
+    size: [u32; 2],
+    returns: u64,
+    looked_at: u64,
+    points: Vec<CloudPoint>,
+    times: Option<PointTimes>,
+    farthest: f64,
+}
+
+/// Takes in clouds in recording order.
+pub(super) struct Clouds {
+    share: Share,
+    /// Names of times that the user adds, which go before those that are known.
+    time_fields: Arc<[String]>,
+    count: u64,
+    layouts: Vec<(Point, u64, Vec<PointField>, bool)>,
+    others: u64,
+    cut: u64,
+    first_cut: Option<Point>,
+    /// Every `stride`-th cloud, the stride doubled where there is no more room.
+    kept: Vec<Kept>,
+    stride: u64,
+    farthest: Option<(Point, f64)>,
+    slices: Slices,
+}
+
+impl Clouds {
+    pub(super) fn new(share: Share, time_fields: Arc<[String]>) -> Self {
+        Self {
+            share,
+            time_fields,
+            count: 0,
+            layouts: Vec::new(),
+            others: 0,
+            cut: 0,
+            first_cut: None,
+            kept: Vec::new(),
+            stride: 1,
+            farthest: None,
+            slices: Slices::new(share.runs),
+        }
+    }
+
+    /// Clouds were left out here.
+    pub(super) fn seam(&mut self) {
+        self.slices.seam();
+    }
+
+    pub(super) fn push(&mut self, point: Point, cloud: &Cloud<'_>) {
+        let index = self.count;
+        self.count += 1;
+        self.layout(point, cloud);
+        if is_cut(cloud) {
+            self.cut += 1;
+            self.first_cut.get_or_insert(point);
+        }
+        self.slices.push(point, cloud, &self.time_fields);
+        let [most, points] = self.share.clouds;
+        if !index.is_multiple_of(self.stride) {
+            return;
+        }
+        if self.kept.len() >= most {
+            let mut number = 0;
+            self.kept.retain(|_| {
+                number += 1;
+                number % 2 == 1
+            });
+            self.stride *= 2;
+            if !index.is_multiple_of(self.stride) {
+                return;
+            }
+        }
+        let Some(sample) = sampled(cloud, points, &self.time_fields) else {
+            return;
+        };
+        if self.farthest.is_none_or(|(_, farthest)| sample.farthest > farthest) {
+            self.farthest = Some((point, sample.farthest));
+        }
+        self.kept.push(Kept { point, sample });
+    }
+
+    fn layout(&mut self, point: Point, cloud: &Cloud<'_>) {
+        let is_it = |fields: &[PointField]| {
+            fields.len() == cloud.fields.len()
+                && fields.iter().zip(&cloud.fields).all(|(known, field)| {
+                    known.name == field.name && known.count == field.count && known.datatype == word(field.datatype)
+                })
+        };
+        let mut known = self.layouts.iter_mut();
+        if let Some((_, count, ..)) =
+            known.find(|(.., fields, is_bigendian)| *is_bigendian == cloud.is_bigendian && is_it(fields))
+        {
+            *count += 1;
+        } else if self.layouts.len() < MAX_LAYOUTS {
+            let fields = cloud.fields.iter().map(|field| PointField {
+                name: field.name.clone().into_owned(),
+                datatype: word(field.datatype),
+                count: field.count,
+            });
+            self.layouts.push((point, 1, fields.collect(), cloud.is_bigendian));
+        } else {
+            self.others += 1;
+        }
+    }
+
+    pub(super) fn finish(self, on: On<'_>) -> CloudEvidence {
+        let layout = |(point, count, fields, is_bigendian): (Point, u64, Vec<PointField>, bool)| CloudLayout {
+            at: point.on(on),
+            count,
+            fields,
+            is_bigendian,
+        };
+        let sample = |kept: Kept| {
+            let at: MessageRef = kept.point.on(on);
+            let Sampled {
+                size,
+                returns,
+                looked_at,
+                points,
+                times,
+                ..
+            } = kept.sample;
+            CloudSample {
+                at,
+                size,
+                returns,
+                looked_at,
+                points,
+                times,
+            }
+        };
+        CloudEvidence {
+            count: self.count,
+            layouts: self.layouts.into_iter().map(layout).collect(),
+            others: self.others,
+            cut: self.cut,
+            first_cut: self.first_cut.map(|point| point.on(on)),
+            samples: self.kept.into_iter().map(sample).collect(),
+            runs: self.slices.finish(),
+            farthest: self.farthest.map(|(point, farthest)| (point.on(on), farthest)),
+        }
+    }
+}
+
+fn word(datatype: u8) -> String {
+    Datatype::of(datatype).map_or_else(|| datatype.to_string(), |datatype| datatype.word().to_owned())
+}
+
+/// Whether the data end before the last point.
+fn is_cut(cloud: &Cloud<'_>) -> bool {
+    let last = cloud.height.checked_sub(1).zip(cloud.width.checked_sub(1));
+    last.is_some_and(|(row, column)| cloud.point(row, column).is_none())
+}
+
+/// Steps over rows and columns that leave about so many points: columns first, for rows are few and apart where they are beams. Beams take turns in a
+/// cloud of one row: a step that shares no factor with their number meets them all.
+fn strides(cloud: &Cloud<'_>, most: usize) -> (u32, u32) {
+    let enough = (most as u64).div_ceil(u64::from(cloud.width).max(1));
+    let rows = u64::from(cloud.height).min(enough.max(64));
+    let row_step = u64::from(cloud.height).div_ceil(rows.max(1));
+    let column_step = (u64::from(cloud.width) * rows).div_ceil(most.max(1) as u64);
+    let step = |step: u64, is_one_row: bool| match u32::try_from(step).unwrap_or(u32::MAX).max(1) {
+        step if is_one_row && step > 1 => prime(step.max(7)),
+        step => step,
+    };
+    (step(row_step, cloud.width == 1), step(column_step, cloud.height == 1))
+}
+
+/// The least prime from a number on; the number where there is none.
+fn prime(from: u32) -> u32 {
+    let is_prime = |number: &u32| {
+        let mut factors = (2..).take_while(|factor| u64::from(*factor) * u64::from(*factor) <= u64::from(*number));
+        factors.all(|factor| !number.is_multiple_of(factor))
+    };
+    (from..=u32::MAX).find(is_prime).unwrap_or(from)
+}
+
+/// The field that holds the times of the points.
+pub(super) fn time_of<'f>(cloud: &Cloud<'_>, time_fields: &'f [String]) -> Option<(&'f str, Column)> {
+    let mut names = time_fields.iter().map(String::as_str).chain(TIMES.iter().copied());
+    names.find_map(|name| Some((name, cloud.column(name)?)))
+}
+
+/// What is kept of a cloud; `None` where its points have no coordinates.
+fn sampled(cloud: &Cloud<'_>, most: usize, time_fields: &[String]) -> Option<Sampled> {
+    let axes: [Column; 3] = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
+    let time = time_of(cloud, time_fields);
+    let (row_step, column_step) = strides(cloud, most);
+    let (mut points, mut times) = (Vec::new(), Vec::new());
+    let (mut looked_at, mut farthest) = (0, 0.0_f64);
+    let rows = (0..cloud.rows()).step_by(usize::try_from(row_step).unwrap_or(usize::MAX));
+    for row in rows {
+        let columns = (0..cloud.width).step_by(usize::try_from(column_step).unwrap_or(usize::MAX));
+        for column in columns {
+            let Some(bytes) = cloud.point(row, column) else { break };
+            looked_at += 1;
+            let [Some(x), Some(y), Some(z)] = axes.map(|axis| axis.of(bytes)) else {
+                break;
+            };
+            let xyz = [x, y, z];
+            if !xyz.iter().all(|value| value.is_finite()) || xyz.iter().all(|value| *value == 0.0) {
+                continue;
+            }
+            farthest = xyz.iter().fold(farthest, |most, value| most.max(value.abs()));
+            let time = time.and_then(|(_, column)| column.of(bytes)).unwrap_or(f64::NAN);
+            times.push(time);
+            points.push(CloudPoint {
+                xyz,
+                cell: [row, column],
+                time,
+            });
+        }
+    }
+    let times = time.and_then(|(name, _)| {
+        Some(PointTimes {
+            field: name.to_owned(),
+            datatype: word(cloud.field(name)?.datatype),
+            timebase_ns: cloud.timebase_ns,
+            ..statistics(times)?
+        })
+    });
+    Some(Sampled {
+        size: [cloud.height, cloud.width],
+        returns: points.len() as u64,
+        looked_at,
+        points,
+        times,
+        farthest,
+    })
+}
+
+/// Range, quantiles and variety of the finite ones.
+fn statistics(mut times: Vec<f64>) -> Option<PointTimes> {
+    times.retain(|time| time.is_finite());
+    times.sort_by(f64::total_cmp);
+    let (first, last) = (*times.first()?, *times.last()?);
+    let at = |permille: usize| {
+        let index = (times.len() - 1) * permille / 1000;
+        times.get(index).copied().unwrap_or(first)
+    };
+    let mut distinct = BTreeSet::new();
+    for time in &times {
+        distinct.insert(time.to_bits());
+        if distinct.len() >= MAX_DISTINCT as usize {
+            break;
+        }
+    }
+    Some(PointTimes {
+        field: String::new(),
+        datatype: String::new(),
+        range: [first, last],
+        quantiles: [at(1), at(999)],
+        distinct: u32::try_from(distinct.len()).unwrap_or(MAX_DISTINCT),
+        timebase_ns: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
+    use super::*;
+    use crate::read::messages::cloud::Field;
+    use std::time::{Duration, Instant};
+
+    /// x, y, z and a time in float32, one behind the other.
+    fn cloud(size: [u32; 2], data: &[u8]) -> Cloud<'_> {
+        let field = |(index, name): (u32, &'static str)| Field {
+            name: name.into(),
+            offset: 4 * index,
+            datatype: 7,
+            count: 1,
+        };
+        Cloud {
+            height: size[0],
+            width: size[1],
+            fields: [(0, "x"), (1, "y"), (2, "z"), (3, "time")].map(field).into(),
+            is_bigendian: false,
+            point_step: 16,
+            row_step: size[1].saturating_mul(16),
+            data,
+            timebase_ns: None,
+        }
+    }
+
+    fn bytes(points: &[[f32; 4]]) -> Vec<u8> {
+        points.iter().flatten().flat_map(|value| value.to_le_bytes()).collect()
+    }
+
+    fn at(index: u64) -> Point {
+        Point {
+            index,
+            stamp_ns: None,
+            log_ns: i64::try_from(index).unwrap(),
+            transform: None,
+        }
+    }
+
+    fn evidence<'c>(clouds: impl IntoIterator<Item = Cloud<'c>>) -> CloudEvidence {
+        let mut taken = Clouds::new(Share::of(0), Arc::from([]));
+        for (index, cloud) in (0..).zip(clouds) {
+            taken.push(at(index), &cloud);
+        }
+        taken.finish(On::from("/points"))
+    }
+
+    #[test]
+    fn returns_times_and_the_farthest_coordinate_are_those_of_finite_points() {
+        let nan = f32::NAN;
+        let data = bytes(&[
+            [1.0, 2.0, 3.0, 0.0],
+            [0.0, 0.0, 0.0, 0.5],
+            [nan, 1.0, 1.0, 0.5],
+            [-9.0, 0.0, 1.0, nan],
+            [1.0, f32::INFINITY, 1.0, 0.5],
+            [4.0, 5.0, 6.0, 0.1],
+        ]);
+        let found = evidence([cloud([2, 3], &data)]);
+        let sample = &found.samples[0];
+        assert_eq!((sample.size, sample.returns, sample.looked_at), ([2, 3], 3, 6));
+        let cells: Vec<[u32; 2]> = sample.points.iter().map(|point| point.cell).collect();
+        assert_eq!(cells, [[0, 0], [1, 0], [1, 2]]);
+        let times = sample.times.as_ref().unwrap();
+        assert_eq!(
+            (times.field.as_str(), times.datatype.as_str(), times.distinct),
+            ("time", "float32", 2)
+        );
+        assert!((times.range[1] - 0.1).abs() < 1e-6 && times.range[0].abs() < 1e-12);
+        assert_eq!(found.farthest.map(|(_, farthest)| farthest), Some(9.0));
+    }
+
+    #[test]
+    fn numbers_in_the_other_order_are_the_same_numbers() {
+        let points = [[1.0, 2.0, 3.0, 0.25], [4.0, -5.0, 6.0, 0.5]];
+        let little = bytes(&points);
+        let big: Vec<u8> = points.iter().flatten().flat_map(|value| value.to_be_bytes()).collect();
+        let mut turned = cloud([1, 2], &big);
+        turned.is_bigendian = true;
+        let (a, b) = (evidence([cloud([1, 2], &little)]), evidence([turned]));
+        assert_eq!(a.samples, b.samples);
+        assert!(b.layouts[0].is_bigendian);
+    }
+
+    #[test]
+    fn what_lies_is_counted_and_ends_at_once() {
+        let started = Instant::now();
+        let data = bytes(&[[1.0, 2.0, 3.0, 0.0]; 5]);
+        let most = u32::MAX;
+        let with = |size, point_step, row_step| Cloud {
+            point_step,
+            row_step,
+            ..cloud(size, &data)
+        };
+        let mut unknown = cloud([1, 5], &data);
+        unknown.fields[0].datatype = 77;
+        let lies = [
+            with([most, most], 16, 0),
+            with([most, most], 0, 0),
+            with([most, 1], 16, 1),
+            with([most, 0], 16, 16),
+            with([0, most], 16, 16),
+            with([3, 2], 16, 32),
+            with([1, 5], 3, 15),
+            unknown,
+        ];
+        let count = lies.len() as u64;
+        let found = evidence(lies);
+        assert!(started.elapsed() < Duration::from_secs(5));
+        assert_eq!(found.count, count);
+        // No points at all are not cut; points of three bytes hold no coordinates.
+        assert_eq!((found.cut, found.first_cut.unwrap().index), (4, 0));
+        let returns: Vec<u64> = found.samples.iter().map(|sample| sample.returns).collect();
+        assert!(returns.iter().all(|returns| *returns <= 5), "{returns:?}");
+        assert_eq!(returns[5], 5);
+        assert_eq!(found.layouts.len(), 2);
+        assert_eq!(found.layouts[1].fields[0].datatype, "77");
+    }
+
+    #[test]
+    fn of_many_clouds_and_layouts_a_bounded_number_is_kept_the_first_among_them() {
+        let data = bytes(&[[1.0, 2.0, 3.0, 0.0]]);
+        let found = evidence((0..1000).map(|_| cloud([1, 1], &data)));
+        let kept: Vec<u64> = found.samples.iter().map(|sample| sample.at.index).collect();
+        assert!((10..=20).contains(&kept.len()) && kept[0] == 0, "{kept:?}");
+        assert!(kept.windows(2).all(|pair| pair[1] - pair[0] == kept[1]), "{kept:?}");
+
+        let named = (0..10).map(|number| {
+            let mut cloud = cloud([1, 1], &data);
+            cloud.fields[3].name = format!("field{number}").into();
+            cloud
+        });
+        let found = evidence(named);
+        assert_eq!((found.layouts.len(), found.others), (MAX_LAYOUTS, 6));
+    }
+
+    #[test]
+    fn a_step_is_a_prime_that_meets_every_beam() {
+        assert_eq!([2, 7, 8, 9, 62, 90].map(prime), [2, 7, 11, 11, 67, 97]);
+        assert_eq!(prime(u32::MAX), u32::MAX);
+        let cloud = |height, width| cloud([height, width], &[]);
+        assert_eq!(strides(&cloud(1, 262_144), 4096), (1, 67));
+        assert_eq!(strides(&cloud(1, 4096), 4096), (1, 1));
+        assert_eq!(strides(&cloud(128, 2048), 4096), (2, 32));
+        // Some write a cloud that is not organised as one column.
+        assert_eq!(strides(&cloud(262_144, 1), 4096), (67, 1));
+        assert_eq!(strides(&cloud(0, 0), 4096), (1, 1));
+    }
+
+    #[test]
+    fn times_stand_in_the_users_fields_first() {
+        use crate::read::messages::cloud::Field;
+        let field = |(index, name): (u32, &'static str)| Field {
+            name: name.into(),
+            offset: 4 * index,
+            datatype: 7,
+            count: 1,
+        };
+        let fields = (0..).zip(["x", "y", "z", "t", "dt"]).map(field).collect();
+        let data: Vec<u8> = [1.0_f32, 2.0, 3.0, 4.0, 5.0].map(f32::to_le_bytes).concat();
+        let cloud = Cloud {
+            height: 1,
+            width: 1,
+            fields,
+            is_bigendian: false,
+            point_step: 20,
+            row_step: 20,
+            data: &data,
+            timebase_ns: None,
+        };
+        let times = |own: &[String]| {
+            let times = sampled(&cloud, 10, own).and_then(|sample| sample.times);
+            times.map(|times| (times.field, times.range[0]))
+        };
+        assert_eq!(times(&[]), Some(("t".to_owned(), 4.0)));
+        assert_eq!(times(&["dt".to_owned()]), Some(("dt".to_owned(), 5.0)));
+    }
+}

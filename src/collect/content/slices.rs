@@ -1,0 +1,193 @@
+//! Runs of neighbouring clouds of one topic, each cut near the plane of its x and y.
+
+use std::f64::consts::{PI, TAU};
+
+use crate::read::messages::cloud::{Cloud, Column};
+use crate::world::cloud::{CloudSlice, RUN_CLOUDS, SLICE_BINS, SLICE_SLOPE};
+
+use super::super::point::Point;
+use super::cloud::time_of;
+use super::runs::Runs;
+
+/// Takes in clouds in recording order.
+pub(super) struct Slices(Runs<CloudSlice>);
+
+impl Slices {
+    pub(super) fn new(most: usize) -> Self {
+        Self(Runs::new(most, RUN_CLOUDS))
+    }
+
+    /// Clouds were left out here.
+    pub(super) fn seam(&mut self) {
+        self.0.seam();
+    }
+
+    pub(super) fn push(&mut self, point: Point, cloud: &Cloud<'_>, time_fields: &[String]) {
+        self.0.push(|| {
+            let (points, times) = slice(cloud, time_fields).unwrap_or_default();
+            CloudSlice {
+                stamp_ns: point.stamp_ns.filter(|stamp| *stamp != 0),
+                log_ns: point.log_ns,
+                points,
+                after: after(times),
+            }
+        });
+    }
+
+    pub(super) fn finish(self) -> Vec<Vec<CloudSlice>> {
+        self.0.finish(2)
+    }
+}
+
+/// A point near the plane: its distance squared, its coordinates, and its time as published.
+type Near = (f64, [f64; 3], f64);
+
+/// The nearest points of a cloud in each direction, and their times, not a number where they have none; `None` where its points have
+/// no coordinates.
+fn slice(cloud: &Cloud<'_>, time_fields: &[String]) -> Option<(Vec<[f64; 3]>, Vec<f64>)> {
+    let axes: [Column; 3] = [cloud.column("x")?, cloud.column("y")?, cloud.column("z")?];
+    let time = time_of(cloud, time_fields).map(|(_, column)| column);
+    // Those beneath, and those above.
+    let mut nearest = vec![[None::<Near>; 2]; SLICE_BINS as usize];
+    for row in 0..cloud.rows() {
+        for column in 0..cloud.width {
+            let Some(bytes) = cloud.point(row, column) else { break };
+            let [Some(x), Some(y), Some(z)] = axes.map(|axis| axis.of(bytes)) else {
+                break;
+            };
+            let flat = x * x + y * y;
+            // Also false where one is not a number, or all are zero.
+            let is_level = z * z < SLICE_SLOPE * SLICE_SLOPE * flat && flat.is_finite();
+            if !is_level {
+                continue;
+            }
+            let bin = nearest
+                .get_mut(bin(x, y))
+                .and_then(|bin| bin.get_mut(usize::from(z >= 0.0)));
+            if let Some(kept) = bin.filter(|kept| kept.is_none_or(|(least, ..)| flat < least)) {
+                let time = time.and_then(|time| time.of(bytes));
+                *kept = Some((flat, [x, y, z], time.unwrap_or(f64::NAN)));
+            }
+        }
+    }
+    let kept = nearest.iter().flat_map(|bin| bin.iter().flatten());
+    Some(kept.map(|(_, point, time)| (*point, *time)).unzip())
+}
+
+/// Times after the earliest; none where one is no number, or all are the same.
+fn after(mut times: Vec<f64>) -> Vec<f64> {
+    let first = times.iter().copied().fold(f64::INFINITY, f64::min);
+    for time in &mut times {
+        *time -= first;
+    }
+    let is_clear = times.iter().all(|time| time.is_finite()) && times.iter().any(|time| *time > 0.0);
+    if is_clear { times } else { Vec::new() }
+}
+
+/// The direction of a point.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // from 0 to the number of bins
+fn bin(x: f64, y: f64) -> usize {
+    let share = (y.atan2(x) + PI) / TAU;
+    ((share * f64::from(SLICE_BINS)) as usize).min(SLICE_BINS as usize - 1)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::read::messages::cloud::Field;
+
+    fn cloud(data: &[u8], count: u32) -> Cloud<'_> {
+        let field = |(index, name): (u32, &'static str)| Field {
+            name: name.into(),
+            offset: 4 * index,
+            datatype: 7,
+            count: 1,
+        };
+        Cloud {
+            height: 1,
+            width: count,
+            fields: [(0, "x"), (1, "y"), (2, "z")].map(field).into(),
+            is_bigendian: false,
+            point_step: 12,
+            row_step: 12 * count,
+            data,
+            timebase_ns: None,
+        }
+    }
+
+    fn bytes(points: &[[f32; 3]]) -> Vec<u8> {
+        points.iter().flatten().flat_map(|value| value.to_le_bytes()).collect()
+    }
+
+    fn at(index: u64) -> Point {
+        Point {
+            index,
+            stamp_ns: Some(i64::try_from(index).unwrap() * 100),
+            log_ns: 0,
+            transform: None,
+        }
+    }
+
+    #[test]
+    fn the_nearest_above_and_beneath_are_kept_of_each_direction() {
+        let points = [
+            [5.0, 0.0, 0.1],
+            [3.0, 0.0, 0.1],
+            [2.0, 0.0, -0.1],
+            [1.0, 0.0, 0.5],
+            [0.0, 0.0, 0.0],
+            [f32::NAN, 0.0, 0.0],
+            [f32::INFINITY, 0.0, 0.0],
+            [0.0, -4.0, 0.0],
+        ];
+        let data = bytes(&points);
+        let (kept, times) = slice(&cloud(&data, 8), &[]).unwrap();
+        assert!(after(times).is_empty());
+        let near = |a: f64, b: f64| (a - b).abs() < 1e-6;
+        assert_eq!(kept.len(), 3);
+        assert!(
+            near(kept[0][1], -4.0) && near(kept[1][0], 2.0) && near(kept[2][0], 3.0),
+            "{kept:?}"
+        );
+    }
+
+    #[test]
+    fn times_count_from_the_earliest() {
+        assert_eq!(format!("{:?}", after(vec![5.5, 5.0, 6.0])), "[0.5, 0.0, 1.0]");
+        assert!(after(vec![5.0, f64::NAN]).is_empty());
+        assert!(after(vec![5.0, 5.0]).is_empty());
+        assert!(after(Vec::new()).is_empty());
+    }
+
+    #[test]
+    fn runs_follow_each_other_and_are_thinned_evenly() {
+        let data = bytes(&[[3.0, 0.0, 0.0]]);
+        let cloud = cloud(&data, 1);
+        let mut slices = Slices::new(4);
+        for index in 0..100 {
+            slices.push(at(index), &cloud, &[]);
+        }
+        let runs = slices.finish();
+        assert!((2..=4).contains(&runs.len()), "{}", runs.len());
+        for run in &runs {
+            let stamps: Vec<i64> = run.iter().filter_map(|slice| slice.stamp_ns).collect();
+            assert!(stamps.windows(2).all(|pair| pair[1] - pair[0] == 100), "{stamps:?}");
+        }
+    }
+
+    #[test]
+    fn a_seam_ends_a_run() {
+        let data = bytes(&[[3.0, 0.0, 0.0]]);
+        let cloud = cloud(&data, 1);
+        let mut slices = Slices::new(4);
+        for index in [0, 1, 2, 50, 51, 52] {
+            if index == 50 {
+                slices.seam();
+            }
+            slices.push(at(index), &cloud, &[]);
+        }
+        let lengths: Vec<usize> = slices.finish().iter().map(Vec::len).collect();
+        assert_eq!(lengths, [3, 3]);
+    }
+}

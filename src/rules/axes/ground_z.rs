@@ -1,0 +1,401 @@
+//! AXES09: where the ground is under a lidar, and whether it is level.
+
+use std::sync::Arc;
+
+use nalgebra::{Isometry3, Vector3};
+use serde::Deserialize;
+
+use super::up_axis_flip::{self, UpAxisFlip};
+use crate::math::stats::{mad, median};
+use crate::rules::ground::{self, Ground, Planes, SIDES};
+use crate::rules::lidar::Clouds;
+use crate::rules::motion::{Motion, mount};
+use crate::rules::{Evidence, Judge, Need, Rule, limits_of};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::{FrameId, World};
+
+/// AXES09.
+pub struct GroundZ;
+
+/// Limits of AXES09.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    max_off_m: f64,
+    sigmas: f64,
+    likely_off_m: f64,
+    class_off_m: f64,
+    min_height_m: f64,
+    max_lean_deg: f64,
+    max_tilt_deg: f64,
+    min_way_m: f64,
+    min_lasts_s: f64,
+}
+
+/// A lidar over its ground.
+struct Over {
+    base: FrameId,
+    /// `base_from_cloud`, without its place where the cloud is told in the base.
+    mount: Isometry3<f64>,
+    /// Where TF has the sensor, metres in the base.
+    sensor: Vector3<f64>,
+    is_base: bool,
+    /// z of the ground in the base, where a frame says so.
+    expected_m: Option<f64>,
+}
+
+/// What was measured.
+struct Height {
+    /// z of the ground in the base, and its deviation, metres.
+    ground_m: f64,
+    sigma_m: f64,
+    /// The sensor over the ground, metres.
+    sensor_m: f64,
+    clouds: u64,
+}
+
+impl Rule for GroundZ {
+    const PAGE: &'static str = include_str!("../../../rules/axes/ground-z.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets(world, "ground", out);
+        let Some(up) = limits_of::<UpAxisFlip>() else { return };
+        let (motion, planes) = (Motion::of(world), Planes::of(world));
+        for clouds in Clouds::all(world) {
+            let subject = clouds.subject("ground");
+            match Over::of(world, &clouds) {
+                Ok(over) => judge_over((&motion, &planes), &clouds, &over, (limits, &up), out),
+                Err((reason, why)) => out.not_evaluated(subject, reason, why),
+            }
+        }
+    }
+}
+
+impl Over {
+    fn of(world: &World, clouds: &Clouds) -> Result<Self, (NotEvaluated, String)> {
+        if !clouds.is_of_a_lidar() {
+            let why = "nothing says that these are the points of a lidar as it measured them".to_owned();
+            return Err((NotEvaluated::NotApplicable, why));
+        }
+        let Some(frame) = clouds.frame() else {
+            return Err((NotEvaluated::MissingInput, "the clouds name no frame".to_owned()));
+        };
+        let Some(mount) = mount(world, &frame) else {
+            let why = format!("no rigid chain of transforms leads from `{frame}` to a base");
+            return Err((NotEvaluated::MissingInput, why));
+        };
+        let sensor = if mount.is_base {
+            let Some(sensor) = ground::sensor_in_cloud(world, clouds) else {
+                let why = format!("the cloud is told in `{frame}`, and no transform says where on it the lidar is");
+                return Err((NotEvaluated::MissingInput, why));
+            };
+            sensor
+        } else {
+            mount.base_from_sensor.translation.vector
+        };
+        Ok(Self {
+            expected_m: expected(world, &mount.base),
+            mount: mount.base_from_sensor,
+            is_base: mount.is_base,
+            base: mount.base,
+            sensor,
+        })
+    }
+
+    /// The ground under the sensor where the planes have it, with the sensor where TF has it.
+    fn height(&self, grounds: &[&Ground]) -> Option<Height> {
+        let z: Vec<f64> = grounds
+            .iter()
+            .filter_map(|ground| {
+                let normal = self.mount.rotation * ground.plane.normal;
+                (normal.z > 0.1).then(|| (normal.dot(&self.sensor) - ground.plane.height_m) / normal.z)
+            })
+            .collect();
+        let heights: Vec<f64> = grounds.iter().map(|ground| ground.plane.height_m).collect();
+        Some(Height {
+            ground_m: median(&z)?,
+            sigma_m: mad(&z)? / (z.len() as f64).sqrt(),
+            sensor_m: median(&heights)?,
+            clouds: z.len() as u64,
+        })
+    }
+}
+
+/// z of the ground in a base: nothing in `base_footprint`, what TF says of that one in others.
+fn expected(world: &World, base: &FrameId) -> Option<f64> {
+    let is_footprint = |frame: &&FrameId| frame.tokens().last().is_some_and(|token| token == "footprint");
+    if is_footprint(&base) {
+        return Some(0.0);
+    }
+    let graph = world.graph();
+    let mut footprints = graph.frames.iter().filter(is_footprint);
+    footprints.find_map(|footprint| {
+        let (base_from_footprint, _) = graph.chain(base, footprint, |edge| edge.is_rigid)?;
+        Some(base_from_footprint.translation.z)
+    })
+}
+
+fn judge_over(
+    (motion, planes): (&Arc<Motion>, &Planes),
+    clouds: &Clouds,
+    over: &Over,
+    (limits, up): (&Limits, &up_axis_flip::Limits),
+    out: &mut Judge,
+) {
+    let subject = clouds.subject("ground");
+    let grounds = planes.grounds(clouds, &up.is_ground());
+    let side = match up.agreed(clouds, &grounds) {
+        Ok(side) => side,
+        Err(why) => {
+            if let Some(finding) = applied_already(clouds, over, &subject, (limits, up)) {
+                return out.fail(finding);
+            }
+            return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        }
+    };
+    let axis = SIDES.get(side).map_or(Vector3::z(), |(axis, _)| Vector3::from(*axis));
+    let lean_deg = (over.mount.rotation * axis).angle(&Vector3::z()).to_degrees();
+    if lean_deg > limits.max_lean_deg {
+        let why = format!(
+            "the ground lies {lean_deg:.0} deg away from under `{}`: that is a turned axis (AXES10), and no height",
+            over.base
+        );
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    let grounds: Vec<&Ground> = grounds.iter().filter(|ground| ground.side == side).collect();
+    let Some(height) = over.height(&grounds) else { return };
+    judge_height(clouds, over, &height, limits, out);
+    judge_tilt(motion, clouds, (over, &grounds), limits, out);
+}
+
+fn judge_height(clouds: &Clouds, over: &Over, height: &Height, limits: &Limits, out: &mut Judge) {
+    let subject = clouds.subject("ground");
+    let tolerance_m = limits.max_off_m.max(limits.sigmas * height.sigma_m);
+    let measured = |off_m: f64| {
+        [
+            Measured::new("ground below where it should be", -off_m, "m")
+                .limit(tolerance_m)
+                .spread(height.sigma_m)
+                .samples(height.clouds),
+            Measured::new("sensor over the ground, by the cloud", height.sensor_m, "m"),
+        ]
+    };
+    let Some(expected_m) = over.expected_m else {
+        // How high the origin of a base is over the ground nothing says; beneath it is none.
+        if height.ground_m > limits.likely_off_m + limits.sigmas * height.sigma_m {
+            let finding = off(clouds, over, height, 0.0, limits);
+            return out.fail(measured(height.ground_m).into_iter().fold(finding, Finding::measured));
+        }
+        let why = format!(
+            "the ground lies at z = {:.2} m in `{}`, and nothing says how high that is over the ground (a `base_footprint` would)",
+            height.ground_m, over.base
+        );
+        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+    };
+    let off_m = height.ground_m - expected_m;
+    if off_m.abs() <= tolerance_m {
+        return out.pass(subject, measured(off_m));
+    }
+    let finding = off(clouds, over, height, expected_m, limits);
+    out.fail(measured(off_m).into_iter().fold(finding, Finding::measured));
+}
+
+/// A ground that is not where it should be.
+fn off(clouds: &Clouds, over: &Over, height: &Height, expected_m: f64, limits: &Limits) -> Finding {
+    let subject = clouds.subject("ground");
+    let off_m = height.ground_m - expected_m;
+    // Where TF has the sensor over the ground.
+    let told_m = over.sensor.z - expected_m;
+    let near = |a: f64, b: f64| (a - b).abs() <= limits.class_off_m;
+    let is_high = height.sensor_m > limits.min_height_m;
+    let class = if over.is_base && is_high && near(off_m, -told_m) && told_m > limits.min_height_m {
+        Some((
+            "not-applied",
+            format!(
+                "the cloud says `{}` and is told in the axes of the lidar: its extrinsic was not applied",
+                over.base
+            ),
+        ))
+    } else if is_high && told_m.abs() <= limits.class_off_m {
+        Some((
+            "not-applied",
+            format!(
+                "the lidar is {:.2} m over the ground, and its transform has no such height",
+                height.sensor_m
+            ),
+        ))
+    } else if is_high && near(told_m, -height.sensor_m) {
+        Some(("z-sign", "the height of the mounting has the wrong sign".to_owned()))
+    } else if is_high && near(told_m, 2.0 * height.sensor_m) {
+        Some((
+            "twice",
+            "the height of the mounting is there twice: the driver applies it, and TF again".to_owned(),
+        ))
+    } else {
+        None
+    };
+    let what = class.as_ref().map_or_else(
+        || "the mounting's height, or that of the base, is not the real one".to_owned(),
+        |(_, what)| what.clone(),
+    );
+    let message = format!(
+        "the ground on `{}` lies at z = {:.2} m in `{}`, {:.2} m {} where it should be: {what}",
+        clouds.topic.topic,
+        height.ground_m,
+        over.base,
+        off_m.abs(),
+        if off_m > 0.0 { "above" } else { "below" }
+    );
+    let help = format!(
+        "measure how high the lidar is over the ground ({:.2} m by its own cloud, {told_m:.2} m by the transforms) and mend the transform of its \
+         mounting, or that of `base_footprint`",
+        height.sensor_m
+    );
+    match class {
+        Some((relation, _)) => Finding::error(subject, message, clouds.place())
+            .likely()
+            .relation(relation),
+        None if off_m.abs() > limits.likely_off_m => Finding::warning(subject, message, clouds.place()).likely(),
+        None => Finding::warning(subject, message, clouds.place()).hint(),
+    }
+    .help(help)
+}
+
+/// Whether the points stand on a ground where it would be, had the extrinsic been applied to them already.
+fn applied_already(
+    clouds: &Clouds,
+    over: &Over,
+    subject: &str,
+    (limits, up): (&Limits, &up_axis_flip::Limits),
+) -> Option<Finding> {
+    let told_m = over.sensor.z - over.expected_m?;
+    if over.is_base || told_m < limits.min_height_m {
+        return None;
+    }
+    let sides = ground::sides(clouds, &over.sensor);
+    let grounds: Vec<Ground> = sides
+        .iter()
+        .filter_map(|sides| ground::ground(sides, &up.is_ground()))
+        .collect();
+    // z up, as in a base.
+    if up.agreed(clouds, &grounds).ok()? != 0 {
+        return None;
+    }
+    let heights: Vec<f64> = grounds.iter().map(|ground| ground.plane.height_m).collect();
+    let seen_m = median(&heights)?;
+    ((seen_m - told_m).abs() <= limits.class_off_m).then(|| {
+        let message = format!(
+            "the points on `{}` say `{}` and stand on a ground as they do in `{}`: the extrinsic was applied to them, and TF applies it again",
+            clouds.topic.topic,
+            clouds.frame().map_or_else(String::new, |frame| frame.as_str().to_owned()),
+            over.base
+        );
+        Finding::error(subject, message, clouds.place())
+            .likely()
+            .relation("twice")
+            .measured(
+                Measured::new("sensor over the ground, were the points told in the base", seen_m, "m")
+                    .samples(grounds.len() as u64),
+            )
+            .measured(Measured::new("the same by the transforms", told_m, "m"))
+            .help("name the base as the frame of the cloud, or publish the points as the sensor measured them")
+    })
+}
+
+fn judge_tilt(
+    motion: &Motion,
+    clouds: &Clouds,
+    (over, grounds): (&Over, &[&Ground]),
+    limits: &Limits,
+    out: &mut Judge,
+) {
+    let subject = clouds.subject("level of the ground");
+    let way_m = way_m(motion, clouds);
+    if way_m < limits.min_way_m {
+        let why = format!(
+            "the platform went {way_m:.0} m: a ground that leans by itself looks like a tilted sensor; {} m are needed",
+            limits.min_way_m
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let mut logged = clouds.evidence.samples.iter().map(|sample| sample.at.log_ns);
+    let lasts_s = match (logged.next(), logged.next_back()) {
+        (Some(first), Some(last)) => last.saturating_sub(first) as f64 * 1e-9,
+        _ => 0.0,
+    };
+    if lasts_s < limits.min_lasts_s {
+        let why = format!(
+            "the clouds are of {lasts_s:.0} s: a road that leans for so long looks like a tilted sensor; {} are needed",
+            limits.min_lasts_s
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let normals: Vec<Vector3<f64>> = grounds
+        .iter()
+        .map(|ground| over.mount.rotation * ground.plane.normal)
+        .collect();
+    let part = |axis: usize| normals.iter().map(|normal| normal[axis]).collect::<Vec<_>>();
+    let ([Some(x), Some(y)], [Some(spread_x), Some(spread_y)]) = (
+        [0, 1].map(|axis| median(&part(axis))),
+        [0, 1].map(|axis| mad(&part(axis))),
+    ) else {
+        return;
+    };
+    let tilt_deg = x.hypot(y).asin().to_degrees();
+    let sigma_deg = (spread_x.hypot(spread_y) / (normals.len() as f64).sqrt()).to_degrees();
+    let measured = Measured::new("tilt of the ground", tilt_deg, "deg")
+        .turn()
+        .limit(limits.max_tilt_deg)
+        .spread(sigma_deg)
+        .samples(normals.len() as u64);
+    if tilt_deg <= limits.max_tilt_deg {
+        return out.pass(subject, [measured]);
+    }
+    if tilt_deg <= limits.max_tilt_deg + limits.sigmas * sigma_deg {
+        let why = format!(
+            "the ground leans by {tilt_deg:.1} deg, give or take {sigma_deg:.1}, and {} are allowed",
+            limits.max_tilt_deg
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    // What turns the normal back to z, first order: of a sensor that is rolled by r more than TF has it, the normal is Rx(-r) z.
+    let (roll_deg, pitch_deg) = (y.asin().to_degrees(), (-x).asin().to_degrees());
+    let message = format!(
+        "the ground on `{}` leans by {tilt_deg:.1} deg in `{}` all the way (roll {roll_deg:.1}, pitch {pitch_deg:.1}): the mounting is tilted otherwise \
+         than its transform says",
+        clouds.topic.topic, over.base
+    );
+    let finding = Finding::warning(subject, message, clouds.place())
+        .likely()
+        .relation("tilted")
+        .measured(measured)
+        .help(format!(
+            "turn the mounting by roll {roll_deg:.1} and pitch {pitch_deg:.1} deg about the axes of `{}`, after a calibration on level ground",
+            over.base
+        ));
+    out.fail(finding);
+}
+
+/// How far apart the farthest places are that the platform was at, about, metres.
+fn way_m(motion: &Motion, clouds: &Clouds) -> f64 {
+    let Some(bag) = motion.bags.get(clouds.index) else {
+        return 0.0;
+    };
+    let tracks = bag.tracks(|_| false).asked;
+    let extent = |places: &mut dyn Iterator<Item = Vector3<f64>>| {
+        let mut bounds: Option<(Vector3<f64>, Vector3<f64>)> = None;
+        for place in places {
+            let (low, high) = bounds.get_or_insert((place, place));
+            *low = low.inf(&place);
+            *high = high.sup(&place);
+        }
+        bounds.map_or(0.0, |(low, high)| (high - low).xy().norm())
+    };
+    tracks
+        .iter()
+        .map(|track| extent(&mut track.stretches.iter().flatten().map(|(_, place)| *place)))
+        .fold(0.0, f64::max)
+}

@@ -1,0 +1,234 @@
+//! AXES10: a cloud whose ground is not where z says that down is.
+
+use std::collections::BTreeSet;
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+use serde::Deserialize;
+
+use crate::math::stats::{median, quantile};
+use crate::rules::ground::{self, Ground, IsGround, Planes, SIDES};
+use crate::rules::lidar::Clouds;
+use crate::rules::motion::{Motion, mount};
+use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::cloud::CloudSample;
+use crate::world::{FrameId, World};
+
+/// AXES10.
+pub struct UpAxisFlip;
+
+/// Limits of AXES10.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    min_clouds: usize,
+    min_agreement: f64,
+    min_score: f64,
+    min_ratio: f64,
+    max_below: f64,
+    min_on: f64,
+    min_above: f64,
+    min_around: usize,
+    max_at_horizon: f64,
+    least_m: f64,
+    max_off_deg: f64,
+    ceiling_cells: f64,
+    min_open: f64,
+    top_deg: f64,
+    min_top_deg: f64,
+    min_gravity: f64,
+}
+
+/// Width of a direction, degrees.
+const SECTOR_DEG: f64 = 10.0;
+
+impl Limits {
+    /// What a ground is.
+    pub(crate) fn is_ground(&self) -> IsGround {
+        IsGround {
+            min_on: self.min_on,
+            min_above: self.min_above,
+            min_around: self.min_around,
+            max_below: self.max_below,
+            max_at_horizon: self.max_at_horizon,
+            least_m: self.least_m,
+            min_score: self.min_score,
+            min_ratio: self.min_ratio,
+        }
+    }
+
+    /// The side that enough of the clouds agree on; else why there is none.
+    pub(crate) fn agreed(&self, clouds: &Clouds, grounds: &[Ground]) -> Result<usize, String> {
+        let (side, count) = ground::most(grounds).unwrap_or_default();
+        if count >= self.min_clouds && count as f64 >= self.min_agreement * grounds.len() as f64 {
+            return Ok(side);
+        }
+        Err(format!(
+            "{} of {} sampled clouds show a ground, {count} of them on one side; {} are needed",
+            grounds.len(),
+            clouds.evidence.samples.len(),
+            self.min_clouds
+        ))
+    }
+}
+
+impl Rule for UpAxisFlip {
+    const PAGE: &'static str = include_str!("../../../rules/axes/up-axis-flip.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets(world, "up", out);
+        let (motion, planes) = (Motion::of(world), Planes::of(world));
+        for clouds in Clouds::all(world) {
+            let subject = clouds.subject("up");
+            if !clouds.is_of_a_lidar() {
+                let why = "nothing says that these are the points of a lidar as it measured them";
+                out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                continue;
+            }
+            let grounds = planes.grounds(&clouds, &limits.is_ground());
+            match limits.agreed(&clouds, &grounds) {
+                Ok(side) => judge_side(world, &motion, &clouds, (side, &grounds), limits, out),
+                Err(why) => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+            }
+        }
+    }
+}
+
+fn judge_side(
+    world: &World,
+    motion: &Arc<Motion>,
+    clouds: &Clouds,
+    (side, grounds): (usize, &[Ground]),
+    limits: &Limits,
+    out: &mut Judge,
+) {
+    let Some((axis, word)) = SIDES.get(side) else { return };
+    let axis = Vector3::from(*axis);
+    let subject = clouds.subject("up");
+    let frame = clouds.frame();
+    let mount = frame.as_ref().and_then(|frame| mount(world, frame));
+    let in_base = mount
+        .as_ref()
+        .map_or(axis, |mount| mount.base_from_sensor.rotation * axis);
+    let off_deg = in_base.angle(&Vector3::z()).to_degrees();
+    let of_side = || grounds.iter().filter(|ground| ground.side == side);
+    let least = of_side().map(|ground| ground.score).fold(f64::INFINITY, f64::min);
+    let next = of_side().map(|ground| ground.next).fold(0.0, f64::max);
+    let measured = [
+        Measured::new(format!("angle of {word} from up"), off_deg, "deg").limit(limits.max_off_deg),
+        Measured::new("cells on the ground, less for what lies beneath", least, "1")
+            .limit(limits.min_score)
+            .samples(of_side().count() as u64),
+        Measured::new("the same of the next side", next, "1"),
+    ];
+    if off_deg <= limits.max_off_deg {
+        return out.pass(subject, measured);
+    }
+    let has_ceiling = of_side().any(|ground| ground.ceiling_cells >= limits.ceiling_cells);
+    let is_indoors = has_ceiling || open_share(clouds, &axis, limits).is_none_or(|share| share < limits.min_open);
+    let has_gravity =
+        gravity_of_the_device(motion, clouds, frame.as_ref()).is_some_and(|up| up.dot(&axis) >= limits.min_gravity);
+    let (relation, what, help) = named(word);
+    let told = match (&mount, &frame) {
+        (Some(mount), _) if mount.is_base => format!("and `{}` has z up by its name", mount.base),
+        (Some(mount), Some(frame)) => {
+            format!(
+                "and `{}_from_{frame}` turns that {off_deg:.0} deg away from up",
+                mount.base
+            )
+        }
+        _ => "and nothing ties its frame to a base".to_owned(),
+    };
+    let message = format!(
+        "the ground in the cloud on `{}` lies opposite to its {word} axis: {what}, {told}",
+        clouds.topic.topic
+    );
+    let finding = if mount.is_some() {
+        Finding::error(subject, message, clouds.place())
+    } else {
+        Finding::warning(subject, message, clouds.place())
+    };
+    // A ceiling looks like a ground from below, and only gravity says which of the two it is.
+    let finding = if mount.is_none() || is_indoors && !has_gravity {
+        finding.hint()
+    } else {
+        finding.likely()
+    };
+    let finding = finding.relation(relation).help(help);
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
+}
+
+/// Share of the directions in which the highest beams meet nothing, where others do; the median over the clouds. `None` where no beam looks
+/// up.
+fn open_share(clouds: &Clouds, up: &Vector3<f64>, limits: &Limits) -> Option<f64> {
+    let aside = if up.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
+    let x = (aside - up * up.dot(&aside)).normalize();
+    let y = up.cross(&x);
+    let of_cloud = |sample: &CloudSample| {
+        let points = sample.points.iter().map(|point| Vector3::from(point.xyz));
+        let seen: Vec<(f64, i32)> = points
+            .map(|point| {
+                let sector = point.dot(&y).atan2(point.dot(&x)).to_degrees() / SECTOR_DEG;
+                #[allow(clippy::cast_possible_truncation)] // within 18 to both sides
+                let sector = sector.floor() as i32;
+                ((point.dot(up) / point.norm()).asin().to_degrees(), sector)
+            })
+            .collect();
+        let highest = quantile(&seen.iter().map(|(elevation, _)| *elevation).collect::<Vec<_>>(), 0.995)?;
+        let sectors = |from: f64| -> BTreeSet<i32> {
+            let above = seen.iter().filter(|(elevation, _)| *elevation >= from);
+            above.map(|(_, sector)| *sector).collect()
+        };
+        let (any, top) = (sectors(-90.0).len(), sectors(highest - limits.top_deg).len());
+        (highest >= limits.min_top_deg).then(|| 1.0 - top as f64 / any.max(1) as f64)
+    };
+    median(&clouds.evidence.samples.iter().filter_map(of_cloud).collect::<Vec<_>>())
+}
+
+/// Up in the axes of the cloud, by an inertial sensor that tells in these very axes.
+fn gravity_of_the_device(motion: &Motion, clouds: &Clouds, frame: Option<&FrameId>) -> Option<Vector3<f64>> {
+    let imus = &motion.bags.get(clouds.index)?.imus;
+    let imu = imus.iter().find(|imu| imu.stream.frame.as_ref() == frame)?;
+    let force: Vector3<f64> = imu
+        .stream
+        .rows()
+        .map(|timed| Vector3::from(timed.row.linear_acceleration))
+        .filter(|force| force.iter().all(|value| value.is_finite()))
+        .sum();
+    force.try_normalize(1e-9)
+}
+
+/// What a cloud with this side up may be.
+fn named(side: &str) -> (&'static str, &'static str, &'static str) {
+    match side {
+        "z" => (
+            "mount",
+            "the cloud itself has z up",
+            "the transform of the mounting is turned: a driver that corrects a sensor on its head needs a mounting without that turn",
+        ),
+        "-z" => (
+            "x180",
+            "z points down",
+            "give the mounting of a sensor that hangs on its head in TF, or let its driver correct it; not both",
+        ),
+        "-y" => (
+            "optical",
+            "y points down, as in optical axes",
+            "convert the cloud to x forward, y left, z up, or give the frame the rotation RPY(-90, 0, -90) deg of an optical frame",
+        ),
+        "y" => (
+            "y-up",
+            "y points up, as in graphics",
+            "turn the cloud by 90 deg about x: z points up (REP-103)",
+        ),
+        _ => (
+            "on-its-side",
+            "x points up or down",
+            "compare the mounting with its transform: the sensor lies on its side",
+        ),
+    }
+}

@@ -1,0 +1,177 @@
+//! CAMERA09: what is declared of grids seen from above and of panoramas, against itself, and against their messages.
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::source::Place;
+use crate::verdict::{Measured, NotEvaluated};
+use crate::world::bag::TopicEvidence;
+use crate::world::projection::{Form, Grid, GridAt, Panorama, Projection, Sense};
+use crate::world::{BagEvidence, World};
+
+use super::declared::{is_about, name};
+use super::fault::Fault;
+use super::grids;
+
+/// CAMERA09.
+pub struct BevPanoramaMetadata;
+
+/// Limits of CAMERA09.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    pub(super) max_resolution_m: f64,
+    pub(super) same: f64,
+    pub(super) max_norm: f64,
+    pub(super) max_tilt_deg: f64,
+    pub(super) max_pixels: u32,
+}
+
+impl Rule for BevPanoramaMetadata {
+    const PAGE: &'static str = include_str!("../../../rules/camera/bev-panorama-metadata.md");
+    const NEEDS: &'static [Need] = &[];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for bag in &world.bags {
+            for topic in bag.topics.values() {
+                for grid in topic.content.grids.iter().flat_map(|grids| &grids.grids) {
+                    judge_message(bag, topic, grid, limits, out);
+                }
+            }
+        }
+        for projection in world.projections() {
+            match &projection.form {
+                Form::Grid(grid) => judge_grid(world, projection, grid, limits, out),
+                Form::Panorama(panorama) => judge_panorama(world, projection, panorama, limits, out),
+                Form::RangeImage(_) => {}
+            }
+        }
+    }
+}
+
+/// The metadata of a grid as it was sent.
+fn judge_message(bag: &BagEvidence, topic: &TopicEvidence, grid: &GridAt, limits: &Limits, out: &mut Judge) {
+    let subject = format!("grid on topic `{}`, message {}", topic.topic, grid.at.index);
+    let (faults, tilt_deg) = grids::of_message(grid, limits);
+    let place = Place::message(bag.source, grid.at.clone());
+    if faults.is_empty() {
+        let measured = [
+            Measured::new("resolution", grid.resolution_m, "m")
+                .limit(limits.max_resolution_m)
+                .samples(grid.count),
+            Measured::new("lean of the grid", tilt_deg, "deg").limit(limits.max_tilt_deg),
+        ];
+        return out.pass(subject, measured);
+    }
+    for fault in faults {
+        out.fail(fault.finding(&subject, place.clone()));
+    }
+}
+
+fn judge_grid(world: &World, projection: &Projection, grid: &Grid, limits: &Limits, out: &mut Judge) {
+    let subject = format!("grid {}", name(world, projection));
+    let mut faults = grids::of_declaration(projection, grid, limits);
+    let beside = grids::against_messages(world, projection, grid, limits);
+    let mut related = None;
+    if let Some((place, fault)) = beside {
+        related = Some(place);
+        faults.extend(fault);
+    }
+    if faults.is_empty() {
+        let resolution_m = grid.resolution_m.unwrap_or(f64::NAN);
+        let told = Measured::new("resolution", resolution_m, "m").limit(limits.max_resolution_m);
+        let compared = Measured::count("messages that it was held against", usize::from(related.is_some()));
+        return out.pass(subject, [told, compared]);
+    }
+    for fault in faults {
+        let finding = fault.finding(&subject, projection.place.clone());
+        out.fail(match &related {
+            Some(place) => finding.related(place.clone(), "the grid as it was sent"),
+            None => finding,
+        });
+    }
+}
+
+fn judge_panorama(world: &World, projection: &Projection, panorama: &Panorama, limits: &Limits, out: &mut Judge) {
+    let subject = format!("panorama {}", name(world, projection));
+    let topics = world
+        .bags
+        .iter()
+        .flat_map(|bag| bag.topics.values().map(move |topic| (bag, topic)));
+    let images = topics
+        .filter(|(_, topic)| projection.topic.is_some() && is_about(projection, topic))
+        .flat_map(|(bag, topic)| {
+            let forms = topic.content.images.iter().flat_map(|images| &images.forms);
+            forms.map(move |form| (Place::message(bag.source, form.at.clone()), form.size))
+        });
+    let images: Vec<(Place, [u32; 2])> = images.collect();
+    let declared = panorama
+        .width
+        .zip(panorama.height)
+        .map(|(width, height)| [width, height]);
+    let sizes: Vec<[u32; 2]> = declared
+        .into_iter()
+        .chain(images.iter().map(|(_, size)| *size))
+        .collect();
+    let mut faults = Vec::new();
+    if let Some([width, height]) = sizes
+        .iter()
+        .find(|[width, height]| width.abs_diff(2 * height) > limits.max_pixels)
+    {
+        faults.push(Fault::new(
+            "size",
+            format!("the panorama is {width} x {height} pixels: 360 deg across and 180 deg down are two to one"),
+            "say which part of the directions it shows, or look whether it was cropped or resized in one direction",
+            Measured::new(
+                "width over height",
+                f64::from(*width) / f64::from((*height).max(1)),
+                "1",
+            )
+            .limit(2.0),
+        ));
+    }
+    let other = declared.and_then(|declared| {
+        images
+            .iter()
+            .find(|(_, size)| *size != declared)
+            .map(|(_, size)| (declared, *size))
+    });
+    if let Some(([width, height], [seen_width, seen_height])) = other {
+        faults.push(Fault::new(
+            "resized",
+            format!("the panorama is declared with {width} x {height} pixels, and its images have {seen_width} x {seen_height}"),
+            "declare the size of the images, or scale columns and rows before they become angles",
+            Measured::new("declared width", f64::from(width), "count").limit(f64::from(seen_width)),
+        ));
+    }
+    if panorama.azimuth == Some(Sense::CounterClockwise) {
+        faults.push(Fault::new(
+            "mirrored",
+            "the azimuth is declared to grow counter-clockwise with the column: that is the mirror image of what a camera sees, where what lies to the right is to the right"
+                .to_owned(),
+            "u = W (pi - azimuth) / 2 pi for an azimuth that is counted counter-clockwise (REP-103); u = W (azimuth + pi) / 2 pi is for one that is clockwise",
+            Measured::new("sense of the columns, clockwise positive", -1.0, "1").limit(1.0),
+        ));
+    }
+    if faults.is_empty() {
+        let Some([width, height]) = sizes.first() else {
+            let why = "neither its size nor the topic of its images is declared";
+            return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        };
+        let ratio = Measured::new(
+            "width over height",
+            f64::from(*width) / f64::from((*height).max(1)),
+            "1",
+        )
+        .limit(2.0);
+        return out.pass(subject, [ratio, Measured::count("forms of its images", images.len())]);
+    }
+    for fault in faults {
+        let finding = fault.finding(&subject, projection.place.clone());
+        out.fail(match images.first() {
+            Some((place, _)) => finding.related(place.clone(), "the first image"),
+            None => finding,
+        });
+    }
+}

@@ -1,0 +1,203 @@
+//! CAMERA06: which of its two readings a camera's extrinsics in a file have, by the transforms of the robot.
+
+use nalgebra::Isometry3;
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule, names};
+use crate::source::Confidence;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::{Claim, ClaimKind, FrameId, World};
+
+/// CAMERA06.
+pub struct CameraExtrinsicDirection;
+
+/// Limits of CAMERA06.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    off_m: f64,
+    off_deg: f64,
+    away_m: f64,
+}
+
+/// What a name in a file can stand for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    Camera,
+    Lidar,
+    Imu,
+    Base,
+}
+
+/// Words of lidars in calibration files beside the usual ones.
+const LIDARS: &[&str] = &["velo", "lid", "livox", "hesai", "pandar", "os"];
+
+impl Kind {
+    fn of(name: &FrameId) -> Option<Self> {
+        if name.has_token("optical") || names::has_word(name, names::CAMERAS) {
+            Some(Self::Camera)
+        } else if names::has_word_of(name, &[names::LIDARS, names::LIDAR_MAKERS, LIDARS]) {
+            Some(Self::Lidar)
+        } else if names::has_word(name, &["imu"]) {
+            Some(Self::Imu)
+        } else if names::is_base(name) {
+            Some(Self::Base)
+        } else {
+            None
+        }
+    }
+}
+
+impl Rule for CameraExtrinsicDirection {
+    const PAGE: &'static str = include_str!("../../../rules/camera/camera-extrinsic-direction.md");
+    const NEEDS: &'static [Need] = &[Need::Calibration];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for claim in &world.claims {
+            let ClaimKind::File { .. } = claim.kind else { continue };
+            if !(claim.has_rotation && claim.has_translation) {
+                continue;
+            }
+            if let (Some(pose), Some((target, source))) = (claim.pose, sides(world, claim)) {
+                judge_claim(world, claim, &pose.isometry(), (&target, &source), limits, out);
+            }
+        }
+    }
+}
+
+/// The two names that a claim is about, one of them a camera's: those of its frames, or, where it says none, those that stand in
+/// its keys or in the name of its file.
+fn sides(world: &World, claim: &Claim) -> Option<(FrameId, FrameId)> {
+    if let Some((target, source)) = &claim.frames {
+        let is_camera = [target, source].map(|name| Kind::of(name) == Some(Kind::Camera));
+        return is_camera
+            .contains(&true)
+            .then(|| (target.canonical(), source.canonical()));
+    }
+    let path = world.path(claim.place.source);
+    let file = path.rsplit('/').next().unwrap_or_default();
+    let stem = file.split('.').next().unwrap_or_default();
+    let tokens = [FrameId::new(&claim.label).tokens(), FrameId::new(stem).tokens()].concat();
+    let of = |wanted: Kind| {
+        let mut known = tokens.iter().map(FrameId::new);
+        known.find(|name| Kind::of(name) == Some(wanted))
+    };
+    let camera = of(Kind::Camera)?;
+    let other = [Kind::Lidar, Kind::Imu, Kind::Base].into_iter().find_map(of)?;
+    Some((camera, other))
+}
+
+/// The one frame of the robot that a name in a file can mean.
+fn meant(world: &World, name: &FrameId) -> Result<FrameId, String> {
+    let graph = world.graph();
+    if graph.frames.contains(name) {
+        return Ok(name.clone());
+    }
+    let Some(kind) = Kind::of(name) else {
+        return Err(format!(
+            "`{name}` is no frame of the robot, and its name does not say what it is"
+        ));
+    };
+    let of_kind = |frame: &&FrameId| match kind {
+        Kind::Camera => names::optical_stem(frame).is_some(),
+        Kind::Base => names::standard(frame).is_some_and(|(_, kind)| kind == names::Standard::Base),
+        kind => Kind::of(frame) == Some(kind),
+    };
+    let all: Vec<&FrameId> = graph.frames.iter().filter(of_kind).collect();
+    match all.as_slice() {
+        [one] => Ok((*one).clone()),
+        [] => Err(format!("`{name}` is no frame of the robot, and none is of its kind")),
+        several => {
+            let same: Vec<&&FrameId> = several
+                .iter()
+                .filter(|frame| digits(frame) == digits(name) && digits(name).is_some())
+                .collect();
+            match same.as_slice() {
+                [one] => Ok((**one).clone()),
+                _ => Err(format!(
+                    "`{name}` is no frame of the robot, and may be any of {}",
+                    several.len()
+                )),
+            }
+        }
+    }
+}
+
+/// The number in a name: 0 of `cam0`, `camera_0_optical_frame`.
+fn digits(name: &FrameId) -> Option<String> {
+    let digits: String = name.as_str().chars().filter(char::is_ascii_digit).collect();
+    (!digits.is_empty()).then_some(digits)
+}
+
+fn judge_claim(
+    world: &World,
+    claim: &Claim,
+    told: &Isometry3<f64>,
+    (target, source): (&FrameId, &FrameId),
+    limits: &Limits,
+    out: &mut Judge,
+) {
+    let subject = format!("direction of `{}` in {}", claim.label, world.path(claim.place.source));
+    let is_named = claim.frames.is_some();
+    let graph = world.graph();
+    if is_named && graph.chain(target, source, |edge| edge.is_rigid).is_some() {
+        let why = "both names are the robot's own frames: CROSS01 and CROSS02 compare them";
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    let (of_target, of_source) = match (meant(world, target), meant(world, source)) {
+        (Ok(target), Ok(source)) => (target, source),
+        (Err(why), _) | (_, Err(why)) => return out.not_evaluated(subject, NotEvaluated::MissingInput, why),
+    };
+    let Some((known, _)) = graph.chain(&of_target, &of_source, |edge| edge.is_rigid) else {
+        let why = format!("no rigid chain of transforms ties `{of_source}` to `{of_target}`");
+        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+    };
+    let off = |reading: &Isometry3<f64>| {
+        let off_m = (reading.translation.vector - known.translation.vector).norm();
+        (off_m, reading.rotation.angle_to(&known.rotation).to_degrees())
+    };
+    let (as_read, inverse) = (off(told), off(&told.inverse()));
+    let fits = |(off_m, off_deg): (f64, f64)| off_m <= limits.off_m && off_deg <= limits.off_deg;
+    let measured = [
+        Measured::new("off as it is read", as_read.0, "m").limit(limits.off_m),
+        Measured::new("rotation off as it is read", as_read.1, "deg").limit(limits.off_deg),
+        Measured::new("off read the other way round", inverse.0, "m").limit(limits.off_m),
+        Measured::new("rotation off read the other way round", inverse.1, "deg").limit(limits.off_deg),
+    ];
+    let pair = format!("`{of_target}` from `{of_source}`");
+    match (fits(as_read), fits(inverse)) {
+        (true, false) => out.pass(subject, measured),
+        // A file that does not say its direction has none that is wrong.
+        (false, true) if !is_named => out.pass(subject, measured),
+        (true, true) => {
+            let why = format!("both readings are near {pair} of the robot: nothing tells them apart");
+            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        }
+        (false, false) => {
+            let far = if told.translation.vector.norm() > limits.away_m {
+                ", and it is off the vehicle"
+            } else {
+                ""
+            };
+            let why = format!(
+                "{:.2} m and {:.0} deg off {pair} of the robot as it is read, {:.2} m and {:.0} deg the other way round{far}: neither is it",
+                as_read.0, as_read.1, inverse.0, inverse.1
+            );
+            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        }
+        (false, true) => {
+            let message = format!(
+                "`{}` reads as `{target}` from `{source}`, and is the other way round by {pair} of the robot: {:.2} m and {:.0} deg off as it is read, \
+                 {:.2} m and {:.1} deg inverted",
+                claim.label, as_read.0, as_read.1, inverse.0, inverse.1
+            );
+            let finding = Finding::warning(subject, message, claim.place.clone())
+                .confidence(claim.reading.min(Confidence::Likely))
+                .relation("inverse")
+                .help("p_camera = R p + t takes points into the camera, whose own place is then -R^T t; its pose holds the place as it is: say in the key which \
+                       of the two it is, and invert it where it is read");
+            out.fail(measured.into_iter().fold(finding, Finding::measured));
+        }
+    }
+}

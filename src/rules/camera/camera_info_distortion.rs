@@ -1,0 +1,198 @@
+//! CAMERA03: a distortion that is not that of its model, or folds within the image.
+
+use serde::Deserialize;
+
+use crate::math::distortion::{Radial, Reach};
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+
+use super::Published;
+
+/// CAMERA03.
+pub struct CameraInfoDistortion;
+
+/// Limits of CAMERA03.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    tangential: f64,
+    least_reach: f64,
+    wide_deg: f64,
+}
+
+impl Rule for CameraInfoDistortion {
+    const PAGE: &'static str = include_str!("../../../rules/camera/camera-info-distortion.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for published in Published::all(world) {
+            let subject = format!("distortion of {}", published.subject());
+            if published.is_usable(&subject, out) {
+                judge_model(&published, subject, limits, out);
+            }
+        }
+    }
+}
+
+/// The models of ROS, with the numbers of coefficients that OpenCV takes for each.
+fn counts(model: &str) -> Option<&'static [usize]> {
+    Some(match model {
+        // OpenCV takes four as five without k3.
+        "plumb_bob" => &[4, 5],
+        // With thin prisms and a tilted sensor OpenCV has 12 and 14.
+        "rational_polynomial" => &[8, 12, 14],
+        "equidistant" | "fisheye" => &[4],
+        _ => return None,
+    })
+}
+
+/// The radial part of a model.
+fn radial(model: &str, d: &[f64]) -> Option<Radial> {
+    Some(match (model, d) {
+        ("plumb_bob", [k1, k2, _, _]) => Radial::PlumbBob([*k1, *k2, 0.0]),
+        ("plumb_bob", [k1, k2, _, _, k3]) => Radial::PlumbBob([*k1, *k2, *k3]),
+        ("rational_polynomial", [k1, k2, _, _, k3, k4, k5, k6, ..]) => Radial::Rational([*k1, *k2, *k3, *k4, *k5, *k6]),
+        ("equidistant" | "fisheye", [k1, k2, k3, k4]) => Radial::Fisheye([*k1, *k2, *k3, *k4]),
+        _ => return None,
+    })
+}
+
+fn judge_model(published: &Published, subject: String, limits: &Limits, out: &mut Judge) {
+    let (model, d) = (published.calibration.model.as_str(), published.calibration.d.as_slice());
+    let topic = published.topic;
+    if d.iter().any(|value| !value.is_finite()) {
+        let message = format!("a coefficient of the distortion on `{topic}` is not finite");
+        let finding = Finding::error(subject, message, published.place());
+        return out.fail(finding.help("calibrate the camera anew"));
+    }
+    if d.is_empty() && matches!(model, "" | "plumb_bob") {
+        let why = "no model and no coefficients: an image without distortion, or a camera that nobody calibrated";
+        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+    }
+    let Some(counts) = counts(model) else {
+        let why = format!("the model `{model}` is not one of ROS (plumb_bob, rational_polynomial, equidistant)");
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    };
+    if !counts.contains(&d.len()) {
+        return out.fail(miscounted(published, subject, counts));
+    }
+    let Some(radial) = radial(model, d) else {
+        return;
+    };
+    let (Some((border, what)), true) = (
+        border(published),
+        published.calibration.size.iter().all(|pixels| *pixels > 0),
+    ) else {
+        let why = "width and height are zero: where the corners are is not known";
+        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+    };
+    let Some(reach) = radial.reach(border) else {
+        let why = "the distortion has no finite value within the image";
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    };
+    let tangential = match d {
+        [_, _, p1, p2, ..] if !is_fisheye(model) => p1.abs().max(p2.abs()),
+        _ => 0.0,
+    };
+    let measured = |reach: Reach| match reach {
+        Reach::Whole { angle_rad } => Measured::new(format!("angle seen at the {what}"), angle_rad.to_degrees(), "deg"),
+        Reach::Folds { radius, .. } => Measured::new(
+            format!("radius that is reached, over that of the {what}"),
+            radius / border,
+            "1",
+        )
+        .limit(limits.least_reach),
+    };
+    if let Reach::Folds { radius, angle_rad } = reach
+        && radius < limits.least_reach * border
+    {
+        let message = format!(
+            "the distortion on `{topic}` folds at {:.1} deg from the axis: that is {:.0} % of the way to the {what}, and what lies further \
+             out is projected back into the image",
+            angle_rad.to_degrees(),
+            100.0 * radius / border
+        );
+        let finding = Finding::warning(subject, message, published.place())
+            .likely()
+            .relation("folds");
+        let help = "calibrate with the board in the corners as well, or with a model of wider angles; until then leave out what lies beyond";
+        return out.fail(finding.measured(measured(reach)).help(help));
+    }
+    if tangential > limits.tangential {
+        let message = format!(
+            "a tangential coefficient on `{topic}` is {tangential:.3}: lenses have thousandths; as where k3 stands before p1 and p2"
+        );
+        let finding = Finding::warning(subject, message, published.place())
+            .hint()
+            .relation("order");
+        let measured = Measured::new("largest tangential coefficient", tangential, "1").limit(limits.tangential);
+        return out.fail(finding.measured(measured).help("the order is k1, k2, p1, p2, k3"));
+    }
+    let [fx, _, cx, _] = published.intrinsics();
+    let across = [cx, f64::from(published.calibration.size[0]) - cx].map(|side| radial.reach(side / fx));
+    let view_deg: f64 = across
+        .iter()
+        .map(|side| match side {
+            Some(Reach::Whole { angle_rad }) => angle_rad.to_degrees(),
+            _ => 0.0,
+        })
+        .sum();
+    if model == "plumb_bob" && view_deg > limits.wide_deg {
+        let message = format!(
+            "`{topic}`: plumb_bob over {view_deg:.0} deg across; its polynomial of the tangent has no hold there"
+        );
+        let finding = Finding::warning(subject, message, published.place())
+            .likely()
+            .relation("wide");
+        let measured = Measured::new("field of view across", view_deg, "deg").limit(limits.wide_deg);
+        return out.fail(
+            finding
+                .measured(measured)
+                .help("calibrate with rational_polynomial or equidistant"),
+        );
+    }
+    out.pass(
+        subject,
+        [measured(reach), Measured::new("field of view across", view_deg, "deg")],
+    );
+}
+
+/// How far a model must reach, normalised, and what lies there: the corner that is farthest from the principal point. The image
+/// of a fisheye is round, and its corners are often dark: it must reach the nearest edge.
+fn border(published: &Published) -> Option<(f64, &'static str)> {
+    let [fx, fy, cx, cy] = published.intrinsics();
+    let [width, height] = published.calibration.size.map(f64::from);
+    let border = if is_fisheye(&published.calibration.model) {
+        let nearest = [cx / fx, (width - cx) / fx, cy / fy, (height - cy) / fy];
+        (nearest.into_iter().fold(f64::INFINITY, f64::min), "nearest edge")
+    } else {
+        let (x, y) = (cx.max(width - cx) / fx, cy.max(height - cy) / fy);
+        (x.hypot(y), "corner")
+    };
+    Some(border).filter(|(radius, _)| radius.is_finite())
+}
+
+fn is_fisheye(model: &str) -> bool {
+    matches!(model, "equidistant" | "fisheye")
+}
+
+fn miscounted(published: &Published, subject: String, counts: &[usize]) -> Finding {
+    let (model, d) = (&published.calibration.model, &published.calibration.d);
+    let several: Vec<String> = counts.iter().map(usize::to_string).collect();
+    let other = ["plumb_bob", "rational_polynomial"]
+        .into_iter()
+        .find(|other| other != model && self::counts(other).is_some_and(|counts| counts.contains(&d.len())));
+    let message = format!(
+        "the model on `{}` is {model}, which has {} coefficients, and there are {}{}",
+        published.topic,
+        several.join(" or "),
+        d.len(),
+        other.map_or(String::new(), |other| format!(": as many as {other} has"))
+    );
+    Finding::error(subject, message, published.place())
+        .relation("count")
+        .measured(Measured::count("coefficients", d.len()))
+        .help("name the model that was calibrated, with all of its coefficients")
+}

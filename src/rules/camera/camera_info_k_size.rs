@@ -1,0 +1,245 @@
+//! CAMERA02: intrinsics that do not fit the image.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::camera::ImageForm;
+use crate::world::{BagEvidence, World};
+
+use super::Published;
+
+/// CAMERA02.
+pub struct CameraInfoKSize;
+
+/// Limits of CAMERA02.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    exact: f64,
+    aspect: f64,
+    least_centre: f64,
+    most_centre: f64,
+    least_view_deg: f64,
+    most_view_deg: f64,
+    same_ratio: f64,
+}
+
+impl Rule for CameraInfoKSize {
+    const PAGE: &'static str = include_str!("../../../rules/camera/camera-info-k-size.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let spaces: Vec<BTreeMap<&str, Space>> = world.bags.iter().map(spaces).collect();
+        for published in Published::all(world) {
+            judge_k(&published, limits, out);
+            let space = spaces.get(published.index).and_then(|of| of.get(published.namespace()));
+            let Some(space) = space.filter(|space| !space.images.is_empty()) else {
+                continue;
+            };
+            if space.calibrations > 1 {
+                let subject = format!("size of the images beside {}", published.subject());
+                let why = "several calibrations share the namespace of these images: nothing says whose they are";
+                out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+                continue;
+            }
+            for (topic, form) in &space.images {
+                judge_size(&published, topic, form, limits, out);
+            }
+        }
+    }
+}
+
+/// What a namespace holds: its images share its calibration (image_transport).
+#[derive(Default)]
+struct Space<'w> {
+    /// Topics of calibrations.
+    calibrations: usize,
+    /// Forms of images, each with its topic.
+    images: Vec<(&'w str, &'w ImageForm)>,
+}
+
+/// The namespaces of a recording.
+fn spaces(bag: &BagEvidence) -> BTreeMap<&str, Space<'_>> {
+    let mut spaces: BTreeMap<&str, Space> = BTreeMap::new();
+    for topic in bag.topics.values() {
+        let forms = topic.content.images.iter().flat_map(|images| &images.forms);
+        let namespace = super::namespace(&topic.topic);
+        let space = spaces.entry(namespace).or_default();
+        space.calibrations += usize::from(topic.content.calibrations.is_some());
+        space.images.extend(forms.map(|form| (topic.topic.as_str(), form)));
+    }
+    spaces
+}
+
+fn judge_k(published: &Published, limits: &Limits, out: &mut Judge) {
+    let subject = published.subject();
+    let calibration = published.calibration;
+    let k = &calibration.k;
+    if published.is_uncalibrated() {
+        let message = format!("K on `{}` is all zeros: the camera is not calibrated", published.topic);
+        let finding = Finding::note(&subject, message, published.place()).relation("uncalibrated");
+        return out.fail(finding.help("calibrate it, or do not project anything into its images"));
+    }
+    let [fx, fy, cx, cy] = published.intrinsics();
+    if k.iter().any(|value| !value.is_finite()) || fx <= 0.0 || fy <= 0.0 {
+        let message = format!(
+            "K on `{}` has the focal lengths {fx} and {fy} pixels: they are positive numbers",
+            published.topic
+        );
+        let finding = Finding::error(&subject, message, published.place());
+        return out.fail(finding.help("calibrate the camera anew, or look for a wrong field in the driver"));
+    }
+    if let Some(finding) = layout(published, &subject, limits) {
+        return out.fail(finding);
+    }
+    let [width, height] = calibration.size.map(f64::from);
+    if width == 0.0 || height == 0.0 {
+        let why = "width and height are zero: whether K fits cannot be told";
+        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+    }
+    let view_deg = 2.0 * (width / (2.0 * fx)).atan().to_degrees();
+    let measured = [
+        Measured::new("fx over fy", fx / fy, "1").limit(1.0 + limits.aspect),
+        Measured::new("cx over width", cx / width, "1"),
+        Measured::new("cy over height", cy / height, "1"),
+        Measured::new("field of view across", view_deg, "deg").limit(limits.most_view_deg),
+    ];
+    let is_central = |share: f64| (limits.least_centre..=limits.most_centre).contains(&share);
+    let what = if !is_central(cx / width) || !is_central(cy / height) {
+        let (x, y) = (2.0 * cx / width, 2.0 * cy / height);
+        let of_another = (x / y - 1.0).abs() <= limits.same_ratio * 10.0;
+        let words =
+            format!("the principal point ({cx:.1}, {cy:.1}) is far from the middle of an image of {width} x {height}");
+        Some(if of_another {
+            let words = format!("{words}: as of an image of {:.0} x {:.0}", width * x, height * y);
+            (
+                words,
+                "not-rescaled",
+                "scale fx, fy, cx and cy with the image, or set binning",
+            )
+        } else {
+            let help = "of a cropped image set `roi`, and leave K that of the whole one (REP-104)";
+            (words, "centre", help)
+        })
+    } else if (fx / fy - 1.0).abs() > limits.aspect {
+        let words = format!(
+            "the focal lengths {fx:.1} and {fy:.1} differ by {:.0} %",
+            100.0 * (fx / fy - 1.0).abs()
+        );
+        Some((
+            words,
+            "aspect",
+            "pixels are square in all but few cameras: an image that was stretched needs another fx or fy",
+        ))
+    } else if !(limits.least_view_deg..=limits.most_view_deg).contains(&view_deg) {
+        let words = format!("the camera sees {view_deg:.1} deg across by K and the width of the image");
+        Some((
+            words,
+            "view",
+            "look for a focal length in millimetres, or an image of another size",
+        ))
+    } else {
+        None
+    };
+    match what {
+        None => out.pass(subject, measured),
+        Some((words, relation, help)) => {
+            let message = format!("`{}`: {words}", published.topic);
+            let finding = Finding::warning(subject, message, published.place()).likely();
+            let finding = finding.relation(relation).help(help);
+            out.fail(measured.into_iter().fold(finding, Finding::measured));
+        }
+    }
+}
+
+/// A finding, where the numbers that must be zero or one are others.
+fn layout(published: &Published, subject: &str, limits: &Limits) -> Option<Finding> {
+    let [fx, _, cx, k10, _, cy, k20, k21, k22] = published.calibration.k;
+    let is = |value: f64, wanted: f64| (value - wanted).abs() <= limits.exact;
+    if is(k10, 0.0) && is(k20, 0.0) && is(k21, 0.0) && is(k22, 1.0) {
+        return None;
+    }
+    let is_transposed = is(k22, 1.0) && is(cx, 0.0) && is(cy, 0.0) && k20 > 0.0 && k21 > 0.0;
+    let (relation, help) = if is_transposed {
+        ("transposed", "write K row by row: fx, 0, cx, 0, fy, cy, 0, 0, 1")
+    } else {
+        ("not-a-camera-matrix", "K is fx, s, cx, 0, fy, cy, 0, 0, 1, row by row")
+    };
+    let message = format!(
+        "K on `{}` ends in {k20}, {k21}, {k22}, and its fourth number is {k10}: a camera's ends in 0, 0, 1, and has 0 there{}",
+        published.topic,
+        if is_transposed {
+            "; it is told column by column"
+        } else {
+            ""
+        }
+    );
+    let finding = Finding::error(subject, message, published.place()).relation(relation);
+    Some(finding.measured(Measured::new("fx", fx, "px")).help(help))
+}
+
+/// Holds an image's size against the one that is calibrated.
+fn judge_size(published: &Published, topic: &str, form: &ImageForm, limits: &Limits, out: &mut Judge) {
+    let calibration = published.calibration;
+    let subject = format!("size of `{topic}` against {}", published.subject());
+    let [_, _, roi_width, roi_height] = calibration.roi;
+    let whole = roi_width == 0 || roi_height == 0;
+    let shown = if whole {
+        calibration.size
+    } else {
+        [roi_width, roi_height]
+    };
+    let binned = |index: usize| {
+        let pixels = calibration.binning.get(index).copied().unwrap_or(0).max(1);
+        f64::from(shown.get(index).copied().unwrap_or(0)) / f64::from(pixels)
+    };
+    let ([width, height], [image_width, image_height]) = ([binned(0), binned(1)], form.size.map(f64::from));
+    if width == 0.0 || height == 0.0 || published.is_uncalibrated() {
+        let why = "the calibration has no size, or is none";
+        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+    }
+    let (x, y) = (image_width / width, image_height / height);
+    let measured = [
+        Measured::new("width over the calibrated one", x, "1").limit(1.0),
+        Measured::new("height over the calibrated one", y, "1").limit(1.0),
+    ];
+    // Binning leaves a pixel over.
+    if (image_width - width).abs() < 1.0 && (image_height - height).abs() < 1.0 {
+        return out.pass(subject, measured);
+    }
+    let (words, relation, help) = if (x / y - 1.0).abs() <= limits.same_ratio {
+        (
+            format!("the images were resized by {x:.3}, and the calibration was not"),
+            "not-rescaled",
+            "scale fx, fy, cx, cy, width and height with the image, or set binning",
+        )
+    } else if (image_width - height).abs() < 1.0 && (image_height - width).abs() < 1.0 {
+        (
+            "the images were turned by a quarter, and the calibration was not".to_owned(),
+            "turned",
+            "turn the calibration and the optical frame with the image",
+        )
+    } else {
+        (
+            "they show another part, or are of another camera".to_owned(),
+            "other-size",
+            "of a cropped image set `roi`; else look for the right calibration",
+        )
+    };
+    let message = format!(
+        "images on `{topic}` have {image_width} x {image_height} pixels, where the calibration on `{}` is of {width} x {height}: {words}",
+        published.topic
+    );
+    let place = Place::message(published.bag.source, form.at.clone());
+    let finding = Finding::error(subject, message, place)
+        .likely()
+        .relation(relation)
+        .related(published.place(), "the calibration")
+        .help(help);
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
+}

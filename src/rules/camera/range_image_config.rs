@@ -1,0 +1,85 @@
+//! CAMERA08: declared range images against the clouds that they are made of.
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, NotEvaluated};
+use crate::world::World;
+use crate::world::projection::{Form, Projection, RangeImage};
+
+use super::declared::name;
+use super::range_images::{against, alone, beams, clouds};
+
+/// CAMERA08.
+pub struct RangeImageConfig;
+
+/// Limits of CAMERA08.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    pub(super) near_m: f64,
+    pub(super) min_points: usize,
+    pub(super) max_off_deg: f64,
+    pub(super) max_outside: f64,
+    pub(super) quantile: f64,
+    pub(super) min_resultant: f64,
+    pub(super) max_beam_mm: f64,
+}
+
+impl Rule for RangeImageConfig {
+    const PAGE: &'static str = include_str!("../../../rules/camera/range-image-config.md");
+    const NEEDS: &'static [Need] = &[];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let declared: Vec<(&Projection, &RangeImage)> = world
+            .projections()
+            .filter_map(|projection| match &projection.form {
+                Form::RangeImage(image) => Some((projection, image)),
+                _ => None,
+            })
+            .collect();
+        for (projection, image) in &declared {
+            let subject = format!("range image {}", name(world, projection));
+            let mut faults = alone(image);
+            let clouds = match clouds(world, projection, &declared) {
+                Ok(clouds) => clouds,
+                Err(why) if faults.is_empty() => {
+                    out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+                    continue;
+                }
+                Err(_) => Vec::new(),
+            };
+            let mut measured = Vec::new();
+            let mut seen = Ok(());
+            for clouds in &clouds {
+                match against(clouds, image, limits) {
+                    Ok((more, numbers)) => {
+                        faults.extend(more);
+                        measured.extend(numbers);
+                    }
+                    Err(why) => seen = Err(why),
+                }
+                faults.extend(beams(clouds, projection, image, &declared, limits));
+            }
+            if faults.is_empty() {
+                match seen {
+                    Err(why) => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+                    Ok(()) => out.pass(subject, measured),
+                }
+                continue;
+            }
+            for fault in faults {
+                let finding = Finding::warning(&subject, fault.message, projection.place.clone())
+                    .relation(fault.relation)
+                    .help(fault.help)
+                    .measured(fault.measured);
+                let finding = if fault.is_certain { finding } else { finding.likely() };
+                out.fail(match clouds.first() {
+                    Some(clouds) => finding.related(clouds.place(), "the first of the clouds"),
+                    None => finding,
+                });
+            }
+        }
+    }
+}

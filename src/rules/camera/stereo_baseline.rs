@@ -1,0 +1,166 @@
+//! CAMERA07: a stereo pair whose baseline is another in TF than in its calibration.
+
+use std::collections::BTreeMap;
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::World;
+use crate::world::camera::Calibration;
+
+use super::Published;
+
+/// CAMERA07.
+pub struct StereoBaseline;
+
+/// Limits of CAMERA07.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    warning: f64,
+    error: f64,
+    least_m: f64,
+    aside: f64,
+}
+
+/// Parts of names that tell the two cameras of a pair apart, left and right.
+const SIDES: [[&str; 2]; 3] = [["left", "right"], ["infra1", "infra2"], ["cam0", "cam1"]];
+
+impl Rule for StereoBaseline {
+    const PAGE: &'static str = include_str!("../../../rules/camera/stereo-baseline.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let all: Vec<Published> = Published::all(world)
+            .filter(|published| !published.is_uncalibrated())
+            .collect();
+        let mut first: BTreeMap<(usize, &str), &Published> = BTreeMap::new();
+        for published in &all {
+            first.entry((published.index, published.topic)).or_insert(published);
+        }
+        for right in &all {
+            let lefts = left_topics(right.topic);
+            let left = lefts.iter().find_map(|topic| first.get(&(right.index, topic.as_str())));
+            if let Some(left) = left {
+                judge_pair(world, left, right, limits, out);
+            }
+        }
+    }
+}
+
+/// The topic of the left camera, for each way to say left and right that this topic of a right one follows.
+fn left_topics(right: &str) -> Vec<String> {
+    let mut found = Vec::new();
+    for [left_word, right_word] in SIDES {
+        let parts: Vec<&str> = right.split('/').collect();
+        for (index, part) in parts.iter().enumerate() {
+            if part.split('_').any(|word| word == right_word) {
+                let mut parts: Vec<String> = parts.iter().map(|part| (*part).to_owned()).collect();
+                if let Some(part) = parts.get_mut(index) {
+                    let words: Vec<&str> = part
+                        .split('_')
+                        .map(|word| if word == right_word { left_word } else { word })
+                        .collect();
+                    *part = words.join("_");
+                }
+                found.push(parts.join("/"));
+            }
+        }
+    }
+    found
+}
+
+/// By how much the right camera lies to the right of the left one, metres, by the projection of the right one.
+fn baseline(calibration: &Calibration) -> Option<f64> {
+    let [fx, _, _, tx, ..] = calibration.p;
+    (fx > 0.0 && tx.is_finite()).then_some(-tx / fx)
+}
+
+fn judge_pair(world: &World, left: &Published, right: &Published, limits: &Limits, out: &mut Judge) {
+    let subject = format!("baseline of `{}` and `{}`", left.topic, right.topic);
+    let missing = |out: &mut Judge, why: &str| out.not_evaluated(&subject, NotEvaluated::MissingInput, why);
+    let (Some(of_left), Some(by_p)) = (baseline(left.calibration), baseline(right.calibration)) else {
+        return missing(out, "P of one of the two has no focal length");
+    };
+    if of_left.abs() < limits.least_m && by_p.abs() < limits.least_m {
+        return missing(out, "neither P has a Tx: the two were not calibrated as a pair");
+    }
+    let (Some(left_frame), Some(right_frame)) = (left.frame(), right.frame()) else {
+        return missing(out, "one of the two names no frame");
+    };
+    if left_frame == right_frame {
+        return missing(
+            out,
+            "both name the same frame: where the other camera is, TF does not say",
+        );
+    }
+    let Some((left_from_right, _)) = world.graph().chain(&left_frame, &right_frame, |edge| edge.is_rigid) else {
+        return missing(out, &format!("nothing ties `{right_frame}` to `{left_frame}`"));
+    };
+    // Where the left camera is the reference its own Tx is 0.
+    let by_p = by_p - of_left;
+    let by_tf = left_from_right.translation.vector;
+    let differs = (by_p - by_tf.x).abs() / by_tf.norm().max(limits.least_m);
+    let measured = [
+        Measured::new("baseline by the calibration", by_p, "m"),
+        Measured::new("x of the right camera in the left one's frame", by_tf.x, "m"),
+        Measured::new("their difference over the distance", differs, "1").limit(limits.warning),
+    ];
+    if differs <= limits.warning {
+        return out.pass(subject, measured);
+    }
+    let is_aside = by_tf.x.abs() < limits.aside * by_tf.norm();
+    let (words, relation, help) = if is_aside {
+        (
+            "TF puts it in another direction than to the right: a frame that is not optical",
+            "not-optical",
+            "name the optical frames in both calibrations (x to the right, z ahead)",
+        )
+    } else if by_p * by_tf.x < 0.0 {
+        (
+            "by the one it is on the right, by the other on the left: left and right are swapped",
+            "swapped",
+            "exchange the two topics, or the two frames",
+        )
+    } else {
+        (
+            "one of the two is wrong",
+            "other-length",
+            "measure it; depth is wrong by the same part as the baseline",
+        )
+    };
+    let severity = if differs > limits.error {
+        Severity::Error
+    } else {
+        Severity::Warning
+    };
+    let message = format!(
+        "the right camera lies {by_p:.4} m to the right by `{}`, and at x = {:.4} m of {:.4} m by TF from `{right_frame}` to `{left_frame}`: \
+         {words}",
+        right.topic,
+        by_tf.x,
+        by_tf.norm()
+    );
+    let finding = Finding::new(severity, &subject, message, right.place()).likely();
+    let finding = finding
+        .relation(relation)
+        .related(left.place(), "the left camera")
+        .help(help);
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::left_topics;
+
+    #[test]
+    fn a_right_camera_has_a_left_one() {
+        assert_eq!(left_topics("/stereo/right/camera_info"), ["/stereo/left/camera_info"]);
+        assert_eq!(left_topics("/cam_right/camera_info"), ["/cam_left/camera_info"]);
+        assert_eq!(left_topics("/d435/infra2/camera_info"), ["/d435/infra1/camera_info"]);
+        assert!(left_topics("/brightness/camera_info").is_empty());
+        assert!(left_topics("/left/camera_info").is_empty());
+    }
+}

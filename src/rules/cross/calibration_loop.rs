@@ -1,0 +1,179 @@
+//! CROSS03: transforms of one calibration that do not close a loop.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Isometry3;
+use serde::Deserialize;
+
+use crate::math::relation::{Relation, Tolerance, classify};
+use crate::rules::{Judge, Need, Rule};
+use crate::source::SourceId;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::{FrameId, World};
+
+use super::statements::{Statement, statements};
+
+/// CROSS03.
+pub struct CalibrationLoop;
+
+/// Limits of CROSS03.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    edge_deg: f64,
+    edge_m: f64,
+    warn_sigmas: f64,
+    error_sigmas: f64,
+}
+
+/// Three transforms that lead from a frame back to it: `a_from_b`, `b_from_c`, `c_from_a`.
+struct Loop<'s> {
+    frames: [&'s FrameId; 3],
+    /// As they go round; each with the statement it is of.
+    edges: [(Isometry3<f64>, &'s Statement); 3],
+}
+
+impl Rule for CalibrationLoop {
+    const PAGE: &'static str = include_str!("../../../rules/cross/calibration-loop.md");
+    const NEEDS: &'static [Need] = &[Need::Calibration];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let all = statements(world);
+        let mut by_source: BTreeMap<SourceId, Vec<&Statement>> = BTreeMap::new();
+        for statement in all.iter().filter(|statement| statement.is_of_a_file()) {
+            if statement.has_rotation && statement.has_translation {
+                by_source.entry(statement.place.source).or_default().push(statement);
+            }
+        }
+        for (source, statements) in by_source {
+            let (loops, are_more) = loops(&statements);
+            for one in loops {
+                one.judge(world, source, limits, out);
+            }
+            if are_more {
+                let why = format!("it has more than {MAX_LOOPS} loops of three frames; the others were left out");
+                let subject = format!("more loops in {}", world.path(source));
+                out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            }
+        }
+    }
+}
+
+/// Loops of one file that are judged; a file where every frame is tied to every other has as many with forty frames.
+const MAX_LOOPS: usize = 10_000;
+
+/// The loops of three frames, and whether there are more of them; of several statements on one pair the first counts (the others
+/// are CROSS01's).
+fn loops<'s>(statements: &[&'s Statement]) -> (Vec<Loop<'s>>, bool) {
+    let mut edges: BTreeMap<(&FrameId, &FrameId), (Isometry3<f64>, &'s Statement)> = BTreeMap::new();
+    for statement in statements {
+        let (target, source) = (&statement.target, &statement.source_frame);
+        if target != source && !edges.contains_key(&(target, source)) {
+            edges.insert((target, source), (statement.pose, *statement));
+            edges.insert((source, target), (statement.pose.inverse(), *statement));
+        }
+    }
+    let mut beside: BTreeMap<&FrameId, Vec<&FrameId>> = BTreeMap::new();
+    for (target, source) in edges.keys() {
+        beside.entry(*target).or_default().push(*source);
+    }
+    let of = |frame: &FrameId| beside.get(frame).map_or(&[][..], Vec::as_slice);
+    let mut loops = Vec::new();
+    for (&(a, b), ab) in edges.iter().filter(|((a, b), _)| a < b) {
+        // The frame with fewer neighbours is asked: one that all others are tied to would make this quadratic.
+        let fewer = if of(a).len() < of(b).len() { of(a) } else { of(b) };
+        for c in fewer.iter().copied().filter(|c| *c > b) {
+            let (Some(bc), Some(ca)) = (edges.get(&(b, c)), edges.get(&(c, a))) else {
+                continue;
+            };
+            if loops.len() == MAX_LOOPS {
+                return (loops, true);
+            }
+            loops.push(Loop {
+                frames: [a, b, c],
+                edges: [*ab, *bc, *ca],
+            });
+        }
+    }
+    (loops, false)
+}
+
+impl Loop<'_> {
+    /// What an edge would have to be for the loop to close.
+    fn expected(&self, index: usize) -> Isometry3<f64> {
+        let [next, last] = [(index + 1) % 3, (index + 2) % 3].map(|at| self.edges.get(at).map(|edge| edge.0));
+        (next.unwrap_or_default() * last.unwrap_or_default()).inverse()
+    }
+
+    fn judge(&self, world: &World, source: SourceId, limits: &Limits, out: &mut Judge) {
+        let [a, b, c] = self.frames;
+        let subject = format!("loop of `{a}`, `{b}` and `{c}` in {}", world.path(source));
+        let closure = self.edges.iter().fold(Isometry3::identity(), |sum, edge| sum * edge.0);
+        let (angle_deg, distance_m) = (closure.rotation.angle().to_degrees(), closure.translation.vector.norm());
+        let sigmas = (angle_deg / limits.edge_deg).max(distance_m / limits.edge_m) / 3_f64.sqrt();
+        let measured = [
+            Measured::new("angle that is left", angle_deg, "deg").turn(),
+            Measured::new("distance that is left", distance_m, "m"),
+            Measured::new("of what three calibrations may leave", sigmas, "1").limit(limits.warn_sigmas),
+        ];
+        if sigmas <= limits.warn_sigmas {
+            return out.pass(subject, measured);
+        }
+        let Some((_, first)) = self.edges.first() else { return };
+        let culprits: Vec<(&Statement, Relation)> = (0..3)
+            .filter_map(|index| {
+                let (held, statement) = self.edges.get(index)?;
+                let relation = classify(&self.expected(index), held, &Tolerance::default()).error()?;
+                Some((*statement, relation))
+            })
+            .collect();
+        let left = format!("{angle_deg:.2} deg and {distance_m:.3} m are left");
+        let (message, place, relation) = match culprits.as_slice() {
+            [(culprit, relation)] => (
+                format!(
+                    "`{a}`, `{b}` and `{c}` do not close a loop: {left}; it closes once {} is taken otherwise: {}",
+                    culprit.who,
+                    relation.describe()
+                ),
+                culprit.place.clone(),
+                Some(relation.word()),
+            ),
+            several => {
+                let named: Vec<String> = several
+                    .iter()
+                    .map(|(culprit, relation)| format!("{} ({})", culprit.who, relation.word()))
+                    .collect();
+                let or = if named.is_empty() {
+                    String::new()
+                } else {
+                    format!("; it closes if one of these is wrong: {}", named.join(", "))
+                };
+                (
+                    format!("`{a}`, `{b}` and `{c}` do not close a loop: {left}{or}"),
+                    first.place.clone(),
+                    None,
+                )
+            }
+        };
+        let finding = if sigmas > limits.error_sigmas {
+            Finding::error(subject, message, place)
+        } else {
+            Finding::warning(subject, message, place)
+        };
+        let reading = self.edges.iter().map(|(_, statement)| statement.reading).min();
+        let mut finding = finding
+            .likely()
+            .help("of three transforms that were calibrated one by one one is wrong: calibrate it again, or calibrate all of them together");
+        if let Some(reading) = reading {
+            finding = finding.confidence(reading);
+        }
+        if let Some(relation) = relation {
+            finding = finding.relation(relation);
+        }
+        for (_, statement) in &self.edges {
+            finding = finding.related(statement.place.clone(), statement.who.clone());
+        }
+        out.fail(measured.into_iter().fold(finding, Finding::measured));
+    }
+}

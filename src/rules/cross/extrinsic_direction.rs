@@ -1,0 +1,235 @@
+//! CROSS04: a mounting that is told the wrong way round, by the motion on both of its sides.
+
+use nalgebra::Isometry3;
+use serde::Deserialize;
+
+use crate::math::stats::median;
+use crate::rules::hand_eye::{HandEye, Pair, half_turn};
+use crate::rules::lidar::Clouds;
+use crate::rules::scan_motion::Moved;
+use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+
+/// CROSS04.
+pub struct ExtrinsicDirection;
+
+/// Limits of CROSS04.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    min_way_m: f64,
+    min_turn_deg: f64,
+    long_s: f64,
+    min_pairs: usize,
+    max_sigma_m: f64,
+    min_apart_m: f64,
+    min_apart_deg: f64,
+    ratio: f64,
+    paired_ratio: f64,
+    paired_t: f64,
+    min_excess_m: f64,
+    max_residual_m: f64,
+}
+
+/// What the mounting may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Reading {
+    AsTold,
+    Inverse,
+    Turned,
+    InverseTurned,
+}
+
+/// What a reading leaves of each pair, metres.
+struct Residuals {
+    reading: Reading,
+    all_m: Vec<f64>,
+    median_m: f64,
+}
+
+impl Residuals {
+    fn of(reading: Reading, all_m: Vec<f64>) -> Self {
+        let median_m = median(&all_m).unwrap_or(f64::INFINITY);
+        Self {
+            reading,
+            all_m,
+            median_m,
+        }
+    }
+
+    /// Whether another leaves clearly less: by the ratio, or on nearly every pair a little.
+    fn is_beaten_by(&self, better: &Self, limits: &Limits) -> bool {
+        let by = |ratio: f64| self.median_m >= ratio * better.median_m;
+        if by(limits.ratio) && self.median_m - better.median_m >= limits.min_excess_m {
+            return true;
+        }
+        let more: Vec<f64> = self.all_m.iter().zip(&better.all_m).map(|(a, b)| a - b).collect();
+        let count = more.len() as f64;
+        let mean = more.iter().sum::<f64>() / count;
+        let variance = more.iter().map(|more| (more - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        by(limits.paired_ratio) && mean >= limits.paired_t * (variance / count).sqrt()
+    }
+}
+
+/// What was seen.
+pub(crate) struct Seen {
+    known: HandEye,
+    pairs: usize,
+    /// Each reading with its residual, the best first.
+    residuals: Vec<(Reading, f64)>,
+    decided: Option<Reading>,
+    /// Whether the inverse explains the motion better than what was told, if perhaps not alone.
+    inverse_serves: bool,
+}
+
+impl Seen {
+    /// Whether the inverse explains the motion, and what was told does not.
+    pub(crate) fn is_inverse(&self) -> bool {
+        self.decided == Some(Reading::Inverse)
+    }
+
+    /// Whether the inverse explains the motion as another reading does, and what was told does not.
+    pub(crate) fn may_be_inverse(&self) -> bool {
+        self.decided.is_none() && self.inverse_serves
+    }
+
+    fn of(&self, reading: Reading) -> f64 {
+        let mut known = self.residuals.iter();
+        known
+            .find(|(other, _)| *other == reading)
+            .map_or(f64::NAN, |(_, residual)| *residual)
+    }
+}
+
+impl Rule for ExtrinsicDirection {
+    const PAGE: &'static str = include_str!("../../../rules/cross/extrinsic-direction.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets(world, "direction of the mounting", out);
+        for clouds in Clouds::scanners(world) {
+            match look(world, &clouds, limits) {
+                Ok(seen) => judge_seen(&clouds, &seen, limits, out),
+                Err((reason, why)) => out.not_evaluated(clouds.subject("direction of the mounting"), reason, why),
+            }
+        }
+    }
+}
+
+/// Which reading of a mounting brings the two motions together.
+pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Seen, (NotEvaluated, String)> {
+    let turned_deg = |moved: &Moved| moved.turned_rad().abs().to_degrees();
+    let known = HandEye::of(world, clouds, |steps| {
+        steps.chained_to_the_end(|moved| turned_deg(moved) >= limits.min_turn_deg || moved.lasted_s() >= limits.long_s)
+    })?;
+    let inverse = known.told.inverse();
+    let apart = known.told.inv_mul(&inverse);
+    if apart.translation.vector.norm() < limits.min_apart_m
+        && apart.rotation.angle().to_degrees() < limits.min_apart_deg
+    {
+        let why = format!(
+            "`{}_from_{}` and its inverse are the same, about",
+            known.body, known.lidar
+        );
+        return Err((NotEvaluated::NotApplicable, why));
+    }
+    let is_turned = |pair: &&Pair| pair.size().1.to_degrees() >= limits.min_turn_deg;
+    let mut sure: Vec<&Pair> = known
+        .pairs
+        .iter()
+        .filter(|pair| pair.sigma_m <= limits.max_sigma_m && (is_turned(pair) || pair.size().0 >= limits.min_way_m))
+        .collect();
+    if sure.len() < limits.min_pairs {
+        let why = format!(
+            "{} pairs of scans moved enough and matched well beside {}; {} are needed",
+            sure.len(),
+            known.poses.0,
+            limits.min_pairs
+        );
+        return Err((NotEvaluated::TooLittleEvidence, why));
+    }
+    // Straight on every lever arm is as good: those count that turn, or else those that turn the most.
+    sure.sort_by(|a, b| b.size().1.total_cmp(&a.size().1));
+    let turned = sure.iter().filter(|pair| is_turned(pair)).count();
+    sure.truncate(turned.max(limits.min_pairs));
+    let all = |mounting: &Isometry3<f64>| -> Vec<f64> { sure.iter().map(|pair| pair.residual_m(mounting)).collect() };
+    let readings = [
+        (Reading::AsTold, known.told),
+        (Reading::Inverse, inverse),
+        (Reading::Turned, known.told * half_turn()),
+        (Reading::InverseTurned, inverse * half_turn()),
+    ];
+    let mut residuals: Vec<Residuals> = readings
+        .iter()
+        .map(|(reading, mounting)| Residuals::of(*reading, all(mounting)))
+        .collect();
+    residuals.sort_by(|a, b| a.median_m.total_cmp(&b.median_m));
+    let of = |reading: Reading| residuals.iter().find(|known| known.reading == reading);
+    // What is told needs no fault, and is not held against two at once: at a yaw of 90 deg both together are nearly nothing.
+    let decided = residuals.first().zip(of(Reading::AsTold)).and_then(|(best, told)| {
+        let best = if told.is_beaten_by(best, limits) { best } else { told };
+        let mut rivals = residuals.iter().filter(|rival| match best.reading {
+            Reading::AsTold => rival.reading != Reading::InverseTurned,
+            _ => true,
+        });
+        let is_best = rivals.all(|rival| rival.reading == best.reading || rival.is_beaten_by(best, limits));
+        (is_best && best.median_m <= limits.max_residual_m).then_some(best.reading)
+    });
+    let inverse_serves = of(Reading::Inverse)
+        .zip(of(Reading::AsTold))
+        .is_some_and(|(inverse, told)| inverse.median_m <= limits.max_residual_m && told.is_beaten_by(inverse, limits));
+    let residuals = residuals.iter().map(|known| (known.reading, known.median_m)).collect();
+    Ok(Seen {
+        inverse_serves,
+        pairs: sure.len(),
+        residuals,
+        decided,
+        known,
+    })
+}
+
+fn judge_seen(clouds: &Clouds, seen: &Seen, limits: &Limits, out: &mut Judge) {
+    let subject = clouds.subject("direction of the mounting");
+    let (told, inverse) = (seen.of(Reading::AsTold), seen.of(Reading::Inverse));
+    let measured = [
+        Measured::new("residual of the motions, as told", told, "m")
+            .limit(limits.max_residual_m)
+            .samples(seen.pairs as u64),
+        Measured::new("residual of the inverse", inverse, "m"),
+    ];
+    let name = format!("{}_from_{}", seen.known.body, seen.known.lidar);
+    match seen.decided {
+        Some(Reading::AsTold) => out.pass(subject, measured),
+        Some(Reading::Inverse) => {
+            let message = format!(
+                "`{name}` is told the wrong way round: its inverse brings the scans on `{}` and {} together to {inverse:.2} m, the transform as it is \
+                 to {told:.2} m",
+                clouds.topic.topic, seen.known.poses.0
+            );
+            let finding = Finding::error(subject, message, clouds.place())
+                .likely()
+                .relation("inverse")
+                .related(seen.known.poses.1.clone(), "where it went")
+                .help("publish the inverse: TF's transform of a child is its pose in the parent, `parent_from_child`");
+            out.fail(measured.into_iter().fold(finding, Finding::measured));
+        }
+        Some(_) => {
+            let why = format!(
+                "`{name}` fits the motion once it is turned by 180 deg about z, which AXES12 and SENSOR03 judge"
+            );
+            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        }
+        None => {
+            let why = format!(
+                "the motions are brought together to {told:.2} m by `{name}`, to {inverse:.2} m by its inverse, and to {:.2} and {:.2} m by both with \
+                 half a turn: that does not tell them apart",
+                seen.of(Reading::Turned),
+                seen.of(Reading::InverseTurned)
+            );
+            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        }
+    }
+}

@@ -1,0 +1,166 @@
+//! What lies under the lidars of a world: the planes that their clouds stand on, sought once for all rules.
+//!
+//! Owns from where they are sought, and which of six sides is the ground. Must not judge.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+
+use crate::math::support::{Options, Support, support};
+use crate::rules::lidar::Clouds;
+use crate::rules::names;
+use crate::world::World;
+
+/// The sides of a cloud's axes, each beside its opposite, and what they are called.
+pub(crate) const SIDES: [([f64; 3], &str); 6] = [
+    ([0.0, 0.0, 1.0], "z"),
+    ([0.0, 0.0, -1.0], "-z"),
+    ([1.0, 0.0, 0.0], "x"),
+    ([-1.0, 0.0, 0.0], "-x"),
+    ([0.0, 1.0, 0.0], "y"),
+    ([0.0, -1.0, 0.0], "-y"),
+];
+
+/// Points of a cloud in which planes are sought.
+const POINTS: usize = 1500;
+
+/// The plane opposite to each side of the axes of one cloud.
+pub(crate) type Sides = [Option<Support>; 6];
+
+/// What a plane must have to be a ground.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct IsGround {
+    /// Least share of the points on it.
+    pub(crate) min_on: f64,
+    /// Least share of the points above it; an open place has fewer, and lies in at least so many sectors of 10 degrees.
+    pub(crate) min_above: f64,
+    pub(crate) min_around: usize,
+    /// Share of the points beneath it from which on it is none.
+    pub(crate) max_below: f64,
+    /// Largest share of its points near the sensor's own horizon.
+    pub(crate) max_at_horizon: f64,
+    /// Least height of the sensor, metres.
+    pub(crate) least_m: f64,
+    /// Least score, and how many times the next side's it is.
+    pub(crate) min_score: f64,
+    /// How many times the next side's score it must have.
+    pub(crate) min_ratio: f64,
+}
+
+/// The ground in one cloud.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ground {
+    /// Opposite to which of [`SIDES`] it lies.
+    pub(crate) side: usize,
+    /// Cells on it, less for what lies beneath.
+    pub(crate) score: f64,
+    /// The same of the next side.
+    pub(crate) next: f64,
+    /// The plane.
+    pub(crate) plane: Support,
+    /// Cells on a ceiling: a plane on the opposite side with hardly anything beyond it, or with as many points as a ground has. Any
+    /// level plane passes through the walls of a street.
+    pub(crate) ceiling_cells: f64,
+}
+
+/// The planes of all clouds, by recording and topic.
+pub(crate) struct Planes {
+    by_topic: BTreeMap<(usize, String), Vec<Sides>>,
+}
+
+impl Planes {
+    /// Those of a world; worked out once.
+    pub(crate) fn of(world: &World) -> Arc<Self> {
+        world.derived(|world| Self {
+            by_topic: Clouds::all(world)
+                .filter(Clouds::is_of_a_lidar)
+                .map(|clouds| {
+                    let at = sensor_in_cloud(world, &clouds).unwrap_or_else(Vector3::zeros);
+                    let key = (clouds.index, clouds.topic.topic.clone());
+                    (key, sides(&clouds, &at))
+                })
+                .collect(),
+        })
+    }
+
+    /// The ground in each sampled cloud that shows one.
+    pub(crate) fn grounds(&self, clouds: &Clouds, is: &IsGround) -> Vec<Ground> {
+        let key = (clouds.index, clouds.topic.topic.clone());
+        let sides = self.by_topic.get(&key).into_iter().flatten();
+        sides.filter_map(|sides| ground(sides, is)).collect()
+    }
+}
+
+/// Where the sensor is in the axes of its cloud, metres: at the origin, or, where the cloud is told in the base, where TF has
+/// the only lidar. `None` where nothing says it.
+pub(crate) fn sensor_in_cloud(world: &World, clouds: &Clouds) -> Option<Vector3<f64>> {
+    let frame = clouds.frame()?;
+    if !names::is_base(&frame) || names::is_device(&frame) {
+        return Some(Vector3::zeros());
+    }
+    let graph = world.graph();
+    let lidars = graph
+        .frames
+        .iter()
+        .filter(|other| names::has_word_of(other, &[names::LIDARS, names::LIDAR_MAKERS]));
+    let mut places = lidars.filter_map(|lidar| {
+        let (base_from_lidar, _) = graph.chain(&frame, lidar, |edge| edge.is_rigid)?;
+        Some(base_from_lidar.translation.vector)
+    });
+    let first = places.next()?;
+    // The frames of one device are millimetres apart.
+    places.all(|place| (place - first).norm() < 0.2).then_some(first)
+}
+
+/// The planes of each sampled cloud, sought from where the sensor is.
+pub(crate) fn sides(clouds: &Clouds, sensor_in_cloud: &Vector3<f64>) -> Vec<Sides> {
+    let samples = clouds.evidence.samples.iter();
+    samples
+        .map(|sample| {
+            let step = sample.points.len().div_ceil(POINTS).max(1);
+            let points = sample.points.iter().step_by(step);
+            let points: Vec<Vector3<f64>> = points.map(|point| Vector3::from(point.xyz) - sensor_in_cloud).collect();
+            SIDES.map(|(side, _)| support(&points, &Vector3::from(side), &Options::default()))
+        })
+        .collect()
+}
+
+/// The side that the ground of a cloud lies opposite to; `None` where no plane is surely the ground.
+pub(crate) fn ground(sides: &Sides, is: &IsGround) -> Option<Ground> {
+    let scores = sides.map(|plane| plane.map_or(0.0, |plane| score(&plane, is)));
+    let mut order: Vec<usize> = (0..sides.len()).collect();
+    let of = |side: usize| scores.get(side).copied().unwrap_or(0.0);
+    order.sort_by(|a, b| of(*b).total_cmp(&of(*a)));
+    let [side, next, ..] = *order else { return None };
+    let plane = (*sides.get(side)?)?;
+    let is_ground = plane.on >= is.min_on
+        && (plane.above >= is.min_above || plane.sectors >= is.min_around)
+        && plane.height_m >= is.least_m
+        && plane.at_horizon <= is.max_at_horizon
+        && of(side) >= is.min_score
+        && of(side) >= is.min_ratio * of(next);
+    let opposite = sides.get(side ^ 1).copied().flatten();
+    let whole = opposite.filter(|opposite| opposite.on >= is.min_on);
+    is_ground.then_some(Ground {
+        side,
+        score: of(side),
+        next: of(next),
+        plane,
+        ceiling_cells: whole.map_or(of(side ^ 1), |whole| whole.cells as f64),
+    })
+}
+
+/// The cells on a plane, less where points lie beneath it.
+fn score(plane: &Support, is: &IsGround) -> f64 {
+    plane.cells as f64 * (1.0 - plane.below / is.max_below).max(0.0)
+}
+
+/// The side that most of the grounds lie opposite to, and how many do.
+pub(crate) fn most(grounds: &[Ground]) -> Option<(usize, usize)> {
+    let count = |side: usize| grounds.iter().filter(|ground| ground.side == side).count();
+    let counts = (0..SIDES.len()).map(|side| (side, count(side)));
+    counts
+        .filter(|(_, count)| *count > 0)
+        .max_by_key(|(side, count)| (*count, SIDES.len() - side))
+}

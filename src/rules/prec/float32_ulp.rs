@@ -1,0 +1,116 @@
+//! PREC01: coordinates that are too large for float32.
+
+use serde::Deserialize;
+
+use crate::rules::lidar::Clouds;
+use crate::rules::{Judge, Need, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::World;
+
+/// PREC01.
+pub struct Float32Ulp;
+
+/// Limits of PREC01.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    warning_m: f64,
+    error_m: f64,
+    min_points: usize,
+}
+
+impl Rule for Float32Ulp {
+    const PAGE: &'static str = include_str!("../../../rules/prec/float32-ulp.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for clouds in Clouds::all(world) {
+            judge_clouds(&clouds, limits, out);
+        }
+    }
+}
+
+fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
+    let subject = clouds.subject("coordinates of the points");
+    let points = || clouds.evidence.samples.iter().flat_map(|sample| &sample.points);
+    let Some((at, farthest_m)) = clouds
+        .evidence
+        .farthest
+        .as_ref()
+        .filter(|_| points().count() >= limits.min_points)
+    else {
+        let why = format!("fewer than {} points with a return were seen", limits.min_points);
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    };
+    let types = ["x", "y", "z"].map(|name| clouds.datatype(name).unwrap_or_default());
+    let is_single = types.contains(&"float32");
+    // Doubles that once were singles have their gaps.
+    let went_through = !is_single
+        && points()
+            .flat_map(|point| point.xyz)
+            .all(|value| f64::from(single(value)).to_bits() == value.to_bits());
+    if !is_single && !types.contains(&"float64") {
+        let why = format!("coordinates of type {} have steps of their own", types[0]);
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    let step_m = if is_single || went_through {
+        step_of_single(*farthest_m)
+    } else {
+        farthest_m * f64::EPSILON
+    };
+    let measured = [
+        Measured::new("step between two numbers there", step_m, "m").limit(limits.warning_m),
+        Measured::new("largest coordinate", *farthest_m, "m").samples(points().count() as u64),
+    ];
+    if step_m < limits.warning_m {
+        return out.pass(subject, measured);
+    }
+    let severity = if step_m >= limits.error_m {
+        Severity::Error
+    } else {
+        Severity::Warning
+    };
+    let how = if is_single {
+        "told in float32"
+    } else {
+        "told in float64, but all of them went through float32"
+    };
+    let message = format!(
+        "points on `{}` lie up to {:.1} km from zero, {how}: there two neighbouring numbers are {:.0} mm apart",
+        clouds.topic.topic,
+        farthest_m / 1e3,
+        step_m * 1e3
+    );
+    let finding = Finding::new(severity, subject, message, Place::message(clouds.bag.source, at.clone()))
+        .relation("float32")
+        .help("take a local origin off in double precision first, and publish it as a transform (PREC03): map tiles have one each");
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
+}
+
+#[allow(clippy::cast_possible_truncation)] // what is lost is what is asked
+fn single(value: f64) -> f32 {
+    value as f32
+}
+
+/// From a number of float32 to the next: `2^(floor(log2 M) - 23)`.
+pub(super) fn step_of_single(value: f64) -> f64 {
+    if value < f64::from(f32::MIN_POSITIVE) {
+        return 0.0;
+    }
+    (value.log2().floor() - 23.0).exp2()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_steps_are_those_of_ieee_754() {
+        for value in [1.0_f32, 65_536.0, 131_072.0, 500_000.0, 5_000_000.0] {
+            let step = f64::from(value.next_up()) - f64::from(value);
+            assert_eq!(step_of_single(f64::from(value)).to_bits(), step.to_bits(), "{value}");
+        }
+    }
+}

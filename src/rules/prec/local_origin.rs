@@ -1,0 +1,60 @@
+//! PREC03: coordinates far from zero, which a local origin would make small.
+
+use nalgebra::Vector3;
+use serde::Deserialize;
+
+use crate::rules::lidar::Clouds;
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+
+/// PREC03.
+pub struct LocalOrigin;
+
+/// Limits of PREC03.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    far_m: f64,
+    tile_m: f64,
+}
+
+impl Rule for LocalOrigin {
+    const PAGE: &'static str = include_str!("../../../rules/prec/local-origin.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for clouds in Clouds::all(world) {
+            judge_clouds(&clouds, limits, out);
+        }
+    }
+}
+
+fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
+    let subject = clouds.subject("origin of the points");
+    let points = || clouds.evidence.samples.iter().flat_map(|sample| &sample.points);
+    let Some((_, farthest_m)) = clouds.evidence.farthest.as_ref().filter(|_| points().next().is_some()) else {
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, "no cloud has a point");
+    };
+    let measured = Measured::new("largest coordinate", *farthest_m, "m").limit(limits.far_m);
+    if *farthest_m <= limits.far_m {
+        return out.pass(subject, [measured]);
+    }
+    let count = points().count() as f64;
+    let middle = points().map(|point| Vector3::from(point.xyz)).sum::<Vector3<f64>>() / count;
+    let origin = middle.map(|value| (value / limits.tile_m).round() * limits.tile_m);
+    let message = format!(
+        "points on `{}` lie up to {:.1} km from zero: every consumer that calculates in float32 loses what PREC01 says",
+        clouds.topic.topic,
+        farthest_m / 1e3
+    );
+    out.fail(
+        Finding::note(subject, message, clouds.place())
+            .help(format!(
+                "take ({:.0}, {:.0}, {:.0}) m off in double precision, and publish it as the transform of a frame of the map's own",
+                origin.x, origin.y, origin.z
+            ))
+            .measured(measured),
+    );
+}

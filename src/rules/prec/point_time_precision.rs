@@ -1,0 +1,80 @@
+//! PREC02: times of points that their type cannot hold.
+
+use serde::Deserialize;
+
+use crate::rules::lidar::Clouds;
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+
+use super::float32_ulp::step_of_single;
+
+/// PREC02.
+pub struct PointTimePrecision;
+
+/// Limits of PREC02.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    max_share: f64,
+}
+
+impl Rule for PointTimePrecision {
+    const PAGE: &'static str = include_str!("../../../rules/prec/point-time-precision.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for clouds in Clouds::all(world) {
+            judge_clouds(&clouds, limits, out);
+        }
+    }
+}
+
+fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
+    let largest = |low: f64, high: f64| low.abs().max(high.abs());
+    let widest = clouds
+        .timed()
+        .map(|(_, times)| (times, largest(times.range[0], times.range[1])))
+        .max_by(|a, b| a.1.total_cmp(&b.1));
+    let Some((times, largest)) = widest else { return };
+    let subject = clouds.subject("precision of the times of the points");
+    let step = match times.datatype.as_str() {
+        "float32" => step_of_single(largest),
+        "float64" => largest * f64::EPSILON,
+        _ => 1.0,
+    };
+    let Some(period_s) = clouds.period_s() else {
+        let why = "the clouds have no steps between their stamps: how long a scan takes is not known";
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    };
+    // A time in seconds since 1970 spans nothing in float32: its unit is told by its size.
+    let is_epoch_s = (1e8..1e11).contains(&largest);
+    let unit_s = match clouds.unit(times) {
+        Some((unit_s, _)) => unit_s,
+        None if is_epoch_s => 1.0,
+        None => {
+            let why = format!("`{}` spans a scan in no unit that is known (TIME06)", times.field);
+            return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        }
+    };
+    let share = step * unit_s / period_s;
+    let measured = [
+        Measured::new("step of the times, over a scan", share, "1").limit(limits.max_share),
+        Measured::new("step of the times", step * unit_s, "s"),
+    ];
+    if share <= limits.max_share {
+        return out.pass(subject, measured);
+    }
+    let message = format!(
+        "`{}` on `{}` is a {} as large as {largest:.0}: two neighbouring times are {:.3} s apart, where a scan takes {period_s:.3} s",
+        times.field,
+        clouds.topic.topic,
+        times.datatype,
+        step * unit_s
+    );
+    let finding = Finding::error(subject, message, clouds.place())
+        .relation("precision")
+        .help("publish times from the beginning of the scan, or in float64");
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
+}

@@ -1,0 +1,134 @@
+//! ROT10: what the angles that other rules found do to far points.
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated, Outcome, PlaceRole, Row};
+use crate::world::World;
+
+/// ROT10.
+pub struct RotationErrorBudget;
+
+/// Limits of ROT10.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    near_m: f64,
+    middle_m: f64,
+    far_m: f64,
+    max_deg: f64,
+}
+
+impl Limits {
+    /// How far sideways a turn moves points, metres: each distance with `r * sin(angle)`.
+    fn sideways_m(&self, turn_deg: f64) -> [(f64, f64); 3] {
+        let sine = turn_deg.to_radians().sin().abs();
+        [self.near_m, self.middle_m, self.far_m].map(|range_m| (range_m, range_m * sine))
+    }
+
+    fn measured(&self, turn_deg: f64) -> [Measured; 3] {
+        self.sideways_m(turn_deg)
+            .map(|(range_m, m)| Measured::new(format!("sideways at {range_m} m"), m, "m"))
+    }
+}
+
+/// The largest of the angles that are the turn of something, degrees, without its sign.
+fn turn_deg(measured: &[Measured]) -> Option<f64> {
+    let turns = measured
+        .iter()
+        .filter(|measured| measured.is_turn && measured.unit == "deg");
+    let angles = turns
+        .map(|measured| measured.value.abs())
+        .filter(|angle| angle.is_finite());
+    angles.max_by(f64::total_cmp)
+}
+
+impl Rule for RotationErrorBudget {
+    const PAGE: &'static str = include_str!("../../../rules/rot/rotation-error-budget.md");
+    const NEEDS: &'static [Need] = &[];
+    const REVIEWS: bool = true;
+    type Limits = Limits;
+
+    fn judge(_: &World, _: &Limits, _: &mut Judge) {}
+
+    fn review(found: &mut [Finding], rows: &[Row], limits: &Limits, out: &mut Judge) {
+        let subject = "angles of the findings";
+        let mut worst: Option<(f64, &Finding)> = None;
+        let mut others = 0;
+        let mut beyond = 0;
+        for finding in found {
+            let Some(turn_deg) = turn_deg(&finding.measured).filter(|angle| *angle > 0.0) else {
+                continue;
+            };
+            if turn_deg > limits.max_deg {
+                beyond += 1;
+                continue;
+            }
+            finding.measured.extend(limits.measured(turn_deg));
+            others += 1;
+            if worst.is_none_or(|(angle, _)| turn_deg > angle) {
+                worst = Some((turn_deg, finding));
+            }
+        }
+        let Some((turn_deg, finding)) = worst else {
+            let passed = rows.iter().filter(|row| row.outcome == Outcome::Pass);
+            let angles: Vec<f64> = passed.filter_map(|row| turn_deg(&row.measured)).collect();
+            let largest = angles.iter().copied().max_by(f64::total_cmp);
+            if let Some(turn_deg) = largest.filter(|_| beyond == 0) {
+                let angle = Measured::new("largest angle that passed", turn_deg, "deg")
+                    .limit(limits.max_deg)
+                    .samples(angles.len() as u64);
+                return out.pass(subject, std::iter::once(angle).chain(limits.measured(turn_deg)));
+            }
+            let why = if beyond > 0 {
+                format!(
+                    "the angles that were found are all beyond {} deg: another direction altogether, no error of one",
+                    limits.max_deg
+                )
+            } else {
+                "no rule measured an angle that something is turned by".to_owned()
+            };
+            return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        };
+        let Some(primary) = finding.places.iter().find(|label| label.role == PlaceRole::Primary) else {
+            return;
+        };
+        let sideways = limits.sideways_m(turn_deg);
+        let told: Vec<String> = sideways
+            .iter()
+            .map(|(range_m, m)| format!("{m:.2} m at {range_m} m"))
+            .collect();
+        let more = match others - 1 {
+            0 => String::new(),
+            1 => "; one more finding tells what its angle does".to_owned(),
+            count => format!("; {count} more findings tell what their angles do"),
+        };
+        let message = format!(
+            "the {turn_deg:.2} deg that {} finds move points sideways by {}{more}",
+            finding.rule,
+            told.join(", ")
+        );
+        let note = Finding::note(subject, message, primary.place.clone())
+            .help("r * sin(angle): hold it against what the map, the labels or the planner need at the ranges that matter")
+            .measured(Measured::new("angle", turn_deg, "deg").limit(limits.max_deg).samples(others));
+        out.fail(limits.measured(turn_deg).into_iter().fold(note, Finding::measured));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn half_a_degree_at_fifty_metres_is_44_centimetres() {
+        let limits = Limits {
+            near_m: 10.0,
+            middle_m: 50.0,
+            far_m: 100.0,
+            max_deg: 45.0,
+        };
+        let [near, middle, far] = limits.sideways_m(0.5).map(|(_, m)| m);
+        assert!((middle - 0.436_327).abs() < 1e-6);
+        assert!((near - middle / 5.0).abs() < 1e-12 && (far - 2.0 * middle).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,286 @@
+//! How lidars moved by their own clouds: neighbouring scans matched to each other, once for all rules.
+//!
+//! Owns which points are compared and the chains of steps. Motions are in the plane of the cloud's x and y, and only sought where
+//! that plane is level. Must not judge.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use nalgebra::{Isometry2, Vector3};
+
+use crate::math::stats::median;
+use crate::rules::axes::up_axis_flip::UpAxisFlip;
+use crate::rules::ground::{Planes, SIDES};
+use crate::rules::lidar::Clouds;
+use crate::rules::limits_of;
+use crate::rules::motion::{Motion, mount};
+use crate::world::World;
+use crate::world::cloud::CloudSlice;
+
+use self::run::{Matching, Raw, Seen};
+
+mod run;
+
+/// Points lower than this over the ground are left out, metres: the rings of beams on it move with the sensor.
+const CLEAR_M: f64 = 0.3;
+/// Cosine of the tilt up to which a planar scanner is level: 5 degrees.
+const LEVEL: f64 = 0.996;
+/// Why it is not known which way z of a cloud points.
+const NO_GROUND: &str = "no ground shows that the plane of its x and y is level";
+/// Stamps of one clock differ from log times by less than this, seconds.
+const SAME_CLOCK_S: f64 = 1.0;
+
+/// How long a cloud takes at most, and at least, of the time to the next one.
+const LONGEST: f64 = 1.1;
+const SHORTEST: f64 = 0.02;
+
+/// When a cloud was made, seconds after the recording's start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Moment {
+    stamp_s: Option<f64>,
+    log_s: f64,
+}
+
+impl Moment {
+    /// Of a message with such a stamp, where it has one, and such a log time.
+    pub(crate) fn new(stamp_ns: Option<i64>, log_ns: i64, start_ns: i64) -> Self {
+        let seconds = |ns: i64| ns.saturating_sub(start_ns) as f64 * 1e-9;
+        Self {
+            stamp_s: stamp_ns.map(seconds),
+            log_s: seconds(log_ns),
+        }
+    }
+
+    /// How long after another, seconds: by stamps, where both have them.
+    fn since(&self, earlier: &Self) -> f64 {
+        match (self.stamp_s, earlier.stamp_s) {
+            (Some(to), Some(from)) => to - from,
+            _ => self.log_s - earlier.log_s,
+        }
+    }
+
+    /// The same moment on the clock of a stream whose stamps are so much later than its log times.
+    pub(crate) fn on(&self, stamp_offset_s: Option<f64>) -> f64 {
+        let by_stamps = self
+            .stamp_s
+            .zip(stamp_offset_s)
+            .map(|(stamp_s, offset_s)| stamp_s - offset_s);
+        by_stamps
+            .filter(|t_s| (t_s - self.log_s).abs() < SAME_CLOCK_S)
+            .unwrap_or(self.log_s)
+    }
+}
+
+/// The motion of a lidar between two of its clouds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Moved {
+    pub(crate) from: Moment,
+    pub(crate) to: Moment,
+    /// `from_cloud_from_to_cloud`: where the later sensor is in the axes of the earlier one.
+    pub(crate) motion: Isometry2<f64>,
+    /// Standard errors of the angle and of the place, radians and metres.
+    pub(crate) sigma: [f64; 2],
+}
+
+impl Moved {
+    /// How far it went, metres.
+    pub(crate) fn way_m(&self) -> f64 {
+        self.motion.translation.vector.norm()
+    }
+
+    /// How far it turned about the cloud's z, radians.
+    pub(crate) fn turned_rad(&self) -> f64 {
+        self.motion.rotation.angle()
+    }
+
+    /// How long it took, seconds.
+    pub(crate) fn lasted_s(&self) -> f64 {
+        self.to.since(&self.from)
+    }
+}
+
+/// The steps of one topic's clouds.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Steps {
+    /// Whether the ground lies beneath z of the cloud; `None` where none shows, or z is not upright. A planar scanner sees no ground:
+    /// its transforms tell it.
+    pub(crate) is_up: Option<bool>,
+    /// Why that is not known.
+    pub(crate) why: &'static str,
+    runs: Vec<Vec<Seen>>,
+}
+
+impl Steps {
+    /// How many steps were matched.
+    pub(crate) fn count(&self) -> usize {
+        self.runs.iter().map(|run| run.len() - 1).sum()
+    }
+
+    /// Steps that follow each other put together until they are enough, one after the other.
+    pub(crate) fn chained(&self, is_enough: impl Fn(&Moved) -> bool) -> Vec<Moved> {
+        self.put_together(is_enough, false)
+    }
+
+    /// The same, with what is left at the end of each run.
+    pub(crate) fn chained_to_the_end(&self, is_enough: impl Fn(&Moved) -> bool) -> Vec<Moved> {
+        self.put_together(is_enough, true)
+    }
+
+    fn put_together(&self, is_enough: impl Fn(&Moved) -> bool, keeps_rest: bool) -> Vec<Moved> {
+        let mut chained = Vec::new();
+        for run in &self.runs {
+            let Some((mut from, rest)) = run.split_first() else {
+                continue;
+            };
+            let mut open = None;
+            for seen in rest {
+                let moved = from.moved_to(seen);
+                if is_enough(&moved) {
+                    chained.push(moved);
+                    (from, open) = (seen, None);
+                } else {
+                    open = Some(moved);
+                }
+            }
+            chained.extend(open.filter(|_| keeps_rest));
+        }
+        chained
+    }
+}
+
+/// The steps of every lidar.
+pub(crate) struct ScanMotion {
+    by_topic: BTreeMap<(usize, String), Steps>,
+}
+
+impl ScanMotion {
+    /// Those of a world; worked out once, for recordings in which something else moves as well.
+    pub(crate) fn of(world: &World) -> Arc<Self> {
+        let (motion, planes) = (Motion::of(world), Planes::of(world));
+        world.derived(|world| {
+            let moves = |clouds: &Clouds| {
+                let bag = motion.bags.get(clouds.index);
+                clouds.is_of_a_lidar() && bag.is_some_and(|bag| !bag.imus.is_empty() || !bag.poses.is_empty())
+            };
+            Self {
+                by_topic: Clouds::scanners(world)
+                    .filter(moves)
+                    .map(|clouds| {
+                        let key = (clouds.index, clouds.topic.topic.clone());
+                        (key, steps(world, &clouds, &planes))
+                    })
+                    .collect(),
+            }
+        })
+    }
+
+    /// The steps of a topic.
+    pub(crate) fn steps(&self, clouds: &Clouds) -> Option<&Steps> {
+        self.by_topic.get(&(clouds.index, clouds.topic.topic.clone()))
+    }
+}
+
+fn steps(world: &World, clouds: &Clouds, planes: &Planes) -> Steps {
+    if clouds.laser.is_some() {
+        return match level(world, clouds) {
+            Ok(is_up) => Steps {
+                is_up: Some(is_up),
+                why: "",
+                runs: runs(clouds, |_| true),
+            },
+            Err(why) => Steps {
+                why,
+                ..Steps::default()
+            },
+        };
+    }
+    let Some(limits) = limits_of::<UpAxisFlip>() else {
+        return Steps::default();
+    };
+    let grounds = planes.grounds(clouds, &limits.is_ground());
+    let side = limits.agreed(clouds, &grounds).ok().and_then(|side| SIDES.get(side));
+    let is_up = match side.map(|(_, word)| *word) {
+        Some("z") => Some(true),
+        Some("-z") => Some(false),
+        // The plane that was cut stands upright.
+        Some(_) => {
+            return Steps {
+                why: NO_GROUND,
+                ..Steps::default()
+            };
+        }
+        None => None,
+    };
+    let height_m = is_up.and_then(|_| median(&grounds.iter().map(|ground| ground.plane.height_m).collect::<Vec<_>>()));
+    let sign = if is_up == Some(false) { -1.0 } else { 1.0 };
+    let is_clear = |z: f64| height_m.is_none_or(|height_m| sign * z > CLEAR_M - height_m);
+    Steps {
+        is_up,
+        why: NO_GROUND,
+        runs: runs(clouds, is_clear),
+    }
+}
+
+/// Whether z of a planar scanner points up, as the transforms say.
+fn level(world: &World, clouds: &Clouds) -> Result<bool, &'static str> {
+    let frame = clouds.frame().ok_or("the scans name no frame")?;
+    let mount =
+        mount(world, &frame).ok_or("nothing ties the scanner to a base, so that its plane may lie in any way")?;
+    let up = (mount.base_from_sensor.rotation * Vector3::z()).z;
+    if up.abs() < LEVEL {
+        return Err("by its transform the plane of the scanner is not level");
+    }
+    Ok(up > 0.0)
+}
+
+/// The clouds of each run, of the points that count, as far as they were matched.
+fn runs(clouds: &Clouds, is_clear: impl Fn(f64) -> bool) -> Vec<Vec<Seen>> {
+    let start_ns = clouds.bag.start_ns.unwrap_or_default();
+    let moment = |slice: &CloudSlice| Moment::new(slice.stamp_ns, slice.log_ns, start_ns);
+    let second = unit_of_times(&clouds.evidence.runs, moment);
+    let mut runs = Vec::new();
+    for run in &clouds.evidence.runs {
+        let mut raw = run.iter().map(|slice| Raw::of(moment(slice), slice, second, &is_clear));
+        let Some(first) = raw.next() else { continue };
+        let mut matching = Matching::of(first);
+        for raw in raw {
+            if let Some(whole) = matching.take_in(raw) {
+                runs.push(whole);
+            }
+        }
+        runs.push(matching.seen);
+    }
+    runs.retain(|run| run.len() > 1);
+    runs
+}
+
+/// How long one unit of the times of points is, seconds: a cloud takes no longer than it is to the next one. `None` where they do not
+/// tell.
+fn unit_of_times(runs: &[Vec<CloudSlice>], moment: impl Fn(&CloudSlice) -> Moment) -> Option<f64> {
+    let neighbours = runs.iter().flat_map(|run| run.windows(2));
+    let apart_s: Vec<f64> = neighbours
+        .filter_map(|pair| {
+            let [from, to] = pair else { return None };
+            Some(moment(to).since(&moment(from)))
+        })
+        .collect();
+    let slices = runs.iter().flatten();
+    let spans: Vec<f64> = slices
+        .filter_map(|slice| slice.after.iter().copied().reduce(f64::max))
+        .collect();
+    let (apart_s, span) = (median(&apart_s)?, median(&spans)?);
+    let seconds = [1.0, 1e-3, 1e-6, 1e-9].map(|unit| (unit, span * unit));
+    let longest = seconds.into_iter().find(|(_, lasts_s)| *lasts_s <= LONGEST * apart_s);
+    longest
+        .filter(|(_, lasts_s)| *lasts_s >= SHORTEST * apart_s)
+        .map(|(unit, _)| unit)
+}
+
+/// A motion in the plane of the cloud as one in its three axes.
+pub(crate) fn in_space(motion: &Isometry2<f64>) -> nalgebra::Isometry3<f64> {
+    let place = motion.translation.vector;
+    nalgebra::Isometry3::new(
+        Vector3::new(place.x, place.y, 0.0),
+        Vector3::z() * motion.rotation.angle(),
+    )
+}

@@ -1,0 +1,230 @@
+//! SENSOR10: calibrations, transforms and data against the conventions of the dataset that the user says they are of.
+
+use std::path::Path;
+
+use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
+use serde::Deserialize;
+
+use crate::rules::cross::statements::{Statement, statements};
+use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::tables::{Axes, Dataset, DatasetFrame};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::{FrameId, NamedDataset, World};
+
+use super::{dataset_data, dataset_records};
+
+/// SENSOR10.
+pub struct DatasetProfile;
+
+/// Limits of SENSOR10.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    pub(super) max_off_deg: f64,
+    pub(super) max_up_deg: f64,
+    pub(super) min_force_m_s2: f64,
+    pub(super) max_force_m_s2: f64,
+}
+
+impl Rule for DatasetProfile {
+    const PAGE: &'static str = include_str!("../../../rules/sensor/dataset-profile.md");
+    const NEEDS: &'static [Need] = &[];
+    const EVIDENCE: Evidence = Evidence::USUAL;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let Some(dataset) = &world.dataset else {
+            let why =
+                "no dataset is named: `dataset: KITTI` in frames-lint.yaml would hold the data against its conventions";
+            return out.not_evaluated("dataset", NotEvaluated::MissingInput, why);
+        };
+        let mut count = 0;
+        for statement in statements(world) {
+            let path = world.path(statement.place.source);
+            let frames = [&statement.target, &statement.source_frame].map(|frame| known(&dataset.row, frame, path));
+            if let [Some(target), Some(source)] = frames
+                && statement.has_rotation
+            {
+                count += 1;
+                judge_statement(world, dataset, &statement, (target, source), limits, out);
+            }
+        }
+        count += dataset_records::judge(world, dataset, limits, out);
+        count += dataset_data::judge(world, dataset, limits, out);
+        if count == 0 {
+            let why = format!(
+                "no transform, record or cloud here is of two frames that {} has by the table ({})",
+                dataset.row.name, dataset.row.source
+            );
+            out.not_evaluated("dataset", NotEvaluated::MissingInput, why);
+        }
+    }
+}
+
+/// What is known of a frame. `S` is the sensor whose file it is, as in EuRoC's `cam0/sensor.yaml`.
+fn known<'d>(dataset: &'d Dataset, frame: &FrameId, path: &str) -> Option<&'d DatasetFrame> {
+    let name = frame.as_str().to_lowercase();
+    if name != "s" {
+        return dataset.frame(&name);
+    }
+    let path = Path::new(path);
+    let folder = path.parent().and_then(Path::file_name);
+    let places = [folder, path.file_stem()].into_iter().flatten();
+    let mut names = places.flat_map(|place| {
+        let place = FrameId::new(place.to_string_lossy());
+        let whole = place.as_str().to_lowercase();
+        std::iter::once(whole).chain(place.tokens())
+    });
+    names.find_map(|name| dataset.frame(&name))
+}
+
+/// The axes as a rotation: columns are x, y and z in forward, left, up.
+pub(super) fn rotation(axes: &Axes) -> UnitQuaternion<f64> {
+    let columns = axes.vectors.map(Vector3::from);
+    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(Matrix3::from_columns(&columns)))
+}
+
+/// How far a rotation is from what two frames should have between them, degrees; only uprightness where one of them may look aside.
+fn off_deg(turn: &UnitQuaternion<f64>, target: &DatasetFrame, source: &DatasetFrame) -> f64 {
+    let [body_from_target, body_from_source] = [target, source].map(|frame| rotation(&frame.axes));
+    if target.any_yaw || source.any_yaw {
+        let up = Vector3::z();
+        let told = turn * (body_from_source.inverse() * up);
+        return told.angle(&(body_from_target.inverse() * up)).to_degrees();
+    }
+    let expected = body_from_target.inverse() * body_from_source;
+    expected.angle_to(turn).to_degrees()
+}
+
+/// The nearest choice of forward, back, left, right, up and down for the axes of a frame that is turned so on the vehicle.
+pub(super) fn nearest_word(body_from_frame: &UnitQuaternion<f64>) -> String {
+    let letter = |axis: Vector3<f64>| {
+        let told = body_from_frame * axis;
+        let words = [("F", "B"), ("L", "R"), ("U", "D")];
+        let (index, value) = told
+            .iter()
+            .copied()
+            .enumerate()
+            .fold((0, 0.0_f64), |best, (index, value)| {
+                if value.abs() > best.1.abs() {
+                    (index, value)
+                } else {
+                    best
+                }
+            });
+        let (plus, minus) = words.get(index).copied().unwrap_or(("?", "?"));
+        if value >= 0.0 { plus } else { minus }
+    };
+    [Vector3::x(), Vector3::y(), Vector3::z()].map(letter).concat()
+}
+
+fn judge_statement(
+    world: &World,
+    dataset: &NamedDataset,
+    statement: &Statement,
+    (target, source): (&DatasetFrame, &DatasetFrame),
+    limits: &Limits,
+    out: &mut Judge,
+) {
+    let (Dataset { name, .. }, turn) = (&*dataset.row, statement.pose.rotation);
+    let subject = format!(
+        "`{}` from `{}` by {} in {}",
+        statement.target,
+        statement.source_frame,
+        statement.who,
+        world.path(statement.place.source)
+    );
+    let off = off_deg(&turn, target, source);
+    let measured = Measured::new(format!("rotation from that of {name}"), off, "deg").limit(limits.max_off_deg);
+    if off <= limits.max_off_deg {
+        return out.pass(subject, [measured]);
+    }
+    let fits = |turn: &UnitQuaternion<f64>| off_deg(turn, target, source) <= limits.max_off_deg;
+    let [x, y, z, w] = <[f64; 4]>::from(turn.coords);
+    let reordered = UnitQuaternion::new_normalize(nalgebra::Quaternion::new(x, y, z, w));
+    let (relation, what) = if fits(&turn.inverse()) {
+        ("inverse", "it is told the wrong way round".to_owned())
+    } else if statement.is_bare_quaternion() && fits(&reordered) {
+        (
+            "quaternion-order",
+            "its quaternion is told in the other order".to_owned(),
+        )
+    } else {
+        let told = nearest_word(&(rotation(&target.axes) * turn));
+        let what = format!(
+            "`{}` is told about as {told} where `{}` is {}, and {name} has it as {}",
+            statement.source_frame, statement.target, target.axes.word, source.axes.word
+        );
+        ("axes", what)
+    };
+    let expected = Isometry3::from_parts(
+        nalgebra::Translation3::identity(),
+        rotation(&target.axes).inverse() * rotation(&source.axes),
+    );
+    let (roll, pitch, yaw) = expected.rotation.euler_angles();
+    let message = format!("{subject} is {off:.0} deg from the rotation that {name} has between the two: {what}");
+    let mut finding = Finding::error(subject, message, statement.place.clone())
+        .likely()
+        .confidence(statement.reading)
+        .relation(relation)
+        .help(format!(
+            "of {name} it is about RPY({:.0}, {:.0}, {:.0}) deg ({}); convert the file, or take `dataset` out of the configuration if it is another one",
+            roll.to_degrees(),
+            pitch.to_degrees(),
+            yaw.to_degrees(),
+            dataset.row.source
+        ))
+        .measured(measured);
+    if let Some(place) = &dataset.place {
+        finding = finding.related(place.clone(), "named here");
+    }
+    out.fail(finding);
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn frame(axes: &str, any_yaw: bool) -> DatasetFrame {
+        serde_yaml::from_str(&format!("{{names: [a], axes: {axes}, any_yaw: {any_yaw}}}")).unwrap()
+    }
+
+    #[test]
+    fn the_rotation_of_kitti_is_that_of_its_files() {
+        // calib_velo_to_cam.txt of the drives of 2011-09-26.
+        let velo_to_cam = Matrix3::new(
+            7.533_745e-3,
+            -0.999_971_4,
+            -6.166_02e-4,
+            1.480_249e-2,
+            7.280_733e-4,
+            -0.999_890_2,
+            0.999_862_1,
+            7.523_79e-3,
+            1.480_755e-2,
+        );
+        let turn = UnitQuaternion::from_matrix(&velo_to_cam);
+        let (cam, velo) = (frame("RDF", false), frame("FLU", false));
+        assert!(off_deg(&turn, &cam, &velo) < 2.0);
+        assert!(off_deg(&turn.inverse(), &cam, &velo) > 90.0);
+        assert!(off_deg(&turn.inverse(), &velo, &cam) < 2.0);
+    }
+
+    #[test]
+    fn a_frame_that_may_look_aside_is_held_to_what_is_upright() {
+        let (ego, cam) = (frame("FLU", false), frame("RDF", true));
+        let front = rotation(&cam.axes);
+        let aside = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), 1.0) * front;
+        assert!(off_deg(&front, &ego, &cam) < 1e-6 && off_deg(&aside, &ego, &cam) < 1e-6);
+        let tilted = UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 1.0) * front;
+        assert!((off_deg(&tilted, &ego, &cam) - 1.0_f64.to_degrees()).abs() < 1e-6);
+    }
+
+    #[test]
+    fn axes_have_the_nearest_word() {
+        for word in ["FLU", "RDF", "URF", "FRD"] {
+            assert_eq!(nearest_word(&rotation(&frame(word, false).axes)), word);
+        }
+    }
+}

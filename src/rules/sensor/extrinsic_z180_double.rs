@@ -1,0 +1,244 @@
+//! SENSOR03: the half turn between an Ouster's two frames left out or applied twice; transforms that a driver applies applied again.
+
+use nalgebra::Isometry3;
+use serde::Deserialize;
+
+use crate::rules::axes::lidar_forward_axis::{self, LidarForwardAxis};
+use crate::rules::cross::extrinsic_direction::{self, ExtrinsicDirection};
+use crate::rules::hand_eye::half_turn;
+use crate::rules::landmarks::{Grid, Maps, maps};
+use crate::rules::lidar::Clouds;
+use crate::rules::ouster::{self, Axes};
+use crate::rules::{Evidence, Judge, Need, Rule, limits_of};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::{FrameId, World};
+
+use super::lidar_turn::{self, Edge};
+use super::twice_applied;
+
+/// SENSOR03.
+pub struct ExtrinsicZ180Double;
+
+/// Limits of SENSOR03.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    cell_m: f64,
+    level_m: f64,
+    min_way_m: f64,
+    min_ratio: f64,
+    max_half_off_deg: f64,
+    pub(super) same_m: f64,
+    pub(super) same_deg: f64,
+}
+
+/// Whether the mounting of an Ouster lacks half a turn, and what says so.
+struct Told {
+    is_turned: bool,
+    body: FrameId,
+    lidar: FrameId,
+    poses: (String, Place),
+    measured: Vec<Measured>,
+}
+
+impl Rule for ExtrinsicZ180Double {
+    const PAGE: &'static str = include_str!("../../../rules/sensor/extrinsic-z180-double.md");
+    const NEEDS: &'static [Need] = &[Need::TransformsOrBag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets_of(world, "half turns of the mounting", |lidar| lidar.name == "Ouster", out);
+        for clouds in Clouds::all(world).filter(|clouds| ouster::is_of_an_ouster(world, clouds)) {
+            let subject = clouds.subject("half turns of the mounting");
+            match look(world, &clouds, limits) {
+                Ok(told) if told.is_turned => report(world, &clouds, subject, told, limits, out),
+                Ok(told) => out.pass(subject, told.measured),
+                Err((why, reason)) => out.not_evaluated(subject, why, reason),
+            }
+        }
+        twice_applied::judge(world, limits, out);
+    }
+}
+
+/// By the way of the scans, and by landmarks; where both tell, they must agree.
+fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Told, (NotEvaluated, String)> {
+    let broken = || {
+        (
+            NotEvaluated::InputBroken,
+            "the limits of AXES12 are not read".to_owned(),
+        )
+    };
+    let of_yaw = limits_of::<LidarForwardAxis>().ok_or_else(broken)?;
+    let by_way = lidar_forward_axis::look(world, clouds, &of_yaw);
+    let by_landmarks = by_landmarks(world, clouds, limits);
+    let landmarks = by_landmarks
+        .as_ref()
+        .ok()
+        .and_then(|(maps, ratio)| decided(*ratio, limits).map(|is| (is, maps, *ratio)));
+    match by_way {
+        Ok((yaw, known)) => {
+            let is_turned = match yaw.quarters(&of_yaw) {
+                Some(0) => false,
+                Some(2 | -2) => true,
+                _ => {
+                    let why = format!(
+                        "the mounting lacks a yaw of {:.0} deg, which is no half turn: see AXES12",
+                        yaw.off_deg
+                    );
+                    return Err((NotEvaluated::NotApplicable, why));
+                }
+            };
+            if landmarks.is_some_and(|(other, ..)| other != is_turned) {
+                let why = format!(
+                    "by the way of the scans the mounting lacks a yaw of {:.0} deg, and landmarks say otherwise",
+                    yaw.off_deg
+                );
+                return Err((NotEvaluated::TooLittleEvidence, why));
+            }
+            let mut measured: Vec<Measured> = yaw.measured(&of_yaw).into();
+            measured.extend(landmarks.map(|(_, maps, ratio)| crispness(maps, ratio, limits)));
+            Ok(Told {
+                is_turned,
+                body: known.body,
+                lidar: known.lidar,
+                poses: known.poses,
+                measured,
+            })
+        }
+        // A mirror image, or a lidar that is upside down: landmarks do not mend that.
+        Err((NotEvaluated::NotApplicable, reason)) => Err((NotEvaluated::NotApplicable, reason)),
+        Err((why, reason)) => {
+            let Some((is_turned, maps, ratio)) = landmarks else {
+                let more = match by_landmarks {
+                    Err((_, other)) if other != reason => format!("; {other}"),
+                    Ok((_, ratio)) => format!(
+                        "; by landmarks, the map with another half turn takes {ratio:.2} times the cells, and {} or its inverse would tell",
+                        limits.min_ratio
+                    ),
+                    Err(_) => String::new(),
+                };
+                return Err((why, reason + &more));
+            };
+            let lidar = clouds.frame().ok_or_else(|| (why, reason.clone()))?;
+            Ok(Told {
+                is_turned,
+                body: maps.body.clone(),
+                lidar,
+                poses: maps.poses.clone(),
+                measured: vec![crispness(maps, ratio, limits)],
+            })
+        }
+    }
+}
+
+/// How many times the cells the map takes with another half turn.
+fn by_landmarks(world: &World, clouds: &Clouds, limits: &Limits) -> Result<(Maps, f64), (NotEvaluated, String)> {
+    let grid = Grid {
+        cell_m: limits.cell_m,
+        level_m: limits.level_m,
+        way_m: limits.min_way_m,
+    };
+    let maps = maps(world, clouds, &[Isometry3::identity(), half_turn()], &grid)?;
+    let [told, turned] = maps.cells[..] else {
+        return Err((NotEvaluated::TooLittleEvidence, "no landmarks".to_owned()));
+    };
+    if told == 0 || turned == 0 {
+        return Err((
+            NotEvaluated::TooLittleEvidence,
+            "no points lie level with the sensor".to_owned(),
+        ));
+    }
+    let ratio = turned as f64 / told as f64;
+    Ok((maps, ratio))
+}
+
+/// Whether the half turn is missing, where the ratio of the maps tells.
+fn decided(ratio: f64, limits: &Limits) -> Option<bool> {
+    if ratio >= limits.min_ratio {
+        Some(false)
+    } else {
+        (ratio <= 1.0 / limits.min_ratio).then_some(true)
+    }
+}
+
+fn crispness(maps: &Maps, ratio: f64, limits: &Limits) -> Measured {
+    Measured::new(
+        format!(
+            "cells of the map with another half turn over those as told, on {:.0} m",
+            maps.way_m
+        ),
+        ratio,
+        "1",
+    )
+    .limit(limits.min_ratio)
+}
+
+fn report(world: &World, clouds: &Clouds, subject: String, told: Told, limits: &Limits, out: &mut Judge) {
+    if let Some(owner) = lidar_turn::half_turn(world, clouds, &told.body, &told.lidar) {
+        let why = format!("the mounting lacks half a turn: part of what {owner} reports of this sensor");
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    let edges = lidar_turn::edges(world, &told.body, &told.lidar);
+    let is_half =
+        |edge: &&Edge| edge.pose.rotation.angle_to(&half_turn().rotation).to_degrees() <= limits.max_half_off_deg;
+    let is_own = |edge: &&Edge| {
+        let axes = [&edge.parent, &edge.child].map(Axes::of);
+        axes.iter().all(Option::is_some) && axes[0] != axes[1]
+    };
+    let own = edges.iter().filter(is_own).find(|edge| is_half(edge));
+    let mounting = edges.iter().find(|edge| !is_own(edge));
+    let (relation, what) = match (own, lidar_turn::axes(clouds)) {
+        (Some(own), _) => (
+            "z180-twice",
+            format!(
+                "it is applied twice: the mounting holds it already, for it was made with clouds in the Lidar frame, and `{}_from_{}` turns them \
+                 once more",
+                own.parent, own.child
+            ),
+        ),
+        (None, Some(Axes::Lidar)) => (
+            "z180-missing",
+            "the clouds are told in the Lidar frame, x towards the connector, and the mounting was made for the Sensor frame".to_owned(),
+        ),
+        (None, Some(Axes::Sensor)) => (
+            "z180-extra",
+            "the clouds are told in the Sensor frame, x away from the connector, and the mounting was made for the Lidar frame".to_owned(),
+        ),
+        (None, None) => (
+            "z180",
+            "the clouds are told in the other one of the Lidar and the Sensor frame than the mounting was made for".to_owned(),
+        ),
+    };
+    let direction =
+        limits_of::<ExtrinsicDirection>().and_then(|limits| extrinsic_direction::look(world, clouds, &limits).ok());
+    let or = match direction {
+        Some(seen) if seen.is_inverse() => {
+            let why = "the mounting is told the wrong way round, as CROSS04 reports";
+            return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        }
+        Some(seen) if seen.may_be_inverse() => {
+            "; or it is told the wrong way round: its inverse brings the two together as well"
+        }
+        _ => "",
+    };
+    let message = format!(
+        "`{}_from_{}` is half a turn about z off beside {}: {what}{or}",
+        told.body, told.lidar, told.poses.0
+    );
+    let mut finding = Finding::error(subject, message, clouds.place())
+        .likely()
+        .relation(relation)
+        .related(told.poses.1.clone(), "where it went");
+    if let Some(edge) = mounting.or(edges.first()) {
+        let right = edge.pose * half_turn();
+        let q = right.rotation.coords;
+        finding = finding.help(format!(
+            "turn `{}_from_{}` by 180 deg about z of `{}`: its quaternion x y z w is then {:.6} {:.6} {:.6} {:.6}, its place stays; or publish the \
+             clouds in the other frame (`point_cloud_frame` of ouster-ros)",
+            edge.parent, edge.child, edge.child, q.x, q.y, q.z, q.w
+        ));
+    }
+    out.fail(told.measured.into_iter().fold(finding, Finding::measured));
+}

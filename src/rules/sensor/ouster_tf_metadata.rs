@@ -1,0 +1,222 @@
+//! SENSOR02: the parts of an Ouster where TF, URDF and files have them, against its metadata; and those against what is known.
+
+use nalgebra::Vector3;
+use serde::Deserialize;
+
+use crate::rules::ouster::Part;
+use crate::rules::{Judge, Need, Rule};
+use crate::tables::OusterPart;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+
+use super::ouster_beams;
+
+/// SENSOR02.
+pub struct OusterTfMetadata;
+
+/// Limits of SENSOR02.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    max_off_mm: f64,
+    pub(super) max_beam_mm: f64,
+    max_turn_deg: f64,
+    known_deg: f64,
+}
+
+impl Rule for OusterTfMetadata {
+    const PAGE: &'static str = include_str!("../../../rules/sensor/ouster-tf-metadata.md");
+    const NEEDS: &'static [Need] = &[Need::TransformsOrBag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let parts = Part::all(world);
+        for part in &parts {
+            Statement::of(world, part, &parts).judge(limits, out);
+        }
+        ouster_beams::judge(world, &parts, limits, out);
+    }
+}
+
+/// Sensors whose metadata are asked: no platform has more.
+const MAX_SENSORS: usize = 64;
+
+/// A place that is known, and who says so.
+type KnownPlace = (Vector3<f64>, String);
+
+/// A statement that is judged, and what it is held against.
+struct Statement<'p, 'w> {
+    part: &'p Part<'w>,
+    subject: String,
+    /// Where it may be.
+    known: Vec<KnownPlace>,
+    /// Where other models have it.
+    others: Vec<KnownPlace>,
+    /// Whether the sensor's own metadata say it.
+    is_stated: bool,
+    /// The sensor by its metadata, in words.
+    model: Option<String>,
+}
+
+impl<'p, 'w> Statement<'p, 'w> {
+    fn of(world: &World, part: &'p Part<'w>, parts: &[Part<'_>]) -> Self {
+        let path = |of: &Part<'_>| world.path(of.statement.place.source).to_owned();
+        // Metadata beside it say it exactly: those of its own recording, else of any sensor.
+        let is_beside = |other: &&Part<'_>| other.metadata.is_some() && other.kind == part.kind;
+        let beside = || {
+            let all = parts.iter().filter(|other| part.metadata.is_none() && is_beside(other));
+            all.take(MAX_SENSORS)
+        };
+        let own = || beside().filter(|other| path(other) == path(part));
+        let stated: Vec<&Part<'_>> = if own().count() > 0 {
+            own().collect()
+        } else {
+            beside().collect()
+        };
+        let by_metadata = stated.iter().map(|other| {
+            let place = other.pose.translation.vector * 1e3;
+            (place, format!("{} in {}", other.statement.label, path(other)))
+        });
+        let product = part.metadata.and_then(|metadata| metadata.product.as_deref());
+        let image = part.metadata.and_then(|metadata| metadata.image.as_deref());
+        let (known, others): (Vec<_>, Vec<_>) = world
+            .tables
+            .ouster_places(part.kind)
+            .partition(|row| row.may_be_of(product, image));
+        let row = |row: &crate::tables::OusterPlace| (Vector3::from(row.xyz_mm), row.models.clone());
+        let is_stated = !stated.is_empty();
+        Self {
+            subject: format!(
+                "`{}` from `{}` by {} in {}",
+                part.statement.target,
+                part.statement.source_frame,
+                part.statement.who,
+                path(part)
+            ),
+            known: if is_stated {
+                by_metadata.collect()
+            } else {
+                known.into_iter().map(row).collect()
+            },
+            others: if is_stated {
+                Vec::new()
+            } else {
+                others.into_iter().map(row).collect()
+            },
+            is_stated,
+            model: product.map(|product| match image.and_then(board) {
+                Some(board) => format!("an {product} with the firmware's image `{board}`"),
+                None => format!("an {product}"),
+            }),
+            part,
+        }
+    }
+
+    fn judge(self, limits: &Limits, out: &mut Judge) {
+        let statement = &self.part.statement;
+        let turned_deg = self.part.turn().angle_to(&self.part.pose.rotation).to_degrees();
+        let place_mm = self.part.pose.translation.vector * 1e3;
+        let nearest = self
+            .known
+            .iter()
+            .map(|known| ((known.0 - place_mm).norm(), known))
+            .min_by(|a, b| a.0.total_cmp(&b.0));
+        let is_turned = turned_deg > limits.max_turn_deg;
+        let turn = Measured::new("rotation from what it should be", turned_deg, "deg")
+            .turn()
+            .limit(limits.max_turn_deg);
+        let (Some((off_mm, nearest)), _) = (nearest, is_turned) else {
+            let model = self.model.as_deref().unwrap_or("this sensor");
+            let why = format!(
+                "no metadata of {model} are in the table, so that nothing says where the part should be (turned by {turned_deg:.2} deg from what all have)"
+            );
+            return out.not_evaluated(self.subject, NotEvaluated::MissingInput, why);
+        };
+        let max_mm = self.max_mm(limits);
+        let measured = [
+            turn,
+            Measured::new("distance from the nearest place that is known", off_mm, "mm").limit(max_mm),
+        ];
+        if !is_turned && off_mm <= max_mm {
+            return out.pass(self.subject, measured);
+        }
+        let (relation, what) = self.fault(turned_deg, off_mm, limits);
+        let ([x, y, z], who) = (<[f64; 3]>::from(nearest.0), &nearest.1);
+        let message = format!(
+            "{}: {what}; known is x {x:.3}, y {y:.3}, z {z:.3} mm{} ({who})",
+            self.subject,
+            match self.part.kind {
+                OusterPart::Lidar => ", turned by 180 deg about z",
+                OusterPart::Imu | OusterPart::Beam => ", not turned",
+            }
+        );
+        // A place that no table has may be that of a new model.
+        let is_sure = relation != "place" || self.is_stated;
+        let finding = if is_sure {
+            Finding::error(self.subject.clone(), message, statement.place.clone()).likely()
+        } else {
+            Finding::warning(self.subject.clone(), message, statement.place.clone()).hint()
+        };
+        let finding = finding.confidence(statement.reading).relation(relation).help(
+            "take `lidar_to_sensor_transform` and `imu_to_sensor_transform` of the sensor's metadata, millimetres: they are the poses of the \
+             parts in the Sensor frame",
+        );
+        out.fail(measured.into_iter().fold(finding, Finding::measured));
+    }
+
+    fn max_mm(&self, limits: &Limits) -> f64 {
+        match self.part.kind {
+            OusterPart::Beam => limits.max_beam_mm,
+            OusterPart::Lidar | OusterPart::Imu => limits.max_off_mm,
+        }
+    }
+
+    /// What is wrong, and its name.
+    fn fault(&self, turned_deg: f64, off_mm: f64, limits: &Limits) -> (&'static str, String) {
+        let max_mm = self.max_mm(limits);
+        let among = |places: &[KnownPlace], mm: Vector3<f64>| {
+            places
+                .iter()
+                .find(|(place, _)| (place - mm).norm() <= max_mm)
+                .map(|(_, who)| who.clone())
+        };
+        let pose = &self.part.pose;
+        let place_mm = pose.translation.vector * 1e3;
+        let inverse = pose.inverse();
+        let is_turned = turned_deg > limits.max_turn_deg;
+        let is_inverse = self.part.turn().angle_to(&inverse.rotation).to_degrees() <= limits.max_turn_deg
+            && among(&self.known, inverse.translation.vector * 1e3).is_some();
+        if off_mm > max_mm && is_inverse {
+            return ("inverse", "it is told the wrong way round".to_owned());
+        }
+        let is_none = pose.rotation.angle().to_degrees() <= limits.known_deg;
+        if is_turned && self.part.kind == OusterPart::Lidar && is_none {
+            let what =
+                "it is not turned, where the Lidar frame is turned by half a turn: clouds come out behind the car";
+            return ("identity", what.to_owned());
+        }
+        if is_turned {
+            return (
+                "turned",
+                format!("it is turned by {turned_deg:.2} deg from what it should be"),
+            );
+        }
+        for (scale, what) in [
+            (1e-3, "millimetres, where metres are meant"),
+            (1e3, "metres, where millimetres are meant"),
+        ] {
+            if among(&self.known, place_mm * scale).is_some() {
+                return ("unit", format!("its numbers are {what}"));
+            }
+        }
+        if let (Some(who), Some(model)) = (among(&self.others, place_mm), &self.model) {
+            return ("model", format!("it is the place of {who}, and this is {model}"));
+        }
+        ("place", format!("it is {off_mm:.2} mm from any place that is known"))
+    }
+}
+
+/// The board in the name of an image: `ousteros-image-prod-aries-v2.5.2`.
+fn board(image: &str) -> Option<&str> {
+    image.split('-').find(|word| matches!(*word, "aries" | "bootes"))
+}

@@ -1,0 +1,168 @@
+//! TIME05: clouds of a sweeping lidar whose points have no times.
+
+use serde::Deserialize;
+
+use crate::rules::lidar::Clouds;
+use crate::rules::motion::{BagMotion, Motion, Stream};
+use crate::rules::{Evidence, Judge, Need, Rule, names};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+use crate::world::motion::{FixRow, PoseRow};
+
+/// TIME05.
+pub struct PointTimeMissing;
+
+/// Limits of TIME05.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    min_smear_m: f64,
+    at_m: f64,
+    min_s: f64,
+    max_period_s: f64,
+}
+
+impl Rule for PointTimeMissing {
+    const PAGE: &'static str = include_str!("../../../rules/time/point-time-missing.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    const EVIDENCE: Evidence = Evidence::MOTION;
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets(world, "times of the points", out);
+        let motion = Motion::of(world);
+        for clouds in Clouds::all(world) {
+            if let Some(motion) = motion.bags.get(clouds.index) {
+                judge_clouds(&clouds, motion, limits, out);
+            }
+        }
+    }
+}
+
+fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut Judge) {
+    let subject = clouds.subject("times of the points");
+    if !clouds.is_of_a_lidar() {
+        let why = "nothing says that these are the points of a lidar as it measured them";
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    if clouds.evidence.samples.iter().all(|sample| sample.returns == 0) {
+        let why = "no cloud has a point";
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let most = clouds.timed().max_by_key(|(_, times)| times.distinct);
+    if let Some((_, times)) = most.filter(|(_, times)| times.distinct > 2) {
+        let seen = Measured::new(
+            format!("different times in `{}`, counted", times.field),
+            f64::from(times.distinct),
+            "1",
+        );
+        return out.pass(subject, [seen]);
+    }
+    let Some(period_s) = clouds.period_s().filter(|period_s| *period_s <= limits.max_period_s) else {
+        let why = format!(
+            "how long a scan takes is not known: the clouds are not stamped one every {} s or oftener",
+            limits.max_period_s
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    };
+    let what = match most {
+        Some((_, times)) => format!("have one time each scan (`{}`)", times.field),
+        None => "have no time".to_owned(),
+    };
+    let Some(fastest) = Fastest::of(motion, limits) else {
+        let message = format!(
+            "the points on `{}` {what}: where the platform moves, a scan of {period_s:.2} s is smeared and cannot be put right",
+            clouds.topic.topic
+        );
+        let finding = Finding::warning(subject, message, clouds.place()).hint();
+        return out.fail(named(finding, most.is_some()));
+    };
+    let smear_m = fastest.speed_m_s * period_s + limits.at_m * fastest.rate_rad_s * period_s;
+    let measured = [
+        Measured::new(format!("smear at {} m", limits.at_m), smear_m, "m").limit(limits.min_smear_m),
+        Measured::new("speed", fastest.speed_m_s, "m/s"),
+        Measured::new("turn rate", fastest.rate_rad_s.to_degrees(), "deg/s"),
+        Measured::new("time of a scan", period_s, "s"),
+    ];
+    if smear_m < limits.min_smear_m {
+        let why = format!("the points {what}, and nothing moves so fast here that it would matter ({smear_m:.3} m)");
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let message = format!(
+        "the points on `{}` {what}: at {:.1} m/s and {:.0} deg/s a scan of {period_s:.2} s is smeared by {smear_m:.2} m at {} m, and cannot \
+         be put right",
+        clouds.topic.topic,
+        fastest.speed_m_s,
+        fastest.rate_rad_s.to_degrees(),
+        limits.at_m
+    );
+    let finding = named(
+        Finding::error(subject, message, clouds.place()).likely(),
+        most.is_some(),
+    );
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
+}
+
+fn named(finding: Finding, is_constant: bool) -> Finding {
+    let finding = finding.help(
+        "let the driver publish the time of each point (Ouster `t`, Velodyne `time`, Hesai and RoboSense `timestamp`: point type \
+         XYZIRT), or record the packets",
+    );
+    finding.relation(if is_constant { "constant" } else { "missing" })
+}
+
+/// How fast the platform is, at 95 per cent.
+struct Fastest {
+    speed_m_s: f64,
+    rate_rad_s: f64,
+}
+
+impl Fastest {
+    /// `None` where nothing shows motion.
+    fn of(motion: &BagMotion, limits: &Limits) -> Option<Self> {
+        let is_long = |seconds: f64| seconds >= limits.min_s;
+        let gyro = motion.imus.iter().filter(|imu| is_long(imu.stream.seconds()));
+        let gyro = gyro.map(|imu| high(imu.stream.rows().map(|timed| norm(timed.row.angular_velocity))));
+        let poses = motion
+            .poses
+            .iter()
+            .filter(|stream| !names::is_wish(&stream.topic) && is_long(stream.seconds()));
+        let tracks = poses
+            .map(Stream::<PoseRow>::track)
+            .chain(motion.fixes.iter().map(Stream::<FixRow>::track));
+        let speeds = tracks.map(|track| {
+            let courses = track.courses(0.0);
+            high(courses.iter().flatten().map(|course| course.speed_m_s))
+        });
+        let twists = motion
+            .poses
+            .iter()
+            .filter(|stream| is_long(stream.seconds()))
+            .map(turning);
+        let (speeds, rates): (Vec<Option<f64>>, Vec<Option<f64>>) = (speeds.collect(), gyro.chain(twists).collect());
+        let most = |values: &[Option<f64>]| values.iter().flatten().copied().reduce(f64::max);
+        match (most(&speeds), most(&rates)) {
+            (None, None) => None,
+            (speed, rate) => Some(Self {
+                speed_m_s: speed.unwrap_or(0.0),
+                rate_rad_s: rate.unwrap_or(0.0),
+            }),
+        }
+    }
+}
+
+/// The turn rate that the velocities of poses say.
+fn turning(stream: &Stream<PoseRow>) -> Option<f64> {
+    high(stream.rows().filter_map(|timed| Some(norm(timed.row.twist?.angular))))
+}
+
+/// What 95 per cent are beneath, of the finite ones.
+fn high(values: impl Iterator<Item = f64>) -> Option<f64> {
+    let mut values: Vec<f64> = values.filter(|value| value.is_finite()).collect();
+    values.sort_by(f64::total_cmp);
+    values.get((values.len().max(1) - 1) * 95 / 100).copied()
+}
+
+fn norm([x, y, z]: [f64; 3]) -> f64 {
+    (x * x + y * y + z * z).sqrt()
+}

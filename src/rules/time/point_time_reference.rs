@@ -1,0 +1,163 @@
+//! TIME08: which moment of a scan the header is stamped with.
+
+use serde::Deserialize;
+
+use crate::rules::lidar::Clouds;
+use crate::rules::{Judge, Need, Rule};
+use crate::source::Place;
+use crate::tables::CountsFrom;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+use crate::world::cloud::{CloudSample, PointTimes};
+
+/// TIME08.
+pub struct PointTimeReference;
+
+/// Limits of TIME08.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    min_clouds: usize,
+    near: f64,
+    beside: f64,
+    epoch_s: f64,
+}
+
+/// The moment of a scan.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Moment {
+    Start,
+    Middle,
+    End,
+    Elsewhere,
+}
+
+impl Moment {
+    fn words(self) -> &'static str {
+        match self {
+            Self::Start => "the beginning",
+            Self::Middle => "the middle",
+            Self::End => "the end",
+            Self::Elsewhere => "no moment",
+        }
+    }
+}
+
+/// A scan against its header.
+struct Told<'w> {
+    sample: &'w CloudSample,
+    moment: Moment,
+    /// From the header's stamp to the first point and to the last, seconds.
+    from_header_s: [f64; 2],
+}
+
+impl Rule for PointTimeReference {
+    const PAGE: &'static str = include_str!("../../../rules/time/point-time-reference.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets(world, "times of the points", out);
+        for clouds in Clouds::all(world).filter(|clouds| clouds.timed().next().is_some()) {
+            judge_clouds(&clouds, limits, out);
+        }
+    }
+}
+
+fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
+    let subject = clouds.subject("header against the times of the points");
+    let told: Vec<Told> = clouds
+        .timed()
+        .filter_map(|(sample, times)| told(clouds, sample, times, limits))
+        .collect();
+    if told.len() < limits.min_clouds {
+        let why = format!(
+            "of {} clouds it is known when their points were measured, against their header; {} are needed",
+            told.len(),
+            limits.min_clouds
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let count = |moment: Moment| told.iter().filter(|told| told.moment == moment).count();
+    let moments = [Moment::Start, Moment::Middle, Moment::End, Moment::Elsewhere];
+    let most = moments
+        .into_iter()
+        .max_by_key(|moment| count(*moment))
+        .unwrap_or(Moment::Start);
+    let mean = |index: usize| {
+        let of = told.iter().filter_map(|told| told.from_header_s.get(index));
+        of.sum::<f64>() / told.len() as f64
+    };
+    let measured = [
+        Measured::new("first point after the header", mean(0), "s").samples(told.len() as u64),
+        Measured::new("last point after the header", mean(1), "s").samples(told.len() as u64),
+    ];
+    let place = |told: &Told| Place::message(clouds.bag.source, told.sample.at.clone());
+    if most == Moment::Elsewhere {
+        let message = format!(
+            "the header on `{}` is stamped at no moment of the scan: the points are from {:+.3} to {:+.3} s after it",
+            clouds.topic.topic,
+            mean(0),
+            mean(1)
+        );
+        let finding = Finding::warning(subject, message, clouds.place())
+            .likely()
+            .relation("elsewhere")
+            .help("let points and header be of one clock; a scan is stamped with its first point, or its last");
+        return out.fail(measured.into_iter().fold(finding, Finding::measured));
+    }
+    let other = told.iter().find(|told| told.moment != most);
+    if let Some(other) = other.filter(|_| count(most) < told.len() - 1) {
+        let message = format!(
+            "the header on `{}` is stamped at {} of the scan in {} of {} clouds, and at {} in others",
+            clouds.topic.topic,
+            most.words(),
+            count(most),
+            told.len(),
+            other.moment.words()
+        );
+        let finding = Finding::error(subject, message, place(other))
+            .likely()
+            .relation("changes")
+            .help("a consumer that takes the motion out needs one rule: look for packets that are lost, or a clock that is set");
+        return out.fail(measured.into_iter().fold(finding, Finding::measured));
+    }
+    out.pass(subject, measured);
+}
+
+/// When the points of a cloud are, against the header; `None` where unit, period or origin of their times are not known.
+fn told<'w>(clouds: &Clouds, sample: &'w CloudSample, times: &PointTimes, limits: &Limits) -> Option<Told<'w>> {
+    let (unit_s, _) = clouds.unit(times)?;
+    let (period_s, stamp_ns) = (clouds.period_s()?, sample.at.stamp_ns?);
+    let is_absolute = match clouds.driver.and_then(|driver| driver.time.as_ref()) {
+        Some(time) => time.counts_from == CountsFrom::Epoch,
+        None => times.range[0] * unit_s >= limits.epoch_s,
+    };
+    let origin_s = match times.timebase_ns {
+        Some(timebase_ns) => (i128::from(timebase_ns) - i128::from(stamp_ns)) as f64 * 1e-9,
+        // The difference first: of a time since 1970 nanoseconds are not left in a double.
+        None if is_absolute => -(stamp_ns as f64) * 1e-9,
+        None => 0.0,
+    };
+    let from_header_s = times.range.map(|time| time * unit_s + origin_s);
+    let [first, last] = from_header_s.map(|after_s| after_s / period_s);
+    let near = |value: f64| value.abs() <= limits.near;
+    let moment = if near(first) {
+        Moment::Start
+    } else if near(last) {
+        Moment::End
+    } else if near(first + last) {
+        Moment::Middle
+    } else if first > limits.beside || last < -limits.beside {
+        Moment::Elsewhere
+    } else if first.abs() <= last.abs() {
+        Moment::Start
+    } else {
+        Moment::End
+    };
+    Some(Told {
+        sample,
+        moment,
+        from_header_s,
+    })
+}

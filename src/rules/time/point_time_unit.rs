@@ -1,0 +1,126 @@
+//! TIME06: the unit of the times of points.
+
+use serde::Deserialize;
+
+use crate::math::stats::median;
+use crate::rules::lidar::Clouds;
+use crate::rules::{Judge, Need, Rule};
+use crate::tables::CloudDriver;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+
+use super::laser;
+
+/// TIME06.
+pub struct PointTimeUnit;
+
+/// Limits of TIME06.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    min_clouds: usize,
+    min_agreement: f64,
+    min_scan_share: f64,
+    max_scan_share: f64,
+}
+
+impl Rule for PointTimeUnit {
+    const PAGE: &'static str = include_str!("../../../rules/time/point-time-unit.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        Clouds::say_packets(world, "unit of the times of the points", out);
+        for clouds in Clouds::all(world).filter(|clouds| clouds.timed().next().is_some()) {
+            judge_clouds(&clouds, limits, out);
+        }
+        for scans in Clouds::lasers(world) {
+            laser::judge_times(&scans, [limits.min_scan_share, limits.max_scan_share], out);
+        }
+    }
+}
+
+fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
+    let subject = clouds.subject("unit of the times of the points");
+    let little = |why: String, out: &mut Judge| out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
+    let Some(period_s) = clouds.period_s() else {
+        return little(
+            "the clouds have no steps between their stamps: how long a scan takes is not known".to_owned(),
+            out,
+        );
+    };
+    let timed: Vec<_> = clouds.timed().filter(|(_, times)| times.distinct > 2).collect();
+    if timed.len() < limits.min_clouds {
+        let why = format!(
+            "{} clouds have times that differ, {} are needed",
+            timed.len(),
+            limits.min_clouds
+        );
+        return little(why, out);
+    }
+    let spans: Vec<f64> = timed
+        .iter()
+        .map(|(_, times)| times.quantiles[1] - times.quantiles[0])
+        .collect();
+    let span = median(&spans).unwrap_or(f64::NAN);
+    let units: Vec<f64> = timed
+        .iter()
+        .filter_map(|(_, times)| Some(clouds.unit(times)?.0))
+        .collect();
+    let field = &timed.first().map_or_else(String::new, |(_, times)| times.field.clone());
+    let counted = |unit_s: f64| units.iter().filter(|unit| (*unit / unit_s - 1.0).abs() < 0.5).count();
+    let most = units.iter().copied().max_by_key(|unit_s| counted(*unit_s));
+    let Some(unit_s) = most.filter(|unit_s| counted(*unit_s) as f64 >= limits.min_agreement * timed.len() as f64)
+    else {
+        let why = format!(
+            "`{field}` spans {span} in a cloud, which is a scan of {period_s:.3} s in none of seconds, milli-, micro- and nanoseconds"
+        );
+        return little(why, out);
+    };
+    let word = Clouds::unit_word(unit_s);
+    let measured = [
+        Measured::new(
+            format!("span of `{field}` in a cloud, read as {word}"),
+            span * unit_s,
+            "s",
+        )
+        .samples(timed.len() as u64),
+        Measured::new("from one cloud to the next", period_s, "s"),
+    ];
+    let Some((expected_s, by)) = expected(clouds, field) else {
+        let why = format!("`{field}` is in {word} by its span, and nothing says what it should be in");
+        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+    };
+    if (expected_s / unit_s - 1.0).abs() < 0.5 {
+        return out.pass(subject, measured);
+    }
+    let message = format!(
+        "`{field}` on `{}` spans {span} in a cloud: a scan of {period_s:.3} s in {word}, where {by} has {}",
+        clouds.topic.topic,
+        Clouds::unit_word(expected_s)
+    );
+    let finding = Finding::error(subject, message, clouds.place())
+        .likely()
+        .relation("unit")
+        .help(format!(
+            "publish {}, or tell the consumer (`timestamp_unit` of FAST-LIO, `time_unit` of others) that they are {word}",
+            Clouds::unit_word(expected_s)
+        ));
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
+}
+
+/// The unit that the field should be in, seconds, and who says so.
+fn expected(clouds: &Clouds, field: &str) -> Option<(f64, String)> {
+    let of_driver = |driver: &CloudDriver| {
+        let time = driver.time.as_ref().filter(|time| time.field == field)?;
+        Some((time.unit_s, format!("the driver ({})", driver.name)))
+    };
+    if let Some(known) = clouds.driver.and_then(of_driver) {
+        return Some(known);
+    }
+    let by_name = match field {
+        "t_us" => 1e-6,
+        _ => return None,
+    };
+    Some((by_name, "its name".to_owned()))
+}

@@ -1,0 +1,133 @@
+//! Evidence of what lidars see: layouts of points, samples of clouds, and what every cloud's times and coordinates reach to.
+//! Bounded, as published.
+
+use serde::{Deserialize, Serialize};
+
+use crate::source::MessageRef;
+
+/// Different layouts of one topic that are kept.
+pub const MAX_LAYOUTS: usize = 4;
+/// Clouds of one topic of which points are kept.
+pub const MAX_SAMPLES: usize = 20;
+/// Points that are kept of a cloud.
+pub const MAX_POINTS: usize = 4096;
+
+/// What the points of a topic hold.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CloudLayout {
+    /// The first cloud of the layout.
+    pub at: MessageRef,
+    /// How many clouds have it.
+    pub count: u64,
+    /// What a point holds, in the order of the message.
+    pub fields: Vec<PointField>,
+    /// Whether its numbers are big-endian.
+    pub is_bigendian: bool,
+}
+
+/// One number, or several, of each point: `sensor_msgs/msg/PointField`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct PointField {
+    /// Name.
+    pub name: String,
+    /// `float32`, `uint32`; the number as published where it is none that is known.
+    pub datatype: String,
+    /// How many of them.
+    pub count: u32,
+}
+
+/// Points of one cloud, thinned evenly in rows and columns.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CloudSample {
+    /// The message.
+    pub at: MessageRef,
+    /// Rows and columns; one row where the cloud is not organised.
+    pub size: [u32; 2],
+    /// Points with finite coordinates that are not all zero, of all that were looked at.
+    pub returns: u64,
+    /// Points that were looked at.
+    pub looked_at: u64,
+    /// The points with a return that are kept.
+    pub points: Vec<CloudPoint>,
+    /// The times of the points, where they have one.
+    pub times: Option<PointTimes>,
+}
+
+/// The points of one cloud near the plane of its x and y: the nearest in each of [`SLICE_BINS`] directions, of those above that plane
+/// and of those beneath it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CloudSlice {
+    /// Stamp of its header, nanoseconds; none where that is zero.
+    pub stamp_ns: Option<i64>,
+    /// Log time, nanoseconds.
+    pub log_ns: i64,
+    /// x, y, z as published, counter-clockwise from -x: finite.
+    pub points: Vec<[f64; 3]>,
+    /// The time of each after the earliest of them, in the unit that is published: finite. Empty where points have no times.
+    pub after: Vec<f64>,
+}
+
+/// Directions of a slice.
+pub const SLICE_BINS: u32 = 720;
+/// Tangent of the elevation up to which points belong to a slice: 4 degrees.
+pub const SLICE_SLOPE: f64 = 0.0699;
+/// Clouds of a run.
+pub const RUN_CLOUDS: usize = 16;
+/// Runs of one topic that are kept.
+pub const MAX_RUNS: usize = 24;
+
+/// A point with a return.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CloudPoint {
+    /// x, y, z as published, metres in the header's frame if the publisher keeps the convention.
+    #[serde(with = "super::number::array")]
+    pub xyz: [f64; 3],
+    /// Row and column.
+    pub cell: [u32; 2],
+    /// Its time, as published.
+    #[serde(with = "super::number")]
+    pub time: f64,
+}
+
+/// The times of the points of one cloud, numbers as published.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct PointTimes {
+    /// The field.
+    pub field: String,
+    /// Its type.
+    pub datatype: String,
+    /// The smallest and the largest of points with a return.
+    #[serde(with = "super::number::array")]
+    pub range: [f64; 2],
+    /// 0.1 and 99.9 per cent of them are beneath.
+    #[serde(with = "super::number::array")]
+    pub quantiles: [f64; 2],
+    /// Different ones, counted up to [`MAX_DISTINCT`].
+    pub distinct: u32,
+    /// A time that they count from beside that of the header, nanoseconds.
+    pub timebase_ns: Option<u64>,
+}
+
+/// Up to which different times are counted.
+pub const MAX_DISTINCT: u32 = 64;
+
+/// The clouds of one topic.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct CloudEvidence {
+    /// Messages.
+    pub count: u64,
+    /// The first different layouts.
+    pub layouts: Vec<CloudLayout>,
+    /// Messages of others.
+    pub others: u64,
+    /// Messages whose data end before the points that they say they have, and the first of them.
+    pub cut: u64,
+    /// The first of them.
+    pub first_cut: Option<MessageRef>,
+    /// Evenly thinned clouds, the first among them.
+    pub samples: Vec<CloudSample>,
+    /// Evenly thinned runs of clouds that follow each other.
+    pub runs: Vec<Vec<CloudSlice>>,
+    /// The cloud with the largest coordinate, of those looked at, and that coordinate, metres as published.
+    pub farthest: Option<(MessageRef, f64)>,
+}

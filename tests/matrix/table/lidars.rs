@@ -1,0 +1,189 @@
+//! Errors of a lidar that is staged beside a recording's poses.
+
+use nalgebra::{Isometry3, Vector3};
+
+use crate::errors::{Change, Error};
+use crate::lidars::{LIDAR, RIGHT, Told, optical, tell, turn};
+use crate::support::clouds::Times;
+
+macro_rules! lidar {
+    ($name:literal, $told:expr, $words:expr, $texts:expr, $seen_by:expr) => {
+        error!(
+            $name,
+            Change::Staged(&LIDAR, |world, stream| tell(world, stream, &Told { ..$told })),
+            $words,
+            $texts,
+            $seen_by
+        )
+    };
+}
+
+/// What TIME07 says of a cloud that sweeps the other way round.
+const SWEEPS: &str = "the cloud is mirrored, or its z points down";
+
+macro_rules! other_frame {
+    ($name:literal, $more:expr) => {
+        lidar!(
+            $name,
+            Told {
+                cloud: |lidar| {
+                    lidar.turned_deg = 180.0;
+                    let more: fn(&mut crate::support::clouds::Lidar) = $more;
+                    more(lidar);
+                },
+                ..RIGHT
+            },
+            // AXES12 sees the half turn by the way, where it sees one.
+            ["z180"],
+            [],
+            ["SENSOR01"]
+        )
+    };
+}
+
+pub static ERRORS: &[Error] = &[
+    lidar!(
+        "cloud z down",
+        Told {
+            axes: |_| turn(Vector3::x(), 180.0),
+            ..RIGHT
+        },
+        ["x180"],
+        [SWEEPS],
+        ["AXES10"]
+    ),
+    lidar!(
+        "cloud z forward",
+        Told {
+            axes: |_| optical(),
+            ..RIGHT
+        },
+        ["optical"],
+        [],
+        ["AXES10"]
+    ),
+    lidar!(
+        "mount z down",
+        Told {
+            mount: |mount| mount * turn(Vector3::x(), 180.0),
+            ..RIGHT
+        },
+        ["mount"],
+        [],
+        ["AXES10"]
+    ),
+    lidar!(
+        "mount z forward",
+        Told {
+            mount: |mount| mount * optical().inverse(),
+            ..RIGHT
+        },
+        ["mount"],
+        [],
+        ["AXES10"]
+    ),
+    lidar!(
+        "lidar yaw 90",
+        Told {
+            mount: |mount| mount * turn(Vector3::z(), 90.0),
+            ..RIGHT
+        },
+        ["z90", "z-90"],
+        [],
+        ["AXES12"]
+    ),
+    lidar!(
+        "lidar yaw 180",
+        Told {
+            mount: |mount| mount * turn(Vector3::z(), 180.0),
+            ..RIGHT
+        },
+        ["z180"],
+        [],
+        ["AXES12"]
+    ),
+    lidar!(
+        "lidar mount inverse",
+        Told {
+            mount: |mount| mount.inverse(),
+            ..RIGHT
+        },
+        ["inverse", "z-sign"],
+        ["or the transform is told the wrong way round"],
+        ["CROSS04"]
+    ),
+    lidar!(
+        "cloud mirrored",
+        Told {
+            cloud: |lidar| lidar.mirrored = true,
+            ..RIGHT
+        },
+        ["mirrored"],
+        [SWEEPS],
+        ["AXES11", "TIME07"]
+    ),
+    other_frame!("Ouster frame", |_| {}),
+    other_frame!("Ouster destaggered", |lidar| lidar.destaggered = true),
+    other_frame!("Ouster 60 % lost", |lidar| lidar.lost = Some(0.6)),
+    other_frame!("Ouster window", |lidar| lidar.window_deg = Some([-60.0, 60.0])),
+    lidar!(
+        "os_lidar as os_sensor",
+        Told {
+            half_turn: 0.0,
+            ..RIGHT
+        },
+        ["identity"],
+        [],
+        ["SENSOR02"]
+    ),
+    lidar!(
+        "no point times",
+        Told {
+            cloud: |lidar| lidar.times = Times::Missing,
+            ..RIGHT
+        },
+        ["missing"],
+        [],
+        ["TIME05"]
+    ),
+    lidar!(
+        "one point time",
+        Told {
+            cloud: |lidar| lidar.times = Times::Constant,
+            ..RIGHT
+        },
+        ["constant"],
+        [],
+        ["TIME05"]
+    ),
+    lidar!(
+        "point times in us",
+        Told {
+            cloud: |lidar| lidar.time_scale = 1e-3,
+            ..RIGHT
+        },
+        ["unit"],
+        [],
+        ["TIME06"]
+    ),
+    lidar!(
+        "point times reversed",
+        Told {
+            cloud: |lidar| lidar.times = Times::Reversed,
+            ..RIGHT
+        },
+        [],
+        ["the times of the points run backwards"],
+        ["TIME07"]
+    ),
+    lidar!(
+        "cloud in UTM",
+        Told {
+            axes: |_| Isometry3::translation(448_262.0, 5_411_932.0, 120.0),
+            ..RIGHT
+        },
+        ["float32"],
+        ["loses what PREC01 says"],
+        ["PREC01"]
+    ),
+];

@@ -1,0 +1,283 @@
+//! Every rule's page is a test: its Bad, Good and Not evaluated blocks are run, and must give what the page says.
+
+#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::string_slice)]
+
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::support;
+use frames_lint::page::{self, Block, Front};
+use frames_lint::rules::RULES;
+use frames_lint::run::Run;
+use frames_lint::source::{At, LineIndex};
+use frames_lint::verdict::{Finding, Outcome, PlaceRole, Severity};
+
+/// One case of a page: the blocks under a section, or under one of its `### ` headings.
+struct Case<'a> {
+    title: String,
+    blocks: Vec<Block<'a>>,
+}
+
+fn cases<'a>(section: &page::Section<'a>) -> Vec<Case<'a>> {
+    let mut parts: Vec<(String, &str)> = Vec::new();
+    let mut rest = section.text;
+    let mut title = section.title.to_owned();
+    while let Some(at) = find_heading(rest) {
+        parts.push((title, &rest[..at]));
+        let line_end = rest[at..].find('\n').map_or(rest.len(), |n| at + n + 1);
+        title = format!("{}, {}", section.title, rest[at + 4..line_end].trim());
+        rest = &rest[line_end..];
+    }
+    parts.push((title, rest));
+    parts
+        .into_iter()
+        .map(|(title, text)| Case {
+            title,
+            blocks: page::blocks(text),
+        })
+        .filter(|case| case.blocks.iter().any(is_input))
+        .collect()
+}
+
+/// Offset of the next `### ` line outside fences.
+fn find_heading(text: &str) -> Option<usize> {
+    let mut offset = 0;
+    let mut fenced = false;
+    for line in text.split_inclusive('\n') {
+        if line.starts_with("```") {
+            fenced = !fenced;
+        } else if !fenced && line.starts_with("### ") {
+            return Some(offset);
+        }
+        offset += line.len();
+    }
+    None
+}
+
+fn is_input(block: &Block<'_>) -> bool {
+    !block.argument.is_empty()
+}
+
+fn run_case(case: &Case<'_>) -> (tempfile::TempDir, Run) {
+    let folder = tempfile::tempdir().unwrap();
+    for block in case.blocks.iter().filter(|block| is_input(block)) {
+        let path = folder.path().join(block.argument);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        if block.language == "recipe" {
+            support::write(block.text, &path);
+        } else {
+            fs::write(&path, block.text).unwrap();
+        }
+    }
+    let run = support::checked(folder.path());
+    (folder, run)
+}
+
+fn expectations(case: &Case<'_>) -> Vec<String> {
+    case.blocks
+        .iter()
+        .filter(|block| block.language == "expect")
+        .flat_map(|block| block.text.lines())
+        .map(|line| line.trim().to_owned())
+        .filter(|line| !line.is_empty())
+        .collect()
+}
+
+/// A finding in the words of an `expect` line, with only the parts that the line asks for.
+fn describe(run: &Run, folder: &Path, finding: &Finding, line: &str) -> String {
+    let primary = finding
+        .places
+        .iter()
+        .find(|label| label.role == PlaceRole::Primary)
+        .unwrap();
+    let source = &run.sources[primary.place.source.0 as usize];
+    let path = Path::new(&source.path);
+    let file = path.strip_prefix(folder).unwrap_or(path).display();
+    let mut text = format!("{} {} {file}", finding.severity.word(), finding.confidence.word());
+    if line.split_whitespace().nth(2).is_some_and(|place| place.contains(':')) {
+        match &primary.place.at {
+            At::Text(span) => {
+                let at = LineIndex::new(&source.text).locate(&source.text, span.start);
+                write!(text, ":{}", at.line).unwrap();
+            }
+            other => write!(text, ":{other:?}").unwrap(),
+        }
+    }
+    for word in line.split_whitespace().skip(3) {
+        if word.starts_with("topic=") {
+            let topic = match &primary.place.at {
+                At::Message(message) => message.topic.as_str(),
+                _ => "-",
+            };
+            write!(text, " topic={topic}").unwrap();
+        } else if word.starts_with("relation=") {
+            write!(text, " relation={}", finding.relation.as_deref().unwrap_or("-")).unwrap();
+        }
+    }
+    text
+}
+
+/// Pairs every expected line with one finding; what is left over on either side is reported.
+fn compare(run: &Run, folder: &Path, code: &str, expected: &[String], faults: &mut Vec<String>, title: &str) {
+    let mut left: Vec<&Finding> = run
+        .verdict
+        .findings
+        .iter()
+        .filter(|finding| finding.rule == code)
+        .collect();
+    for line in expected {
+        let wanted: String = line.split_whitespace().collect::<Vec<_>>().join(" ");
+        match left
+            .iter()
+            .position(|finding| describe(run, folder, finding, line) == wanted)
+        {
+            Some(at) => {
+                left.remove(at);
+            }
+            None => faults.push(format!(
+                "{code} {title}: expected `{wanted}`, and no finding is that: {}",
+                reasons(run, code)
+            )),
+        }
+    }
+    for finding in left {
+        let full = describe(run, folder, finding, "x x x:1 topic= relation=");
+        faults.push(format!("{code} {title}: not expected: `{full}`: {}", finding.message));
+    }
+}
+
+fn input_problems(run: &Run, code: &str, title: &str) -> Vec<String> {
+    run.sources
+        .iter()
+        .flat_map(|source| &source.problems)
+        .map(|problem| format!("{code} {title}: input problem: {}", problem.message))
+        .collect()
+}
+
+fn rows(run: &Run, code: &str, outcome: Outcome) -> usize {
+    run.verdict
+        .rows
+        .iter()
+        .filter(|row| row.rule == code && row.outcome == outcome)
+        .count()
+}
+
+/// What the rule said where it judged nothing.
+fn reasons(run: &Run, code: &str) -> String {
+    let rows = run.verdict.rows.iter().filter(|row| row.rule == code);
+    let said: Vec<&str> = rows.filter_map(|row| row.reason.as_deref()).collect();
+    said.join("; ")
+}
+
+fn check_bad(front: &Front, case: &Case<'_>, faults: &mut Vec<String>) {
+    let expected = expectations(case);
+    if expected.is_empty() {
+        faults.push(format!(
+            "{} {}: a bad case needs an expect block",
+            front.code, case.title
+        ));
+    }
+    let (folder, run) = run_case(case);
+    compare(&run, folder.path(), &front.code, &expected, faults, &case.title);
+}
+
+fn check_good(front: &Front, case: &Case<'_>, faults: &mut Vec<String>) {
+    let (_folder, run) = run_case(case);
+    let code = &front.code;
+    faults.extend(input_problems(&run, code, &case.title));
+    if rows(&run, code, Outcome::Pass) == 0 {
+        faults.push(format!(
+            "{code} {}: a good case must pass, and nothing passed: {}",
+            case.title,
+            reasons(&run, code)
+        ));
+    }
+    for finding in &run.verdict.findings {
+        if finding.rule == *code || finding.severity > Severity::Note {
+            faults.push(format!(
+                "{code} {}: a good case gave {} {}: {}",
+                case.title, finding.rule, finding.name, finding.message
+            ));
+        }
+    }
+}
+
+fn check_not_evaluated(front: &Front, case: &Case<'_>, faults: &mut Vec<String>) {
+    let (_folder, run) = run_case(case);
+    let code = &front.code;
+    if rows(&run, code, Outcome::Pass) + rows(&run, code, Outcome::Fail) > 0 {
+        faults.push(format!("{code} {}: was evaluated", case.title));
+    }
+    for line in expectations(case) {
+        let Some(reason) = line.strip_prefix("not-evaluated ") else {
+            faults.push(format!(
+                "{code} {}: an expect line here opens with not-evaluated",
+                case.title
+            ));
+            continue;
+        };
+        let said = run
+            .verdict
+            .rows
+            .iter()
+            .filter(|row| row.rule == *code)
+            .any(|row| row.reason.as_deref().is_some_and(|said| said.contains(reason)));
+        if !said {
+            let all: Vec<_> = run.verdict.rows.iter().filter(|row| row.rule == *code).collect();
+            faults.push(format!("{code} {}: no reason holds `{reason}`: {all:?}", case.title));
+        }
+    }
+}
+
+/// The pages of the folder: what is built in is taken from there.
+fn pages() -> Vec<String> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("rules");
+    let families = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut files: Vec<PathBuf> = families
+        .filter(|path| path.is_dir())
+        .flat_map(|family| fs::read_dir(family).unwrap().map(|entry| entry.unwrap().path()))
+        .filter(|path| path.extension().is_some_and(|extension| extension == "md"))
+        .collect();
+    files.sort();
+    files.iter().map(|file| fs::read_to_string(file).unwrap()).collect()
+}
+
+fn check_page(page: &str, front: &Front, faults: &mut Vec<String>) {
+    let (_, body) = page::split(page).unwrap();
+    for section in page::sections(body) {
+        let check = match section.title {
+            "Bad" => check_bad,
+            "Good" => check_good,
+            "Not evaluated" => check_not_evaluated,
+            _ => continue,
+        };
+        let cases = cases(&section);
+        if cases.is_empty() {
+            faults.push(format!("{}: section {} has no case", front.code, section.title));
+        }
+        for case in &cases {
+            check(front, case, faults);
+        }
+    }
+}
+
+#[test]
+fn every_page_gives_what_it_says() {
+    let only = std::env::var("ONLY").unwrap_or_default();
+    let pages = pages();
+    assert_eq!(pages.len(), RULES.len());
+    let asked: Vec<(&String, Front)> = pages
+        .iter()
+        .map(|page| (page, Front::parse(page).unwrap()))
+        .filter(|(_, front)| only.is_empty() || only.split(',').any(|code| front.code.starts_with(code)))
+        .collect();
+    let found = support::in_parallel(&asked, |(page, front)| {
+        let mut faults = Vec::new();
+        check_page(page, front, &mut faults);
+        faults
+    });
+    let mut faults = found.concat();
+    faults.sort();
+    assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
+}

@@ -1,0 +1,215 @@
+//! The configuration at the edge of the process: where it is found, what it may say, and how a fault in it is told.
+
+#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
+
+use std::fs;
+use std::path::Path;
+
+use crate::support;
+use crate::support::program::{Ran, run};
+
+const NED: &str = "\
+duration_s: 60
+drive: {vehicle: car, motion: turning, seed: 3}
+topics:
+  - {topic: /imu, from_drive: imu, rate_hz: 50, frame_id: base_link, errors: [ned_frd]}
+  - {topic: /fix, from_drive: fix, rate_hz: 5, frame_id: gps}
+";
+
+const DECLARED: &str = "conventions:\n  - topic: /imu\n    world: NED\n    body: FRD\n";
+
+/// A folder `data` with a drive in NED, and this configuration beside `data`.
+fn folder(configuration: Option<&str>) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join("data")).unwrap();
+    support::write(NED, &folder.path().join("data/drive.mcap"));
+    if let Some(text) = configuration {
+        fs::write(folder.path().join("frames-lint.yaml"), text).unwrap();
+    }
+    folder
+}
+
+fn check(folder: &Path, arguments: &[&str]) -> Ran {
+    run(folder, [&["check", "--format", "json"], arguments].concat())
+}
+
+/// Paths of the inputs, and the rules that found errors.
+fn said(ran: &Ran) -> (Vec<String>, Vec<String>) {
+    let report = ran.report();
+    let texts = |list: &str, key: &str| -> Vec<String> {
+        let items = report[list].as_array().unwrap().iter();
+        items.map(|item| item[key].as_str().unwrap().to_owned()).collect()
+    };
+    (texts("inputs", "path"), texts("findings", "rule"))
+}
+
+#[test]
+fn the_configuration_above_the_input_is_found_and_listed() {
+    let plain = folder(None);
+    let ran = check(plain.path(), &["data"]);
+    assert_eq!((ran.code, said(&ran).1), (1, vec!["AXES03".to_owned()]));
+    let declared = folder(Some(DECLARED));
+    let ran = check(declared.path(), &["data"]);
+    let (inputs, rules) = said(&ran);
+    assert_eq!((ran.code, rules), (0, Vec::new()), "{}", ran.text());
+    assert!(inputs[1].ends_with("frames-lint.yaml"), "{inputs:?}");
+}
+
+#[test]
+fn a_configuration_can_be_named_and_holds_for_evidence_as_well() {
+    let folder = folder(None);
+    fs::write(folder.path().join("ours.yaml"), DECLARED).unwrap();
+    assert_eq!(check(folder.path(), &["data", "--config", "ours.yaml"]).code, 0);
+    let saved = run(folder.path(), ["collect", "data", "-o", "evidence.json"]);
+    assert_eq!(saved.code, 0, "{}", saved.err);
+    assert_eq!(check(folder.path(), &["--evidence", "evidence.json"]).code, 1);
+    assert_eq!(
+        check(folder.path(), &["--evidence", "evidence.json", "--config", "ours.yaml"]).code,
+        0
+    );
+}
+
+#[test]
+fn what_the_data_contradict_points_at_the_declaration() {
+    let folder = folder(Some(
+        "conventions:\n  - topic: /imu\n    world: ENU\n  - topic: /imu\n    body: FLU\n",
+    ));
+    let ran = check(folder.path(), &["data"]);
+    assert_eq!((ran.code, said(&ran).1), (1, vec!["AXES03".to_owned()]));
+    // NED is declared, and the data are told in ENU.
+    let other = NED.replace(", errors: [ned_frd]", "");
+    support::write(&other, &folder.path().join("data/drive.mcap"));
+    fs::write(folder.path().join("frames-lint.yaml"), DECLARED).unwrap();
+    let ran = run(folder.path(), ["check", "data"]);
+    assert_eq!(ran.code, 1);
+    let text = ran.text().split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(text.contains("frames-lint.yaml:2"), "{text}");
+    assert!(text.contains("told in ENU and FLU axes"), "{text}");
+    assert!(text.contains("declared here"), "{text}");
+}
+
+#[test]
+fn a_fault_in_the_configuration_is_a_fault_of_the_call_with_its_place() {
+    let folder = folder(Some("conventions:\n  - topic: /imu\n    wrold: NED\n"));
+    let ran = check(folder.path(), &["data"]);
+    assert_eq!((ran.code, ran.out.len()), (2, 0));
+    assert!(
+        ran.err.contains("frames-lint.yaml:3:5: unknown key `wrold`"),
+        "{}",
+        ran.err
+    );
+    for (text, why) in [
+        (&b"\xff\xfe\x00"[..], "not UTF-8"),
+        (b"conventions: [\n", "frames-lint.yaml:"),
+        (
+            b"conventions:\n  - topic: /imu\n    world: UP\n",
+            "one of ENU, NED, NWU",
+        ),
+    ] {
+        fs::write(folder.path().join("frames-lint.yaml"), text).unwrap();
+        let ran = check(folder.path(), &["data"]);
+        assert_eq!(ran.code, 2);
+        assert!(ran.err.contains(why), "{}", ran.err);
+    }
+    let ran = check(folder.path(), &["data", "--config", "none.yaml"]);
+    assert_eq!(ran.code, 2);
+    assert!(ran.err.contains("`none.yaml` cannot be read"), "{}", ran.err);
+}
+
+#[test]
+fn two_configurations_in_one_call_are_refused() {
+    let folder = folder(Some(DECLARED));
+    let other = folder.path().join("other");
+    fs::create_dir(&other).unwrap();
+    support::write(NED, &other.join("drive.mcap"));
+    fs::write(other.join("frames-lint.yaml"), DECLARED).unwrap();
+    let ran = check(folder.path(), &["data", "other"]);
+    assert_eq!(ran.code, 2);
+    assert!(ran.err.contains("--config"), "{}", ran.err);
+}
+
+/// Metadata of an Ouster, firmware 2.x, shortened.
+const OUSTER: &str = r#"{"prod_line": "OS-1-64", "image_rev": "ousteros-image-prod-aries-v2.4.0", "lidar_to_sensor_transform": [-1, 0, 0, 0, 0, -1, 0, 0, 0, 0, 1, 36.18, 0, 0, 0, 1]}"#;
+
+/// Rows of SENSOR02 with their outcome.
+fn of_the_ouster(ran: &Ran) -> Vec<String> {
+    let report = ran.report();
+    let rows = report["outcomes"].as_array().unwrap().iter();
+    let of = rows.filter(|row| row["rule"] == "SENSOR02");
+    of.map(|row| row["outcome"].as_str().unwrap().to_owned()).collect()
+}
+
+#[test]
+fn metadata_on_a_topic_of_a_ros_1_bag_are_a_source_of_statements() {
+    use support::rosbag1::{Connection, Layout, Rosbag1};
+    let written = |text: &str| {
+        let mut bag = Rosbag1::new(Layout::default());
+        let connection = bag.connection(&Connection {
+            topic: "/ouster/metadata",
+            message_type: "std_msgs/String",
+            definition: "string data\n",
+            latching: true,
+            ..Connection::default()
+        });
+        let length = u32::try_from(text.len()).unwrap().to_le_bytes();
+        bag.message(
+            connection,
+            1_500_000_000_000_000_000,
+            &[&length[..], text.as_bytes()].concat(),
+        );
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("drive.bag"), bag.finish().bytes).unwrap();
+        folder
+    };
+    let whole = written(OUSTER);
+    let ran = check(whole.path(), &["drive.bag"]);
+    assert!(of_the_ouster(&ran).contains(&"pass".to_owned()), "{}", ran.text());
+    let report = ran.report();
+    assert_eq!(report["inputs"][1]["kind"], "sensor-metadata");
+    // Cut off, and no Ouster's: neither is a fault of the call, and the recording is judged.
+    for text in [&OUSTER[..OUSTER.len() - 20], "{\"prod_line\": ", "hello"] {
+        let other = written(text);
+        let ran = check(other.path(), &["drive.bag"]);
+        assert!(ran.code == 0 || ran.code == 3, "{} {}", ran.code, ran.text());
+        assert!(said(&ran).1.is_empty(), "{}", ran.text());
+    }
+}
+
+#[test]
+fn the_users_rows_tell_the_times_of_points_and_win() {
+    let drive = "\
+duration_s: 3
+drive: {vehicle: car, motion: turning, seed: 3}
+topics:
+  - {topic: /points, from_drive: lidar, rate_hz: 10, frame_id: lidar, xyz: [0, 0, 1.8], lidar: {beams: 8, columns: 64, driver: unknown}}
+";
+    let rows = "tables:\n  lidar-clouds:\n    - {name: Ours, fields: {time_offset: float32}, \
+                time: {field: time_offset, unit_s: 1.0e-3, counts_from: header}}\n";
+    let folder = tempfile::tempdir().unwrap();
+    support::write(drive, &folder.path().join("drive.mcap"));
+    let plain = check(folder.path(), &["drive.mcap"]);
+    assert!(!said(&plain).1.contains(&"TIME06".to_owned()), "{}", plain.text());
+    fs::write(folder.path().join("frames-lint.yaml"), rows).unwrap();
+    let ran = check(folder.path(), &["drive.mcap"]);
+    assert!(said(&ran).1.contains(&"TIME06".to_owned()), "{}", ran.text());
+    let text = ran.report().to_string();
+    assert!(text.contains("Ours"), "{text}");
+}
+
+#[test]
+fn a_fault_in_a_table_has_its_place_in_its_own_file() {
+    let folder = folder(Some("tables:\n  lidars: lidars.yaml\n"));
+    fs::write(
+        folder.path().join("lidars.yaml"),
+        "rows:\n  - name: Ours\n    words: [ours]\n    sensor: z\n    driver: x\n",
+    )
+    .unwrap();
+    let ran = check(folder.path(), &["data"]);
+    assert_eq!(ran.code, 2);
+    assert!(
+        ran.err
+            .contains("lidars.yaml:4:5: row of `lidars`: `sensor`: unknown variant `z`"),
+        "{}",
+        ran.err
+    );
+}

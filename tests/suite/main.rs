@@ -1,0 +1,38 @@
+//! The tests of the program, in one binary: what simulates robots and drives is built once.
+
+#[path = "../support/mod.rs"]
+mod support;
+
+mod altered_evidence;
+mod bad_input;
+mod bag;
+mod bag_content;
+mod bag_damage;
+mod bag_faults;
+mod bag_large;
+mod bag_sampling;
+mod bag_strange;
+mod bag_tf;
+mod cases;
+mod config;
+mod drives;
+mod evidence;
+mod foxglove;
+mod hostile_input;
+mod layers;
+mod messages;
+mod pages;
+mod readme;
+mod recipe;
+mod relations;
+mod robots;
+mod rosbag1;
+mod rosbag1_damage;
+mod rosbag2;
+mod rosbag2_damage;
+mod rosbag2_folder;
+mod rosbag2_sampling;
+mod schema;
+mod tf2_reference;
+mod tree_moment;
+mod urdf_faults;
