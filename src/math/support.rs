@@ -11,6 +11,8 @@ use std::f64::consts::PI;
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 
+use crate::math::stats::quantile;
+
 /// How a plane is sought.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
@@ -70,6 +72,8 @@ pub struct Support {
 const CELL_RAD: f64 = PI / 18.0;
 /// Elevations within this of the horizon, radians.
 const HORIZON_RAD: f64 = 3.0 * PI / 180.0;
+/// The quantile of the elevations that stands for the highest beam: single points above it are noise.
+const HIGHEST: f64 = 0.995;
 
 /// The plane beneath the sensor whose normal is about `up`, with the most cells on it. `None` where no triple makes one.
 pub fn support(points: &[Vector3<f64>], up: &Vector3<f64>, options: &Options) -> Option<Support> {
@@ -132,14 +136,27 @@ pub fn support(points: &[Vector3<f64>], up: &Vector3<f64>, options: &Options) ->
         below: share(&|off| off < -options.clear_m),
         above: share(&|off| off > options.clear_m),
         cells: cells_near.on(&normal, height_m, options.tolerance_m),
-        sectors: on
-            .iter()
-            .map(|point| frame.sector(point))
-            .collect::<BTreeSet<_>>()
-            .len(),
+        sectors: frame.sectors(on.iter().copied()),
         at_horizon: at_horizon as f64 / on.len().max(1) as f64,
         spread_m: off.get(off.len() / 2).copied().unwrap_or(f64::NAN),
     })
+}
+
+/// Share of the ways around, of those with any point, in which the highest beams meet nothing: those within `band_rad` of the highest.
+/// Ways that so few points would leave out by chance, were they all around, do not count. `None` where the highest beam looks up by less
+/// than `least_rad`.
+pub fn open_above(points: &[Vector3<f64>], up: &Vector3<f64>, band_rad: f64, least_rad: f64) -> Option<f64> {
+    let frame = Frame::of(up);
+    let elevations: Vec<f64> = points.iter().map(|point| frame.elevation(point)).collect();
+    let highest = quantile(&elevations, HIGHEST).filter(|highest| *highest >= least_rad)?;
+    let top = points.iter().zip(&elevations);
+    let top: Vec<&Vector3<f64>> = top
+        .filter(|(_, elevation)| **elevation >= highest - band_rad)
+        .map(|(point, _)| point)
+        .collect();
+    let ways = frame.sectors(points).max(1) as f64;
+    let met_by_chance = ways * (1.0 - (1.0 - 1.0 / ways).powf(top.len() as f64));
+    Some((1.0 - frame.sectors(top) as f64 / met_by_chance).max(0.0))
 }
 
 /// The plane through three points, its normal to the side of the sensor; `None` where it leans too far, or is too near.
@@ -199,11 +216,17 @@ impl Frame {
         }
     }
 
-    /// Which of 36 ways a point lies.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // from 0 to 36
-    fn sector(&self, point: &Vector3<f64>) -> u32 {
-        let way = point.dot(&self.y).atan2(point.dot(&self.x));
-        ((way + PI) / CELL_RAD) as u32 % 36
+    /// Which of the ways around a point lies.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // from 0 to their number
+    fn sector(&self, point: &Vector3<f64>) -> usize {
+        let azimuth = point.dot(&self.y).atan2(point.dot(&self.x)) + PI;
+        ((azimuth / CELL_RAD) as usize).min(ACROSS - 1)
+    }
+
+    /// In how many of the ways around there is a point.
+    fn sectors<'p>(&self, points: impl IntoIterator<Item = &'p Vector3<f64>>) -> usize {
+        let sectors = points.into_iter().map(|point| self.sector(point));
+        sectors.collect::<BTreeSet<_>>().len()
     }
 
     fn elevation(&self, point: &Vector3<f64>) -> f64 {
@@ -214,10 +237,8 @@ impl Frame {
     /// The cell of a point: which way it lies, and the octave of its range.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // from 0 to the number of cells
     fn cell(&self, point: &Vector3<f64>) -> usize {
-        let azimuth = point.dot(&self.y).atan2(point.dot(&self.x)) + PI;
-        let across = ((azimuth / CELL_RAD) as usize).min(ACROSS - 1);
         let octave = point.norm().max(1e-3).log2().floor().clamp(FIRST_OCTAVE, LAST_OCTAVE) - FIRST_OCTAVE;
-        across + ACROSS * octave as usize
+        self.sector(point) + ACROSS * octave as usize
     }
 }
 
@@ -382,6 +403,42 @@ mod tests {
             (found.normal.angle(&Vector3::z()).to_degrees() - 20.0).abs() < 1e-6,
             "{found:?}"
         );
+    }
+
+    #[test]
+    fn the_highest_beams_meet_a_wall_all_around_or_in_half_of_the_ways() {
+        let deg = f64::to_radians;
+        // Beams from -20 to 20 deg: below the horizon they meet a floor all around, above it a wall in the ways up to an azimuth.
+        let seen = |walled_deg: u32| -> Vec<Vector3<f64>> {
+            let ways = (0..720).map(|half| 0.5 * f64::from(half) + 0.2);
+            ways.flat_map(|azimuth| {
+                let highest = if azimuth < f64::from(walled_deg) { 20 } else { -5 };
+                (-20..=highest).map(move |elevation| {
+                    let (sin, cos) = deg(azimuth).sin_cos();
+                    let (up, out) = deg(f64::from(elevation)).sin_cos();
+                    5.0 * Vector3::new(out * cos, out * sin, up)
+                })
+            })
+            .collect()
+        };
+        for (walled_deg, open) in [(360, 0.0), (180, 0.5), (90, 0.75)] {
+            let share = open_above(&seen(walled_deg), &Vector3::z(), deg(2.5), deg(10.0)).unwrap();
+            assert!((share - open).abs() < 1e-6, "{walled_deg}: {share}");
+        }
+        // Forty points all around leave a third of the ways without one, by chance: no opening. A hundred in half of the ways are one.
+        let mut rng = Rng::new(11);
+        for (walled_deg, kept, is_open) in [(360, 0.02, false), (180, 0.1, true)] {
+            for _ in 0..50 {
+                let mut thinned = seen(walled_deg);
+                thinned.retain(|_| rng.range(0.0, 1.0) < kept);
+                let share = open_above(&thinned, &Vector3::z(), deg(2.5), deg(10.0)).unwrap();
+                assert_eq!(share > 0.25, is_open, "{walled_deg}: {share}");
+            }
+        }
+        // None of them looks up by 25 deg, and upside down only by 20.
+        assert_eq!(open_above(&seen(360), &Vector3::z(), deg(2.5), deg(25.0)), None);
+        let below = open_above(&seen(90), &-Vector3::z(), deg(2.5), deg(10.0)).unwrap();
+        assert!(below.abs() < 1e-12, "{below}");
     }
 
     #[test]

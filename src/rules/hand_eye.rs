@@ -2,7 +2,7 @@
 //!
 //! Owns which poses are held against which lidar, and the pairs. Must not judge.
 
-use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry2, Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
 
 use crate::rules::lidar::Clouds;
 use crate::rules::motion::{Motion, Stream, Turned};
@@ -23,6 +23,8 @@ const LATE_STEP_S: f64 = 0.01;
 /// Turns that differ by this many times the least mean square, and by this angle besides, are explained alike.
 const ALIKE: f64 = 1.5;
 const ALIKE_RAD: f64 = 0.0005;
+/// And by this many times, not alike at all.
+const UNLIKE: f64 = 4.0;
 
 /// Words of topics with poses that are worked out of scans: those agree with any mounting, for they were told by it.
 const BY_SCANS: [&str; 19] = [
@@ -66,8 +68,19 @@ pub(crate) struct HandEye {
     pub(crate) poses: (String, Place),
     /// Pairs of motions.
     pub(crate) pairs: Vec<Pair>,
-    /// How far the moment that the scans show may be off, seconds.
+    /// The moment that the scans show.
+    pub(crate) late: Late,
+}
+
+/// How much later than its stamp the platform was where a scan shows it.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Late {
+    /// Seconds; zero where nothing turns.
+    by_s: f64,
+    /// How far that may be off, seconds: others explain the turns nearly as well.
     pub(crate) unsure_s: f64,
+    /// Whether what explains them best is the latest or the earliest that was tried, and the stamps do not.
+    is_beyond: bool,
 }
 
 /// The same motion, twice: the later in the axes of the earlier.
@@ -149,10 +162,10 @@ impl HandEye {
         let tied = tied.into_iter().filter(|(poses, ..)| !is_by_scans(poses));
         let moved = pick(steps);
         let of = |(poses, body, told): (&Stream<PoseRow>, FrameId, Isometry3<f64>)| {
-            let (pairs, unsure_s) = pairs(&moved, poses);
+            let (pairs, late) = pairs(&moved, poses);
             Self {
                 pairs,
-                unsure_s,
+                late,
                 poses: (poses.subject.clone(), poses.place()),
                 body,
                 lidar: lidar.clone(),
@@ -167,6 +180,13 @@ impl HandEye {
             }
         });
         let best = best.ok_or_else(no_poses)?;
+        if best.late.is_beyond {
+            let why = format!(
+                "its scans turn when {} do not: their clocks are further apart than is looked for",
+                best.poses.0
+            );
+            return Err((NotEvaluated::TooLittleEvidence, why));
+        }
         let sign = if steps.is_up == Some(true) { 1.0 } else { -1.0 };
         if sign * (best.told.rotation * Vector3::z()).z < LEAST_UP {
             let why = format!("the ground does not lie beneath `{}`, which AXES10 judges", best.body);
@@ -214,13 +234,13 @@ pub(crate) fn is_by_scans(poses: &Stream<PoseRow>) -> bool {
     is_lidar_odometry || words.iter().any(|word| BY_SCANS.contains(word))
 }
 
-/// The motions of both between the clouds that were matched, and how far their moment may be off, seconds.
-fn pairs(moved: &[Moved], poses: &Stream<PoseRow>) -> (Vec<Pair>, f64) {
+/// The motions of both between the clouds that were matched, and their moment.
+fn pairs(moved: &[Moved], poses: &Stream<PoseRow>) -> (Vec<Pair>, Late) {
     let (turned, track) = (Turned::of(poses), poses.track());
     let at = |t_s: f64| pose_at(&turned, &track.at(t_s)?, t_s);
-    let (late_s, unsure_s) = late_s(moved, poses, &turned);
+    let late = late(moved, poses, &turned);
     let pair = |moved: &Moved| {
-        let times = [moved.from, moved.to].map(|moment| moment.on(poses.stamp_offset_s) + late_s);
+        let times = [moved.from, moved.to].map(|moment| moment.on(poses.stamp_offset_s) + late.by_s);
         let [Some(from), Some(to)] = times.map(at) else {
             return None;
         };
@@ -232,13 +252,11 @@ fn pairs(moved: &[Moved], poses: &Stream<PoseRow>) -> (Vec<Pair>, f64) {
             lasted_s: moved.lasted_s(),
         })
     };
-    (moved.iter().filter_map(pair).collect(), unsure_s)
+    (moved.iter().filter_map(pair).collect(), late)
 }
 
-/// How much later than its stamp the platform was where a scan shows it, seconds: where both turn most alike. A stamp is that of the first
-/// point or of the last, and what a scan shows is the middle. Zero where nothing turns. And how far that may be off: others explain the turns
-/// nearly as well.
-fn late_s(moved: &[Moved], poses: &Stream<PoseRow>, turned: &Turned) -> (f64, f64) {
+/// Where both turn most alike. A stamp is that of the first point or of the last, and what a scan shows is the middle.
+fn late(moved: &[Moved], poses: &Stream<PoseRow>, turned: &Turned) -> Late {
     let orientation = |moment: &Moment, late_s: f64| turned.at(moment.on(poses.stamp_offset_s) + late_s, MAX_STEP_S);
     // Which way is up is not asked here: angles alone are compared.
     let left = |late_s: f64| {
@@ -252,11 +270,16 @@ fn late_s(moved: &[Moved], poses: &Stream<PoseRow>, turned: &Turned) -> (f64, f6
     let tried = (-MAX_LATE..=MAX_LATE).map(|steps| f64::from(steps) * LATE_STEP_S);
     let found: Vec<(f64, f64)> = tried.filter_map(|late_s| Some((late_s, left(late_s)?))).collect();
     let Some((best_s, least)) = found.iter().copied().min_by(|a, b| a.1.total_cmp(&b.1)) else {
-        return (0.0, 0.0);
+        return Late::default();
     };
     let is_alike = |(_, left): &&(f64, f64)| *left <= ALIKE * least + ALIKE_RAD * ALIKE_RAD;
     let unsure_s = found.iter().filter(is_alike).map(|(late_s, _)| (late_s - best_s).abs());
-    (best_s, unsure_s.fold(0.0, f64::max))
+    let longest_s = LATE_STEP_S * (f64::from(MAX_LATE) - 0.5);
+    Late {
+        by_s: best_s,
+        unsure_s: unsure_s.fold(0.0, f64::max),
+        is_beyond: best_s.abs() > longest_s && left(0.0).is_some_and(|as_told| as_told > UNLIKE * least),
+    }
 }
 
 pub(crate) fn pose_at(turned: &Turned, place: &Vector3<f64>, t_s: f64) -> Option<Isometry3<f64>> {
@@ -267,4 +290,11 @@ pub(crate) fn pose_at(turned: &Turned, place: &Vector3<f64>, t_s: f64) -> Option
 /// Half a turn about z of the lidar: Ouster's other frame.
 pub(crate) fn half_turn() -> Isometry3<f64> {
     Isometry3::rotation(Vector3::z() * std::f64::consts::PI)
+}
+
+/// A motion as it is in the plane of x and y.
+pub(crate) fn in_plane(motion: &Isometry3<f64>) -> Isometry2<f64> {
+    let place = motion.translation.vector;
+    let x = motion.rotation * Vector3::x();
+    Isometry2::new(Vector2::new(place.x, place.y), x.y.atan2(x.x))
 }

@@ -198,8 +198,9 @@ fn new<'v>(before: &Verdict, after: &'v Verdict) -> Vec<&'v Finding> {
         }
         _ => true,
     };
-    // A correction that stayed as it was beside odometry that did not is no error of anybody.
-    let is_left = |finding: &&Finding| finding.rule == "TREE14";
+    // A correction that stayed as it was beside odometry that did not is no error of anybody, and what ROT10 works out of the angles of
+    // others is none of its own.
+    let is_left = |finding: &&Finding| ["TREE14", "ROT10"].contains(&finding.rule.as_str());
     after
         .findings
         .iter()

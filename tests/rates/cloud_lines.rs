@@ -134,7 +134,7 @@ fn simulations(table: &mut Table) {
     let directions = [
         (
             of(Motion::Turning, 30),
-            &["clouds", "mounting inverse"][..],
+            &["clouds in a street", "mounting inverse in a street"][..],
             0.98,
             ".98-1.00",
         ),

@@ -414,6 +414,22 @@ pub const SEEN: &[Seen] = &[
         is_healthy: false,
         ..OF_OUSTER
     },
+    // Where scans have something to match.
+    Seen {
+        name: "clouds in a street",
+        around: Around::Street,
+        is_long: true,
+        asked: &[DIRECTION, FORWARD, PLACE],
+        ..HEALTHY
+    },
+    Seen {
+        name: "mounting inverse in a street",
+        around: Around::Street,
+        names: (&["inverse", "z-sign"], &[INVERSE]),
+        told: |mount| mount.inverse(),
+        asked: &[DIRECTION],
+        ..MOVING
+    },
     // Another mounting.
     Seen {
         name: "clouds, yaw 180 deg",

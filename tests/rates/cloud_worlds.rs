@@ -31,6 +31,7 @@ const PERIOD_NS: i64 = 100_000_000;
 pub enum Around {
     /// Streets, slopes and aprons in turn.
     Outdoors,
+    Street,
     Warehouse,
     Garage,
 }
@@ -151,6 +152,7 @@ impl Around {
                 1 => Surroundings::Slope,
                 _ => Surroundings::Street,
             },
+            Self::Street => Surroundings::Street,
             Self::Warehouse => Surroundings::Warehouse,
             Self::Garage => Surroundings::Garage,
         }
@@ -171,7 +173,7 @@ impl Sensor {
             (spinning(Driver::Ouster, Beams::Os1, 16, 256), "os_sensor"),
             (spinning(Driver::Velodyne, Beams::Vlp16, 16, 256), "velodyne"),
             (spinning(Driver::Nebula, Beams::Even, 16, 256), "lidar_top"),
-            (spinning(Driver::Hesai, Beams::Pandar40, 40, 120), "hesai_lidar"),
+            (spinning(Driver::Hesai, Beams::Pandar40, 40, 240), "hesai_lidar"),
             (spinning(Driver::Robosense, Beams::Even, 16, 256), "rslidar"),
         ];
         // By fives beside the fours of what is around.

@@ -4,7 +4,7 @@
 
 use std::fmt::Write as _;
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use crate::support;
 use frames_lint::page::{self, Block, Front};
@@ -12,14 +12,15 @@ use frames_lint::rules::RULES;
 use frames_lint::run::Run;
 use frames_lint::source::{At, LineIndex};
 use frames_lint::verdict::{Finding, Outcome, PlaceRole, Severity};
+use rayon::prelude::*;
 
 /// One case of a page: the blocks under a section, or under one of its `### ` headings.
-struct Case<'a> {
-    title: String,
+pub(crate) struct Case<'a> {
+    pub(crate) title: String,
     blocks: Vec<Block<'a>>,
 }
 
-fn cases<'a>(section: &page::Section<'a>) -> Vec<Case<'a>> {
+pub(crate) fn cases<'a>(section: &page::Section<'a>) -> Vec<Case<'a>> {
     let mut parts: Vec<(String, &str)> = Vec::new();
     let mut rest = section.text;
     let mut title = section.title.to_owned();
@@ -59,7 +60,8 @@ fn is_input(block: &Block<'_>) -> bool {
     !block.argument.is_empty()
 }
 
-fn run_case(case: &Case<'_>) -> (tempfile::TempDir, Run) {
+/// A folder with the files of a case; recipes become recordings.
+pub(crate) fn laid_out(case: &Case<'_>) -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     for block in case.blocks.iter().filter(|block| is_input(block)) {
         let path = folder.path().join(block.argument);
@@ -70,6 +72,11 @@ fn run_case(case: &Case<'_>) -> (tempfile::TempDir, Run) {
             fs::write(&path, block.text).unwrap();
         }
     }
+    folder
+}
+
+fn run_case(case: &Case<'_>) -> (tempfile::TempDir, Run) {
+    let folder = laid_out(case);
     let run = support::checked(folder.path());
     (folder, run)
 }
@@ -231,16 +238,10 @@ fn check_not_evaluated(front: &Front, case: &Case<'_>, faults: &mut Vec<String>)
 }
 
 /// The pages of the folder: what is built in is taken from there.
-fn pages() -> Vec<String> {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("rules");
-    let families = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let mut files: Vec<PathBuf> = families
-        .filter(|path| path.is_dir())
-        .flat_map(|family| fs::read_dir(family).unwrap().map(|entry| entry.unwrap().path()))
-        .filter(|path| path.extension().is_some_and(|extension| extension == "md"))
-        .collect();
-    files.sort();
-    files.iter().map(|file| fs::read_to_string(file).unwrap()).collect()
+pub(crate) fn pages() -> Vec<String> {
+    let files = support::files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("rules"), ".md");
+    let pages = files.iter().filter(|file| !file.ends_with("README.md"));
+    pages.map(|file| fs::read_to_string(file).unwrap()).collect()
 }
 
 fn check_page(page: &str, front: &Front, faults: &mut Vec<String>) {
@@ -272,12 +273,12 @@ fn every_page_gives_what_it_says() {
         .map(|page| (page, Front::parse(page).unwrap()))
         .filter(|(_, front)| only.is_empty() || only.split(',').any(|code| front.code.starts_with(code)))
         .collect();
-    let found = support::in_parallel(&asked, |(page, front)| {
+    let of_page = |(page, front): &(&String, Front)| {
         let mut faults = Vec::new();
         check_page(page, front, &mut faults);
         faults
-    });
-    let mut faults = found.concat();
+    };
+    let mut faults: Vec<String> = asked.par_iter().flat_map_iter(of_page).collect();
     faults.sort();
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }

@@ -11,12 +11,15 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use crate::cases;
 use crate::support;
 use crate::support::program;
 use frames_lint::engine::{self, Options, evidence};
+use frames_lint::page;
 use frames_lint::report::{Style, json, terminal};
 use frames_lint::run::{FailOn, Run};
 use frames_lint::source::ReadStatus;
+use rayon::prelude::*;
 
 fn options(paths: &[&Path]) -> Options {
     Options {
@@ -110,53 +113,17 @@ fn is_the_same(paths: &[&Path], what: &str) {
     assert_eq!(direct.exit_code(FailOn::Error), judged.exit_code(FailOn::Error));
 }
 
-/// The inputs of every case of every page: fenced blocks with a file name, by heading.
-fn cases() -> Vec<(String, Vec<(String, String)>)> {
-    let rules = Path::new(env!("CARGO_MANIFEST_DIR")).join("rules");
-    let mut cases = Vec::new();
-    for page in support::files(&rules, ".md") {
-        let text = fs::read_to_string(&page).unwrap();
-        let (mut blocks, mut name) = (Vec::new(), page.display().to_string());
-        let mut lines = text.lines();
-        while let Some(line) = lines.next() {
-            if line.starts_with('#') {
-                cases.push((name, std::mem::take(&mut blocks)));
-                name = format!("{} {line}", page.file_name().unwrap().display());
-            } else if let Some(head) = line.strip_prefix("```") {
-                let block: Vec<&str> = lines.by_ref().take_while(|line| !line.starts_with("```")).collect();
-                if let Some((_, file)) = head.split_once(' ') {
-                    blocks.push((file.trim().to_owned(), block.join("\n") + "\n"));
-                }
-            }
-        }
-        cases.push((name, blocks));
-    }
-    cases.retain(|(_, blocks)| !blocks.is_empty());
-    cases
-}
-
-/// Writes the files of a case; recipes become recordings.
-fn lay_out(blocks: &[(String, String)], folder: &Path) {
-    for (name, text) in blocks {
-        let path = folder.join(name);
-        fs::create_dir_all(path.parent().unwrap()).unwrap();
-        if path.extension().is_some_and(|ending| ending == "mcap") {
-            support::write(text, &path);
-        } else {
-            fs::write(path, text).unwrap();
-        }
-    }
-}
-
 #[test]
 fn every_case_of_every_page_is_judged_the_same() {
-    let cases = cases();
-    assert!(cases.len() > 100, "{}", cases.len());
-    support::in_parallel(&cases, |(name, blocks)| {
-        let folder = tempfile::tempdir().unwrap();
-        lay_out(blocks, folder.path());
-        is_the_same(&[folder.path()], name);
-    });
+    let pages = cases::pages();
+    let all: Vec<_> = pages
+        .iter()
+        .flat_map(|page| page::sections(page::split(page).unwrap().1))
+        .flat_map(|section| cases::cases(&section))
+        .collect();
+    assert!(all.len() > 500, "{}", all.len());
+    all.par_iter()
+        .for_each(|case| is_the_same(&[cases::laid_out(case).path()], &case.title));
 }
 
 #[test]

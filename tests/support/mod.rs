@@ -39,8 +39,6 @@ pub mod schemas;
 pub mod topic;
 
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicUsize, Ordering};
-use std::thread::available_parallelism;
 
 use frames_lint::collect::{Collected, How, collect};
 use frames_lint::engine::{self, Options};
@@ -58,24 +56,6 @@ pub fn build(recipe: &str) -> Vec<u8> {
 /// Writes the MCAP that a recipe describes.
 pub fn write(recipe: &str, path: &Path) {
     std::fs::write(path, build(recipe)).expect("the MCAP is written");
-}
-
-/// Does a work on all of something, on all processors; what it gives is in no order.
-pub fn in_parallel<T: Sync, R: Send>(all: &[T], work: impl Fn(&T) -> R + Sync) -> Vec<R> {
-    let next = AtomicUsize::new(0);
-    let one = || {
-        let mut found = Vec::new();
-        while let Some(item) = all.get(next.fetch_add(1, Ordering::Relaxed)) {
-            found.push(work(item));
-        }
-        found
-    };
-    std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..available_parallelism().map_or(1, usize::from))
-            .map(|_| scope.spawn(one))
-            .collect();
-        workers.into_iter().flat_map(|worker| worker.join().unwrap()).collect()
-    })
 }
 
 /// Copies a platform's files to a folder, with its recipes built to recordings.

@@ -3,11 +3,11 @@
 use serde::Deserialize;
 
 use crate::math::circular::{circular_mean, difference};
-use crate::rules::cross::extrinsic_direction::{self, ExtrinsicDirection};
-use crate::rules::hand_eye::HandEye;
+use crate::rules::cross::extrinsic_direction::{self, Seen};
+use crate::rules::hand_eye::{HandEye, in_plane};
 use crate::rules::lidar::Clouds;
 use crate::rules::sensor::lidar_turn;
-use crate::rules::{Evidence, Judge, Need, Rule, limits_of};
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
@@ -47,6 +47,13 @@ impl Yaw {
         }
         let near = |quarters: &i8| (self.off_deg - 90.0 * f64::from(*quarters)).abs() <= limits.named_deg;
         [-2, -1, 1, 2].into_iter().find(near)
+    }
+
+    /// Whether the inverse of what is told lacks nothing.
+    fn is_of_inverse(&self, known: &HandEye, limits: &Limits) -> bool {
+        let turned = in_plane(&(known.told.inverse() * known.told.inverse()));
+        let left = difference(self.off_deg.to_radians(), turned.rotation.angle());
+        left.abs().to_degrees() <= limits.pass_deg + 2.0 * self.error_deg
     }
 
     /// The numbers of a finding or a pass.
@@ -121,7 +128,7 @@ fn yaw(known: &HandEye, limits: &Limits) -> Result<Yaw, (NotEvaluated, String)> 
     let mean = circular_mean(off.iter().map(|(off, _)| (*off, 1.0)));
     // Where all turn to one side, a moment that is off looks like a yaw.
     let turning = off.iter().map(|(_, rate)| rate).sum::<f64>() / off.len() as f64;
-    let late_deg = (turning * known.unsure_s).abs().to_degrees();
+    let late_deg = (turning * known.late.unsure_s).abs().to_degrees();
     let told = mean.map(|mean| Yaw {
         off_deg: mean.mean_rad.to_degrees(),
         error_deg: (mean.sd_rad() / (off.len() as f64).sqrt()).to_degrees().hypot(late_deg),
@@ -148,9 +155,8 @@ fn judge_yaw(world: &World, clouds: &Clouds, known: &HandEye, yaw: &Yaw, limits:
         );
         return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
     }
-    let direction =
-        limits_of::<ExtrinsicDirection>().and_then(|limits| extrinsic_direction::look(world, clouds, &limits).ok());
-    if direction.as_ref().is_some_and(extrinsic_direction::Seen::is_inverse) {
+    let direction = extrinsic_direction::seen(world, clouds);
+    if direction.as_ref().is_some_and(Seen::is_inverse) {
         let why = format!("the mounting lacks a yaw of {off_deg:.0} deg, which is part of what CROSS04 reports of it");
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
@@ -171,11 +177,10 @@ fn judge_yaw(world: &World, clouds: &Clouds, known: &HandEye, yaw: &Yaw, limits:
         Some(2 | -2) => ("z180", "the sensor looks back"),
         _ => ("yaw", "the mounting is turned otherwise than its transform says"),
     };
-    let or = match direction {
-        Some(seen) if seen.may_be_inverse() => {
-            "; or it is told the wrong way round: its inverse brings the two together as well"
-        }
-        _ => "",
+    let or = match &direction {
+        Some(seen) => seen.doubt(),
+        None if yaw.is_of_inverse(known, limits) => "; or it is told the wrong way round: its inverse has that yaw",
+        None => "",
     };
     let message = format!(
         "`{}_from_{}` lacks a yaw of {:+.1} deg: the scans on `{}` go another way than {}; {what}{or}",

@@ -1,12 +1,12 @@
 //! AXES10: a cloud whose ground is not where z says that down is.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use crate::math::stats::{median, quantile};
+use crate::math::stats::median;
+use crate::math::support::open_above;
 use crate::rules::ground::{self, Ground, IsGround, Planes, SIDES};
 use crate::rules::lidar::Clouds;
 use crate::rules::motion::{Motion, mount};
@@ -39,9 +39,6 @@ pub struct Limits {
     min_top_deg: f64,
     min_gravity: f64,
 }
-
-/// Width of a direction, degrees.
-const SECTOR_DEG: f64 = 10.0;
 
 impl Limits {
     /// What a ground is.
@@ -165,26 +162,14 @@ fn judge_side(
 /// Share of the directions in which the highest beams meet nothing, where others do; the median over the clouds. `None` where no beam looks
 /// up.
 fn open_share(clouds: &Clouds, up: &Vector3<f64>, limits: &Limits) -> Option<f64> {
-    let aside = if up.x.abs() < 0.9 { Vector3::x() } else { Vector3::y() };
-    let x = (aside - up * up.dot(&aside)).normalize();
-    let y = up.cross(&x);
     let of_cloud = |sample: &CloudSample| {
-        let points = sample.points.iter().map(|point| Vector3::from(point.xyz));
-        let seen: Vec<(f64, i32)> = points
-            .map(|point| {
-                let sector = point.dot(&y).atan2(point.dot(&x)).to_degrees() / SECTOR_DEG;
-                #[allow(clippy::cast_possible_truncation)] // within 18 to both sides
-                let sector = sector.floor() as i32;
-                ((point.dot(up) / point.norm()).asin().to_degrees(), sector)
-            })
-            .collect();
-        let highest = quantile(&seen.iter().map(|(elevation, _)| *elevation).collect::<Vec<_>>(), 0.995)?;
-        let sectors = |from: f64| -> BTreeSet<i32> {
-            let above = seen.iter().filter(|(elevation, _)| *elevation >= from);
-            above.map(|(_, sector)| *sector).collect()
-        };
-        let (any, top) = (sectors(-90.0).len(), sectors(highest - limits.top_deg).len());
-        (highest >= limits.min_top_deg).then(|| 1.0 - top as f64 / any.max(1) as f64)
+        let points: Vec<Vector3<f64>> = sample.points.iter().map(|point| point.xyz.into()).collect();
+        open_above(
+            &points,
+            up,
+            limits.top_deg.to_radians(),
+            limits.min_top_deg.to_radians(),
+        )
     };
     median(&clouds.evidence.samples.iter().filter_map(of_cloud).collect::<Vec<_>>())
 }

@@ -3,11 +3,13 @@
 use nalgebra::Isometry3;
 use serde::Deserialize;
 
+use crate::math::circular::difference;
 use crate::math::stats::median;
-use crate::rules::hand_eye::{HandEye, Pair, half_turn};
+use crate::rules::cross::hand_eye::{self, HandEyeCalibration};
+use crate::rules::hand_eye::{HandEye, Pair, half_turn, in_plane};
 use crate::rules::lidar::Clouds;
 use crate::rules::scan_motion::Moved;
-use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::rules::{Evidence, Judge, Need, Rule, limits_of};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
@@ -30,6 +32,10 @@ pub struct Limits {
     paired_t: f64,
     min_excess_m: f64,
     max_residual_m: f64,
+    within_sigmas: f64,
+    apart_sigmas: f64,
+    least_yaw_deg: f64,
+    least_place_m: f64,
 }
 
 /// What the mounting may be.
@@ -39,6 +45,14 @@ enum Reading {
     Inverse,
     Turned,
     InverseTurned,
+}
+
+impl Reading {
+    /// Whether it must win against another. What is told needs no fault, and is not held against two at once: at a yaw of 90 deg both
+    /// together are nearly nothing.
+    fn is_held_against(self, rival: Self) -> bool {
+        self != rival && (self, rival) != (Self::AsTold, Self::InverseTurned)
+    }
 }
 
 /// What a reading leaves of each pair, metres.
@@ -76,8 +90,8 @@ impl Residuals {
 pub(crate) struct Seen {
     known: HandEye,
     pairs: usize,
-    /// Each reading with its residual, the best first.
-    residuals: Vec<(Reading, f64)>,
+    /// What each reading leaves, the best first.
+    residuals: Vec<Residuals>,
     decided: Option<Reading>,
     /// Whether the inverse explains the motion better than what was told, if perhaps not alone.
     inverse_serves: bool,
@@ -89,16 +103,20 @@ impl Seen {
         self.decided == Some(Reading::Inverse)
     }
 
-    /// Whether the inverse explains the motion as another reading does, and what was told does not.
-    pub(crate) fn may_be_inverse(&self) -> bool {
-        self.decided.is_none() && self.inverse_serves
+    /// What is to be said beside another reading of the motion, where the inverse serves as well.
+    pub(crate) fn doubt(&self) -> &'static str {
+        if self.decided.is_none() && self.inverse_serves {
+            "; or it is told the wrong way round: its inverse brings the two together as well"
+        } else {
+            ""
+        }
     }
 
     fn of(&self, reading: Reading) -> f64 {
         let mut known = self.residuals.iter();
         known
-            .find(|(other, _)| *other == reading)
-            .map_or(f64::NAN, |(_, residual)| *residual)
+            .find(|known| known.reading == reading)
+            .map_or(f64::NAN, |known| known.median_m)
     }
 }
 
@@ -119,8 +137,13 @@ impl Rule for ExtrinsicDirection {
     }
 }
 
+/// The same for another rule, by the limits of this one.
+pub(crate) fn seen(world: &World, clouds: &Clouds) -> Option<Seen> {
+    look(world, clouds, &limits_of::<ExtrinsicDirection>()?).ok()
+}
+
 /// Which reading of a mounting brings the two motions together.
-pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Seen, (NotEvaluated, String)> {
+fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Seen, (NotEvaluated, String)> {
     let turned_deg = |moved: &Moved| moved.turned_rad().abs().to_degrees();
     let known = HandEye::of(world, clouds, |steps| {
         steps.chained_to_the_end(|moved| turned_deg(moved) >= limits.min_turn_deg || moved.lasted_s() >= limits.long_s)
@@ -162,33 +185,67 @@ pub(crate) fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Se
         (Reading::Turned, known.told * half_turn()),
         (Reading::InverseTurned, inverse * half_turn()),
     ];
+    let by_place = placed(&known, &readings, limits);
     let mut residuals: Vec<Residuals> = readings
         .iter()
         .map(|(reading, mounting)| Residuals::of(*reading, all(mounting)))
         .collect();
     residuals.sort_by(|a, b| a.median_m.total_cmp(&b.median_m));
     let of = |reading: Reading| residuals.iter().find(|known| known.reading == reading);
-    // What is told needs no fault, and is not held against two at once: at a yaw of 90 deg both together are nearly nothing.
-    let decided = residuals.first().zip(of(Reading::AsTold)).and_then(|(best, told)| {
+    let by_pairs = residuals.first().zip(of(Reading::AsTold)).and_then(|(best, told)| {
         let best = if told.is_beaten_by(best, limits) { best } else { told };
-        let mut rivals = residuals.iter().filter(|rival| match best.reading {
-            Reading::AsTold => rival.reading != Reading::InverseTurned,
-            _ => true,
-        });
-        let is_best = rivals.all(|rival| rival.reading == best.reading || rival.is_beaten_by(best, limits));
+        let mut rivals = residuals
+            .iter()
+            .filter(|rival| best.reading.is_held_against(rival.reading));
+        let is_best = rivals.all(|rival| rival.is_beaten_by(best, limits));
         (is_best && best.median_m <= limits.max_residual_m).then_some(best.reading)
     });
     let inverse_serves = of(Reading::Inverse)
         .zip(of(Reading::AsTold))
         .is_some_and(|(inverse, told)| inverse.median_m <= limits.max_residual_m && told.is_beaten_by(inverse, limits));
-    let residuals = residuals.iter().map(|known| (known.reading, known.median_m)).collect();
     Ok(Seen {
         inverse_serves,
         pairs: sure.len(),
         residuals,
-        decided,
+        decided: match (by_pairs, by_place) {
+            (Some(by_pairs), Some(by_place)) => (by_pairs == by_place).then_some(by_pairs),
+            (by_pairs, by_place) => by_pairs.or(by_place),
+        },
         known,
     })
+}
+
+/// The one reading that is where all pairs together determine the mounting, give or take the errors of that; `None` where they do not, or
+/// others are near it.
+fn placed(known: &HandEye, readings: &[(Reading, Isometry3<f64>)], limits: &Limits) -> Option<Reading> {
+    let found = hand_eye::estimated(known, &limits_of::<HandEyeCalibration>()?).ok()?;
+    let [yaw, x, y] = found.sigma;
+    let least_rad = limits.least_yaw_deg.to_radians();
+    let sigma = [
+        yaw.hypot(least_rad),
+        x.hypot(limits.least_place_m),
+        y.hypot(limits.least_place_m),
+    ];
+    let sigmas = |mounting: &Isometry3<f64>| -> f64 {
+        let turned = in_plane(&(mounting * known.told.inverse())).rotation.angle();
+        let off = found.place - mounting.translation.vector.xy();
+        let off = [difference(found.yaw_rad, turned), off.x, off.y];
+        off.iter()
+            .zip(sigma)
+            .map(|(off, sigma)| (off / sigma).powi(2))
+            .sum::<f64>()
+            .sqrt()
+    };
+    let off: Vec<(Reading, f64)> = readings
+        .iter()
+        .map(|(reading, mounting)| (*reading, sigmas(mounting)))
+        .collect();
+    let is_alone = |(reading, best): &&(Reading, f64)| {
+        let mut rivals = off.iter().filter(|(rival, _)| reading.is_held_against(*rival));
+        rivals.all(|(_, sigmas)| sigmas.powi(2) - best.powi(2) >= limits.apart_sigmas.powi(2))
+    };
+    let mut there = off.iter().filter(|(_, sigmas)| *sigmas <= limits.within_sigmas);
+    there.find(is_alone).map(|(reading, _)| *reading)
 }
 
 fn judge_seen(clouds: &Clouds, seen: &Seen, limits: &Limits, out: &mut Judge) {

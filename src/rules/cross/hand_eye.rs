@@ -1,11 +1,12 @@
 //! CROSS05: a mounting against the one that the motions of lidar and platform determine.
 
-use nalgebra::{Isometry2, Isometry3, Vector2, Vector3};
+use nalgebra::Isometry3;
 use serde::Deserialize;
 
 use crate::math::planar_hand_eye::{Mounted, mounted};
-use crate::rules::hand_eye::HandEye;
+use crate::rules::hand_eye::{HandEye, Pair, in_plane};
 use crate::rules::lidar::Clouds;
+use crate::rules::time::point_time_sweep::sweeps_the_other_way;
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
@@ -52,39 +53,49 @@ impl Rule for HandEyeCalibration {
     }
 }
 
-/// What is left of a mounting that is told, in the plane of the body: its yaw and its place.
+/// The pairs that were matched well.
+fn sure<'k>(known: &'k HandEye, limits: &Limits) -> impl Iterator<Item = &'k Pair> {
+    let max_sigma_m = limits.max_sigma_m;
+    known.pairs.iter().filter(move |pair| pair.sigma_m <= max_sigma_m)
+}
+
+/// The same as [`estimated`], where it is sure.
 fn solved(known: &HandEye, limits: &Limits) -> Result<Mounted, (NotEvaluated, String)> {
-    let little = |why: String| (NotEvaluated::TooLittleEvidence, why);
-    let sure: Vec<_> = known
-        .pairs
-        .iter()
-        .filter(|pair| pair.sigma_m <= limits.max_sigma_m)
-        .collect();
-    let turned_deg: f64 = sure.iter().map(|pair| pair.lidar.rotation.angle().to_degrees()).sum();
+    let turned_deg: f64 = sure(known, limits)
+        .map(|pair| pair.lidar.rotation.angle().to_degrees())
+        .sum();
     if turned_deg < limits.min_turned_deg {
-        return Err(little(format!(
+        let why = format!(
             "it turned by {turned_deg:.0} deg in {} pairs of scans: where on the body it is shows in turns alone; {} are needed",
-            sure.len(),
+            sure(known, limits).count(),
             limits.min_turned_deg
-        )));
+        );
+        return Err((NotEvaluated::TooLittleEvidence, why));
     }
-    let turn = Isometry3::from_parts(nalgebra::Translation3::identity(), known.told.rotation);
-    let flat: Vec<_> = sure
-        .iter()
-        .map(|pair| (in_plane(&pair.body), in_plane(&(turn * pair.lidar * turn.inverse()))))
-        .collect();
-    let found =
-        mounted(&flat).ok_or_else(|| little(format!("{} pairs of scans do not determine where it is", flat.len())))?;
+    let found = estimated(known, limits)?;
     let [yaw, x, y] = found.sigma;
     if yaw.to_degrees() > limits.sure_yaw_deg || x.hypot(y) > limits.sure_place_m {
-        return Err(little(format!(
+        let why = format!(
             "yaw and place are determined to {:.1} deg and {:.2} m; {} and {} are needed",
             yaw.to_degrees(),
             x.hypot(y),
             limits.sure_yaw_deg,
             limits.sure_place_m
-        )));
+        );
+        return Err((NotEvaluated::TooLittleEvidence, why));
     }
+    Ok(found)
+}
+
+/// What is left of a mounting that is told, in the plane of the body: its yaw and its place.
+pub(crate) fn estimated(known: &HandEye, limits: &Limits) -> Result<Mounted, (NotEvaluated, String)> {
+    let little = |why: String| (NotEvaluated::TooLittleEvidence, why);
+    let turn = Isometry3::from_parts(nalgebra::Translation3::identity(), known.told.rotation);
+    let flat: Vec<_> = sure(known, limits)
+        .map(|pair| (in_plane(&pair.body), in_plane(&(turn * pair.lidar * turn.inverse()))))
+        .collect();
+    let found =
+        mounted(&flat).ok_or_else(|| little(format!("{} pairs of scans do not determine where it is", flat.len())))?;
     if (found.scale - 1.0).abs() > limits.max_scale {
         return Err(little(format!(
             "{} goes {:.2} m for a metre of the scans: one of them is no measure for the other",
@@ -92,13 +103,6 @@ fn solved(known: &HandEye, limits: &Limits) -> Result<Mounted, (NotEvaluated, St
         )));
     }
     Ok(found)
-}
-
-/// A motion as it is in the plane of x and y.
-fn in_plane(motion: &Isometry3<f64>) -> Isometry2<f64> {
-    let place = motion.translation.vector;
-    let x = motion.rotation * Vector3::x();
-    Isometry2::new(Vector2::new(place.x, place.y), x.y.atan2(x.x))
 }
 
 fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Limits, out: &mut Judge) {
@@ -140,6 +144,10 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Lim
         );
         return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
     }
+    if sweeps_the_other_way(clouds) {
+        let why = "the times of its points run against its sweep, which TIME07 judges: they do not bring a scan to one moment";
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
     let what = match (turned, moved) {
         (true, true) => format!("lacks a yaw of {yaw_deg:+.1} deg, and is {:.2} m off", off.norm()),
         (true, false) => format!("lacks a yaw of {yaw_deg:+.1} deg"),
@@ -150,12 +158,7 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Lim
         known.body, known.lidar, clouds.topic.topic, known.poses.0, found.place.x, found.place.y, told.x, told.y
     );
     let inverse = known.told.inverse();
-    let is_inverse = in_plane(&(inverse * known.told.inverse()))
-        .rotation
-        .angle()
-        .to_degrees()
-        .abs()
-        <= limits.forward_deg
+    let is_inverse = in_plane(&(inverse * inverse)).rotation.angle().to_degrees().abs() <= limits.forward_deg
         && (found.place - inverse.translation.vector.xy()).norm() <= limits.sure_place_m.max(limits.sigmas * sigma_m);
     let (relation, message) = if is_inverse {
         (

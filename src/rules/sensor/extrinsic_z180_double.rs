@@ -4,7 +4,7 @@ use nalgebra::Isometry3;
 use serde::Deserialize;
 
 use crate::rules::axes::lidar_forward_axis::{self, LidarForwardAxis};
-use crate::rules::cross::extrinsic_direction::{self, ExtrinsicDirection};
+use crate::rules::cross::extrinsic_direction::{self, Seen};
 use crate::rules::hand_eye::half_turn;
 use crate::rules::landmarks::{Grid, Maps, maps};
 use crate::rules::lidar::Clouds;
@@ -211,18 +211,12 @@ fn report(world: &World, clouds: &Clouds, subject: String, told: Told, limits: &
             "the clouds are told in the other one of the Lidar and the Sensor frame than the mounting was made for".to_owned(),
         ),
     };
-    let direction =
-        limits_of::<ExtrinsicDirection>().and_then(|limits| extrinsic_direction::look(world, clouds, &limits).ok());
-    let or = match direction {
-        Some(seen) if seen.is_inverse() => {
-            let why = "the mounting is told the wrong way round, as CROSS04 reports";
-            return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-        }
-        Some(seen) if seen.may_be_inverse() => {
-            "; or it is told the wrong way round: its inverse brings the two together as well"
-        }
-        _ => "",
-    };
+    let direction = extrinsic_direction::seen(world, clouds);
+    if direction.as_ref().is_some_and(Seen::is_inverse) {
+        let why = "the mounting is told the wrong way round, as CROSS04 reports";
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    let or = direction.as_ref().map_or("", Seen::doubt);
     let message = format!(
         "`{}_from_{}` is half a turn about z off beside {}: {what}{or}",
         told.body, told.lidar, told.poses.0

@@ -3,7 +3,7 @@
 use serde::Deserialize;
 
 use crate::rules::axes::lidar_forward_axis::{self, LidarForwardAxis};
-use crate::rules::cross::extrinsic_direction::{self, ExtrinsicDirection};
+use crate::rules::cross::extrinsic_direction;
 use crate::rules::lidar::Clouds;
 use crate::rules::{Evidence, Judge, Need, Rule, limits_of};
 use crate::tables::{Forward, Lidar};
@@ -73,10 +73,7 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
             return no(NotEvaluated::NotApplicable, why, out);
         }
     };
-    let inverted = limits_of::<ExtrinsicDirection>()
-        .and_then(|limits| extrinsic_direction::look(world, clouds, &limits).ok())
-        .is_some_and(|seen| seen.is_inverse());
-    if inverted {
+    if extrinsic_direction::seen(world, clouds).is_some_and(|seen| seen.is_inverse()) {
         let why = format!(
             "the mounting lacks a yaw of {:.0} deg, which is part of what CROSS04 reports of it",
             yaw.off_deg

@@ -98,7 +98,7 @@ pub static ERRORS: &[Error] = &[
             mount: |mount| mount * turn(Vector3::z(), 180.0),
             ..RIGHT
         },
-        ["z180"],
+        ["z180", "z180-extra", "z180-missing"],
         [],
         ["AXES12"]
     ),
@@ -109,7 +109,7 @@ pub static ERRORS: &[Error] = &[
             ..RIGHT
         },
         ["inverse", "z-sign"],
-        ["or the transform is told the wrong way round"],
+        ["told the wrong way round"],
         ["CROSS04"]
     ),
     lidar!(
