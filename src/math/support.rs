@@ -62,6 +62,10 @@ pub struct Support {
     pub cells: usize,
     /// Sectors of the view, 10 degrees wide, of 36, in which a point lies on the plane.
     pub sectors: usize,
+    /// The same, in which any point lies.
+    pub seen: usize,
+    /// Share of the points on the plane that are twice as far away as the plane is, or farther: seen at 30 degrees or less.
+    pub far: f64,
     /// Share of the points on the plane that the sensor sees within 3 degrees of its own horizon.
     pub at_horizon: f64,
     /// Median distance of the points on the plane from it, metres.
@@ -75,7 +79,8 @@ const HORIZON_RAD: f64 = 3.0 * PI / 180.0;
 /// The quantile of the elevations that stands for the highest beam: single points above it are noise.
 const HIGHEST: f64 = 0.995;
 
-/// The plane beneath the sensor whose normal is about `up`, with the most cells on it. `None` where no triple makes one.
+/// The plane beneath the sensor whose normal is about `up`, with the most cells on it and the fewest points beneath. `None` where no triple
+/// makes one.
 pub fn support(points: &[Vector3<f64>], up: &Vector3<f64>, options: &Options) -> Option<Support> {
     let near: Vec<Vector3<f64>> = points
         .iter()
@@ -93,7 +98,7 @@ pub fn support(points: &[Vector3<f64>], up: &Vector3<f64>, options: &Options) ->
     let frame = Frame::of(up);
     let [mut cells_under, mut cells_near] = [&under, &near].map(|points| Cells::of(points, &frame));
     let mut sequence = Sequence(0x9e37_79b9_7f4a_7c15);
-    let mut best: Option<(usize, Vector3<f64>, f64)> = None;
+    let mut best: Option<(f64, Vector3<f64>, f64)> = None;
     for _ in 0..options.trials {
         let mut pick = || under.get(sequence.below(under.len())).copied();
         let (Some(a), Some(b), Some(c)) = (pick(), pick(), pick()) else {
@@ -102,9 +107,10 @@ pub fn support(points: &[Vector3<f64>], up: &Vector3<f64>, options: &Options) ->
         let Some((normal, height_m)) = plane(&a, &b, &c, up, options) else {
             continue;
         };
-        let cells = cells_under.on(&normal, height_m, options.tolerance_m);
-        if best.is_none_or(|(most, ..)| cells > most) {
-            best = Some((cells, normal, height_m));
+        let (cells, below) = cells_under.on(&normal, height_m, options);
+        let score = cells as f64 * (1.0 - below as f64 / under.len() as f64);
+        if best.is_none_or(|(most, ..)| score > most) {
+            best = Some((score, normal, height_m));
         }
     }
     let (_, mut normal, mut height_m) = best?;
@@ -135,8 +141,10 @@ pub fn support(points: &[Vector3<f64>], up: &Vector3<f64>, options: &Options) ->
         on: share(&|off| off.abs() <= options.tolerance_m),
         below: share(&|off| off < -options.clear_m),
         above: share(&|off| off > options.clear_m),
-        cells: cells_near.on(&normal, height_m, options.tolerance_m),
+        cells: cells_near.on(&normal, height_m, options).0,
         sectors: frame.sectors(on.iter().copied()),
+        seen: frame.sectors(&near),
+        far: on.iter().filter(|point| point.norm() >= 2.0 * height_m).count() as f64 / on.len().max(1) as f64,
         at_horizon: at_horizon as f64 / on.len().max(1) as f64,
         spread_m: off.get(off.len() / 2).copied().unwrap_or(f64::NAN),
     })
@@ -271,13 +279,15 @@ impl Cells {
         }
     }
 
-    /// In how many cells a point lies on a plane.
-    fn on(&mut self, normal: &Vector3<f64>, height_m: f64, tolerance_m: f64) -> usize {
+    /// In how many cells a point lies on a plane, and how many points lie clearly beneath it.
+    fn on(&mut self, normal: &Vector3<f64>, height_m: f64, options: &Options) -> (usize, usize) {
         self.planes += 1;
         let [a, b, c]: [f64; 3] = (*normal).into();
-        let mut count = 0;
+        let (mut count, mut below) = (0, 0);
         for ([x, y, z], cell) in &self.points {
-            if (a * x + b * y + c * z + height_m).abs() > tolerance_m {
+            let off_m = a * x + b * y + c * z + height_m;
+            below += usize::from(off_m < -options.clear_m);
+            if off_m.abs() > options.tolerance_m {
                 continue;
             }
             if let Some(seen) = self.seen.get_mut(*cell).filter(|seen| **seen != self.planes) {
@@ -285,7 +295,7 @@ impl Cells {
                 count += 1;
             }
         }
-        count
+        (count, below)
     }
 }
 
@@ -372,6 +382,12 @@ mod tests {
         }
         assert!(
             (found.height_m - 2.0).abs() < 1e-9 && found.spread_m < 1e-9,
+            "{found:?}"
+        );
+        // Of a square of 18 m all but the circle that is seen at more than 30 degrees, of 2 m times the tangent of 60, is far.
+        let far = 1.0 - std::f64::consts::PI * 12.0 / 324.0;
+        assert!(
+            (found.far - far).abs() < 0.03 && (found.sectors, found.seen) == (36, 36),
             "{found:?}"
         );
         // Within 9 m of a floor 2 m beneath no point is near the horizon.

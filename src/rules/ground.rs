@@ -33,17 +33,23 @@ pub(crate) type Sides = [Option<Support>; 6];
 pub(crate) struct IsGround {
     /// Least share of the points on it.
     pub(crate) min_on: f64,
-    /// Least share of the points above it; an open place has fewer, and lies in at least so many sectors of 10 degrees.
+    /// Least share of the points above it; an open place has fewer, and lies in at least such a share of the sectors that are seen.
     pub(crate) min_above: f64,
-    pub(crate) min_around: usize,
+    pub(crate) min_around: f64,
+    /// Least share of its points that are seen at a grazing angle.
+    pub(crate) min_far: f64,
     /// Share of the points beneath it from which on it is none.
     pub(crate) max_below: f64,
     /// Largest share of its points near the sensor's own horizon.
     pub(crate) max_at_horizon: f64,
     /// Least height of the sensor, metres.
     pub(crate) least_m: f64,
-    /// Least score, and how many times the next side's it is.
+    /// Least score.
     pub(crate) min_score: f64,
+    /// What a sensor that sees fewer sectors than this does not look around; then least share on the ground, and least score.
+    pub(crate) narrow: usize,
+    pub(crate) narrow_on: f64,
+    pub(crate) narrow_score: f64,
     /// How many times the next side's score it must have.
     pub(crate) min_ratio: f64,
 }
@@ -134,11 +140,17 @@ pub(crate) fn ground(sides: &Sides, is: &IsGround) -> Option<Ground> {
     order.sort_by(|a, b| of(*b).total_cmp(&of(*a)));
     let [side, next, ..] = *order else { return None };
     let plane = (*sides.get(side)?)?;
-    let is_ground = plane.on >= is.min_on
-        && (plane.above >= is.min_above || plane.sectors >= is.min_around)
+    let (min_on, min_score) = if plane.seen < is.narrow {
+        (is.narrow_on, is.narrow_score)
+    } else {
+        (is.min_on, is.min_score)
+    };
+    let is_ground = plane.on >= min_on
+        && (plane.above >= is.min_above || plane.sectors as f64 >= is.min_around * plane.seen as f64)
+        && plane.far >= is.min_far
         && plane.height_m >= is.least_m
         && plane.at_horizon <= is.max_at_horizon
-        && of(side) >= is.min_score
+        && of(side) >= min_score
         && of(side) >= is.min_ratio * of(next);
     let opposite = sides.get(side ^ 1).copied().flatten();
     let whole = opposite.filter(|opposite| opposite.on >= is.min_on);
@@ -163,4 +175,42 @@ pub(crate) fn most(grounds: &[Ground]) -> Option<(usize, usize)> {
     counts
         .filter(|(_, count)| *count > 0)
         .max_by_key(|(side, count)| (*count, SIDES.len() - side))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::math::tests_support::Rng;
+    use crate::rules::axes::up_axis_flip::UpAxisFlip;
+    use crate::rules::limits_of;
+
+    /// What a sensor at the origin sees, looking along x: 70 degrees across, from 25 degrees down to 15 up. The ground lies so far beneath
+    /// it, a wall so far ahead, and a fifth of the rays ends on the way.
+    fn seen(ground_m: f64, wall_m: f64) -> Sides {
+        let mut rng = Rng::new(3);
+        let points: Vec<Vector3<f64>> = (0..1500)
+            .filter_map(|_| {
+                let [across, up] = [rng.range(-35.0, 35.0), rng.range(-25.0, 15.0)].map(f64::to_radians);
+                let ray = Vector3::new(across.cos() * up.cos(), across.sin() * up.cos(), up.sin());
+                let range = (wall_m / ray.x).min(if ray.z < 0.0 { -ground_m / ray.z } else { f64::INFINITY });
+                let range = if rng.range(0.0, 1.0) < 0.2 {
+                    rng.range(0.3, 0.9) * range
+                } else {
+                    range
+                };
+                (range < 80.0).then_some(ray * range)
+            })
+            .collect();
+        SIDES.map(|(side, _)| support(&points, &Vector3::from(side), &Options::default()))
+    }
+
+    #[test]
+    fn a_sensor_that_looks_ahead_sees_the_ground_and_takes_no_wall_for_it() {
+        let limits = limits_of::<UpAxisFlip>().unwrap().is_ground();
+        let side = |ground_m, wall_m| ground(&seen(ground_m, wall_m), &limits).map(|ground| ground.side);
+        assert_eq!(side(1.8, 60.0), Some(0));
+        for wall_m in [4.0, 8.0, 20.0] {
+            assert_eq!(side(100.0, wall_m), None, "{wall_m}");
+        }
+    }
 }

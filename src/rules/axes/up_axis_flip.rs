@@ -29,7 +29,11 @@ pub struct Limits {
     max_below: f64,
     min_on: f64,
     min_above: f64,
-    min_around: usize,
+    min_around: f64,
+    min_far: f64,
+    narrow: usize,
+    narrow_on: f64,
+    narrow_score: f64,
     max_at_horizon: f64,
     least_m: f64,
     max_off_deg: f64,
@@ -47,6 +51,10 @@ impl Limits {
             min_on: self.min_on,
             min_above: self.min_above,
             min_around: self.min_around,
+            min_far: self.min_far,
+            narrow: self.narrow,
+            narrow_on: self.narrow_on,
+            narrow_score: self.narrow_score,
             max_below: self.max_below,
             max_at_horizon: self.max_at_horizon,
             least_m: self.least_m,
@@ -117,9 +125,7 @@ fn judge_side(
     let next = of_side().map(|ground| ground.next).fold(0.0, f64::max);
     let measured = [
         Measured::new(format!("angle of {word} from up"), off_deg, "deg").limit(limits.max_off_deg),
-        Measured::new("cells on the ground, less for what lies beneath", least, "1")
-            .limit(limits.min_score)
-            .samples(of_side().count() as u64),
+        Measured::new("cells on the ground, less for what lies beneath", least, "1").samples(of_side().count() as u64),
         Measured::new("the same of the next side", next, "1"),
     ];
     if off_deg <= limits.max_off_deg {
