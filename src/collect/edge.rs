@@ -1,6 +1,6 @@
 //! One TF edge while it is being collected.
 
-use crate::world::bag::{Faults, TfEdge, TfFault, TfSample};
+use crate::world::bag::{Contradictions, Faults, TfEdge, TfFault, TfSample};
 use crate::world::{FrameId, Pose};
 
 use super::content::motion::{Poses, finish_poses, push_pose};
@@ -28,6 +28,9 @@ pub(super) struct EdgeState {
     last: Point,
     samples: Thinned<(Point, Pose)>,
     extreme: Option<Extreme>,
+    previous: Option<(Point, Pose)>,
+    /// How many repeat the stamp of the one before and differ, and the one that differs most.
+    contradictions: Option<(u64, Extreme)>,
     non_finite: FaultState,
     zero_quaternion: FaultState,
     denormalized: FaultState,
@@ -38,7 +41,7 @@ pub(super) struct EdgeState {
     written: Written,
 }
 
-/// The sample that differs most from the first.
+/// The sample that differs most from another.
 struct Extreme {
     sample: (Point, Pose),
     angle_rad: f64,
@@ -56,6 +59,8 @@ impl EdgeState {
             last: first,
             samples: Thinned::new(share.poses),
             extreme: None,
+            previous: None,
+            contradictions: None,
             non_finite: FaultState::new(share),
             zero_quaternion: FaultState::new(share),
             denormalized: FaultState::new(share),
@@ -109,15 +114,13 @@ impl EdgeState {
         self.samples.push((point, pose));
         self.steps.push(point, pose);
         push_pose(&mut self.poses, point, &pose);
-        let Some((_, first)) = self.samples.first() else { return };
-        if *first == pose {
+        self.repeats(point, &pose);
+        let Some(candidate) = self
+            .samples
+            .first()
+            .and_then(|(_, first)| Extreme::of(first, (point, pose)))
+        else {
             return;
-        }
-        let difference = first.isometry().rotation.rotation_to(&pose.isometry().rotation);
-        let candidate = Extreme {
-            sample: (point, pose),
-            angle_rad: difference.angle(),
-            distance_m: distance(first.translation_m, pose.translation_m),
         };
         if self
             .extreme
@@ -125,6 +128,22 @@ impl EdgeState {
             .is_none_or(|known| candidate.weight() > known.weight())
         {
             self.extreme = Some(candidate);
+        }
+    }
+
+    /// Holds a pose against the one before, where both have one stamp.
+    fn repeats(&mut self, point: Point, pose: &Pose) {
+        let Some((before, other)) = self.previous.replace((point, *pose)) else {
+            return;
+        };
+        if before.stamp_ns != point.stamp_ns || point.stamp_ns.is_none_or(|stamp_ns| stamp_ns == 0) {
+            return;
+        }
+        if let Some(new) = Extreme::of(&other, (point, *pose)) {
+            self.contradictions = Some(match self.contradictions.take() {
+                Some((count, known)) if known.weight() >= new.weight() => (count + 1, known),
+                known => (known.map_or(1, |(count, _)| count + 1), new),
+            });
         }
     }
 
@@ -161,6 +180,12 @@ impl EdgeState {
             denormalized: self.denormalized.finish(topic),
             worst_norm_error: self.worst_norm_error,
             stamps: self.stamps.finish(topic),
+            contradictions: self.contradictions.map(|(count, worst)| Contradictions {
+                count,
+                worst: worst.sample.0.on(topic),
+                angle_rad: worst.angle_rad,
+                distance_m: worst.distance_m,
+            }),
             steps: self.steps.finish(topic.into()),
             writers: self.written.finish(writers),
             motion: poses.and_then(finish_poses),
@@ -169,6 +194,16 @@ impl EdgeState {
 }
 
 impl Extreme {
+    /// How a sample differs from a pose; `None` where it does not.
+    fn of(from: &Pose, sample: (Point, Pose)) -> Option<Self> {
+        let (_, pose) = &sample;
+        (from != pose).then(|| Self {
+            angle_rad: from.isometry().rotation.rotation_to(&pose.isometry().rotation).angle(),
+            distance_m: distance(from.translation_m, pose.translation_m),
+            sample,
+        })
+    }
+
     /// Whichever of angle and distance is larger in its unit: a small turn must not hide a large shift.
     fn weight(&self) -> f64 {
         (self.angle_rad / ANGLE_UNIT_RAD).max(self.distance_m / DISTANCE_UNIT_M)

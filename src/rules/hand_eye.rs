@@ -51,7 +51,7 @@ const BY_SCANS: [&str; 19] = [
 
 /// Least part of up that lies along z of the body, where the transforms turn the lidar's up to: 60 degrees. A turned axis is AXES10's.
 const LEAST_UP: f64 = 0.5;
-/// Turning of all pairs by the poses, root mean square, from which on its sign is looked at, radians: 0.5 degrees.
+/// Turning of all pairs, root mean square, from which on its sign and its moment are looked at, radians: 0.5 degrees.
 const LEAST_TURN_RAD: f64 = 0.0087;
 /// Turning of the scans over that of the poses from which on they surely turn to the same side, or to the other.
 const SURE: f64 = 0.5;
@@ -275,10 +275,12 @@ fn late(moved: &[Moved], poses: &Stream<PoseRow>, turned: &Turned) -> Late {
     let is_alike = |(_, left): &&(f64, f64)| *left <= ALIKE * least + ALIKE_RAD * ALIKE_RAD;
     let unsure_s = found.iter().filter(is_alike).map(|(late_s, _)| (late_s - best_s).abs());
     let longest_s = LATE_STEP_S * (f64::from(MAX_LATE) - 0.5);
+    let turned = moved.iter().map(|moved| moved.turned_rad().powi(2)).sum::<f64>() / moved.len() as f64;
+    let is_unlike = || left(0.0).is_some_and(|as_told| as_told > UNLIKE * least);
     Late {
         by_s: best_s,
         unsure_s: unsure_s.fold(0.0, f64::max),
-        is_beyond: best_s.abs() > longest_s && left(0.0).is_some_and(|as_told| as_told > UNLIKE * least),
+        is_beyond: best_s.abs() > longest_s && turned > LEAST_TURN_RAD.powi(2) && is_unlike(),
     }
 }
 

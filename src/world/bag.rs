@@ -48,6 +48,21 @@ pub struct StampEvidence {
     pub last: Option<MessageRef>,
 }
 
+/// Transforms of one edge that share a stamp with the one before, and differ from it.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Contradictions {
+    /// How many.
+    pub count: u64,
+    /// The one that differs most, by 0.1° as by 1 mm.
+    pub worst: MessageRef,
+    /// How far it is turned against the one before, radians.
+    #[serde(with = "super::number")]
+    pub angle_rad: f64,
+    /// How far apart the two are, metres.
+    #[serde(with = "super::number")]
+    pub distance_m: f64,
+}
+
 /// How a frame id is used in the headers of a topic.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct HeaderFrame {
@@ -244,6 +259,9 @@ pub struct TfEdge {
     pub worst_norm_error: f64,
     /// Stamps of the edge.
     pub stamps: StampEvidence,
+    /// Transforms that repeat the stamp of the one before, and say something else.
+    #[serde(default)]
+    pub contradictions: Option<Contradictions>,
     /// How the pose moves.
     pub steps: StepEvidence,
     /// Transforms by writer, where the format knows (`callerid` of ROS 1).
@@ -272,6 +290,7 @@ impl TfEdge {
             denormalized: Faults::default(),
             worst_norm_error: 0.0,
             stamps: StampEvidence::default(),
+            contradictions: None,
             steps: StepEvidence::default(),
             writers: BTreeMap::new(),
             motion: None,

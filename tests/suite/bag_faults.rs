@@ -224,6 +224,11 @@ fn faults() -> Vec<Fault> {
             "  - topic: /tf\n    at_s: 30.01\n    stamp_offset_s: -1\n    transforms:\n      - {parent: odom, child: base_link, velocity: [3, 0, 0], yaw_rate_deg_s: 4}\n",
             &["TIME03 warning /tf"],
         ),
+        topic(
+            "a stamp of /tf again, with another place",
+            "  - topic: /tf\n    at_s: 30.01\n    stamp_offset_s: -0.01\n    transforms:\n      - {parent: odom, child: base_link, xyz: [0.4, 0, 0], velocity: [3, 0, 0], yaw_rate_deg_s: 4}\n",
+            &["TIME03 warning /tf"],
+        ),
         fault(
             "12 s without odom -> base_link",
             ODOM,
@@ -344,7 +349,7 @@ fn faults() -> Vec<Fault> {
     ]
 }
 
-fn check(recipe: &str, with_urdf: bool) -> (tempfile::TempDir, Run) {
+pub(crate) fn check(recipe: &str, with_urdf: bool) -> (tempfile::TempDir, Run) {
     let folder = tempfile::tempdir().unwrap();
     support::write(recipe, &folder.path().join("drive.mcap"));
     if with_urdf {
@@ -355,7 +360,7 @@ fn check(recipe: &str, with_urdf: bool) -> (tempfile::TempDir, Run) {
 }
 
 /// A finding in one line: rule, severity, topic and relation.
-fn describe(finding: &Finding) -> String {
+pub(crate) fn describe(finding: &Finding) -> String {
     let topic = match &finding.places[0].place.at {
         At::Message(message) => message.topic.clone(),
         other => format!("{other:?}"),

@@ -9,6 +9,7 @@ mod bag;
 mod bag_content;
 mod bag_damage;
 mod bag_faults;
+mod bag_faults_seen;
 mod bag_large;
 mod bag_sampling;
 mod bag_strange;

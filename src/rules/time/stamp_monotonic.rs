@@ -8,7 +8,7 @@ use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
 
 use super::gaps::judge_gaps;
-use super::streams::{Stream, streams};
+use super::streams::{Of, Stream, streams};
 use super::tf_vs_sensor_time::TfVsSensorTime;
 use crate::rules::limits_of;
 
@@ -22,6 +22,8 @@ pub struct Limits {
     min_messages: u64,
     jump_back_s: f64,
     repeated_share: f64,
+    contradicts_m: f64,
+    contradicts_deg: f64,
     pub(super) gap_s: f64,
     pub(super) gap_medians: f64,
     pub(super) regular_share: f64,
@@ -65,7 +67,7 @@ fn is_judged(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) -> bool {
 fn judge_order(stream: &Stream<'_>, has_gap: bool, is_reused: bool, limits: &Limits, out: &mut Judge) {
     let stamps = stream.stamps;
     let repeated = if is_reused { None } else { repeated(stream, limits) };
-    let findings = [backward(stream, limits), repeated];
+    let findings = [backward(stream, limits), repeated, contradicting(stream, limits)];
     let mut sound = !has_gap;
     for finding in findings.into_iter().flatten() {
         sound = false;
@@ -119,6 +121,27 @@ fn backward(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
         )
         .measured(Measured::new("steps back", stream.stamps.backward as f64, "count"));
     Some(if jump { finding } else { finding.likely() })
+}
+
+/// Of two transforms with one stamp tf2 takes the first, and a replay or another node may see the other.
+fn contradicting(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
+    let Of::Edge(edge) = stream.of else { return None };
+    let found = edge.contradictions.as_ref()?;
+    let angle_deg = found.angle_rad.to_degrees();
+    if found.distance_m <= limits.contradicts_m && angle_deg <= limits.contradicts_deg {
+        return None;
+    }
+    let what = format!(
+        "{} transform(s) `{}` -> `{}` on {} repeat the stamp of the one before with another pose, up to {:.2} m and {angle_deg:.1} deg off: tf2 \
+         takes the first and drops the other",
+        found.count, edge.parent, edge.child, edge.topic, found.distance_m
+    );
+    let finding = Finding::warning(stream.subject.clone(), what, at(stream, &found.worst))
+        .help("let one node publish this transform, once for each stamp")
+        .measured(Measured::new("largest difference at one stamp", found.distance_m, "m").limit(limits.contradicts_m))
+        .measured(Measured::new("largest turn at one stamp", angle_deg, "deg").limit(limits.contradicts_deg))
+        .measured(Measured::new("contradictions", found.count as f64, "count").samples(stream.stamps.count));
+    Some(finding)
 }
 
 fn repeated(stream: &Stream<'_>, limits: &Limits) -> Option<Finding> {
