@@ -149,7 +149,8 @@ impl Table {
         let is_meant = |question: &Question| {
             let line = &lines[question.line];
             let name = format!("{} {} {} {}", line.group, line.rule, line.drive, line.what);
-            words.is_empty() || words.iter().any(|word| name.contains(word.as_str()))
+            let has = |word: &String| word.split('+').all(|part| name.contains(part));
+            words.is_empty() || words.iter().any(has)
         };
         for cell in self.drives.iter_mut().flat_map(|drives| &mut drives.cells) {
             cell.questions.retain(is_meant);
