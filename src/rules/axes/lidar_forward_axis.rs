@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 use crate::math::circular::{circular_mean, difference};
 use crate::rules::cross::extrinsic_direction::{self, Seen};
-use crate::rules::hand_eye::{HandEye, in_plane};
+use crate::rules::hand_eye::HandEye;
 use crate::rules::lidar::Clouds;
 use crate::rules::sensor::lidar_turn;
 use crate::rules::{Evidence, Judge, Need, Rule};
@@ -47,13 +47,6 @@ impl Yaw {
         }
         let near = |quarters: &i8| (self.off_deg - 90.0 * f64::from(*quarters)).abs() <= limits.named_deg;
         [-2, -1, 1, 2].into_iter().find(near)
-    }
-
-    /// Whether the inverse of what is told lacks nothing.
-    fn is_of_inverse(&self, known: &HandEye, limits: &Limits) -> bool {
-        let turned = in_plane(&(known.told.inverse() * known.told.inverse()));
-        let left = difference(self.off_deg.to_radians(), turned.rotation.angle());
-        left.abs().to_degrees() <= limits.pass_deg + 2.0 * self.error_deg
     }
 
     /// The numbers of a finding or a pass.
@@ -177,11 +170,8 @@ fn judge_yaw(world: &World, clouds: &Clouds, known: &HandEye, yaw: &Yaw, limits:
         Some(2 | -2) => ("z180", "the sensor looks back"),
         _ => ("yaw", "the mounting is turned otherwise than its transform says"),
     };
-    let or = match &direction {
-        Some(seen) => seen.doubt(),
-        None if yaw.is_of_inverse(known, limits) => "; or it is told the wrong way round: its inverse has that yaw",
-        None => "",
-    };
+    let error_rad = (limits.pass_deg + 2.0 * yaw.error_deg).to_radians();
+    let or = extrinsic_direction::doubt(direction.as_ref(), &known.told, yaw.off_deg.to_radians(), error_rad);
     let message = format!(
         "`{}_from_{}` lacks a yaw of {:+.1} deg: the scans on `{}` go another way than {}; {what}{or}",
         known.body, known.lidar, yaw.off_deg, clouds.topic.topic, known.poses.0

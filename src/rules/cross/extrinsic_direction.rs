@@ -103,15 +103,6 @@ impl Seen {
         self.decided == Some(Reading::Inverse)
     }
 
-    /// What is to be said beside another reading of the motion, where the inverse serves as well.
-    pub(crate) fn doubt(&self) -> &'static str {
-        if self.decided.is_none() && self.inverse_serves {
-            "; or it is told the wrong way round: its inverse brings the two together as well"
-        } else {
-            ""
-        }
-    }
-
     fn of(&self, reading: Reading) -> f64 {
         let mut known = self.residuals.iter();
         known
@@ -140,6 +131,20 @@ impl Rule for ExtrinsicDirection {
 /// The same for another rule, by the limits of this one.
 pub(crate) fn seen(world: &World, clouds: &Clouds) -> Option<Seen> {
     look(world, clouds, &limits_of::<ExtrinsicDirection>()?).ok()
+}
+
+/// What is to be said beside a yaw that a mounting lacks, where its inverse explains that yaw as well: by the motions, or where they do not
+/// tell, by the yaw of the inverse, give or take an error.
+pub(crate) fn doubt(seen: Option<&Seen>, told: &Isometry3<f64>, lacks_rad: f64, error_rad: f64) -> &'static str {
+    let inverse = told.inverse();
+    let has_that_yaw = || difference(lacks_rad, in_plane(&(inverse * inverse)).rotation.angle()).abs() <= error_rad;
+    match seen {
+        Some(seen) if seen.decided.is_none() && seen.inverse_serves => {
+            "; or it is told the wrong way round: its inverse brings the two together as well"
+        }
+        None if has_that_yaw() => "; or it is told the wrong way round: its inverse has that yaw",
+        _ => "",
+    }
 }
 
 /// Which reading of a mounting brings the two motions together.

@@ -1,5 +1,7 @@
 //! SENSOR03: the half turn between an Ouster's two frames left out or applied twice; transforms that a driver applies applied again.
 
+use std::f64::consts::PI;
+
 use nalgebra::Isometry3;
 use serde::Deserialize;
 
@@ -216,7 +218,10 @@ fn report(world: &World, clouds: &Clouds, subject: String, told: Told, limits: &
         let why = "the mounting is told the wrong way round, as CROSS04 reports";
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
-    let or = direction.as_ref().map_or("", Seen::doubt);
+    let mounted = world.graph().chain(&told.body, &told.lidar, |edge| edge.is_rigid);
+    let or = mounted.map_or("", |(pose, _)| {
+        extrinsic_direction::doubt(direction.as_ref(), &pose, PI, limits.max_half_off_deg.to_radians())
+    });
     let message = format!(
         "`{}_from_{}` is half a turn about z off beside {}: {what}{or}",
         told.body, told.lidar, told.poses.0
