@@ -128,10 +128,9 @@ pub fn support(points: &[Vector3<f64>], up: &Vector3<f64>, options: &Options) ->
         .iter()
         .filter(|point| of(point).abs() <= options.tolerance_m)
         .collect();
-    let at_horizon = on
-        .iter()
-        .filter(|point| frame.elevation(point).abs() < HORIZON_RAD)
-        .count();
+    let share_on = |is: &dyn Fn(&Vector3<f64>) -> bool| {
+        on.iter().filter(|point| is(point)).count() as f64 / on.len().max(1) as f64
+    };
     let mut off: Vec<f64> = on.iter().map(|point| of(point).abs()).collect();
     off.sort_by(f64::total_cmp);
     Some(Support {
@@ -144,8 +143,8 @@ pub fn support(points: &[Vector3<f64>], up: &Vector3<f64>, options: &Options) ->
         cells: cells_near.on(&normal, height_m, options).0,
         sectors: frame.sectors(on.iter().copied()),
         seen: frame.sectors(&near),
-        far: on.iter().filter(|point| point.norm() >= 2.0 * height_m).count() as f64 / on.len().max(1) as f64,
-        at_horizon: at_horizon as f64 / on.len().max(1) as f64,
+        far: share_on(&|point| point.norm() >= 2.0 * height_m),
+        at_horizon: share_on(&|point| frame.elevation(point).abs() < HORIZON_RAD),
         spread_m: off.get(off.len() / 2).copied().unwrap_or(f64::NAN),
     })
 }

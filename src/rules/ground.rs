@@ -54,6 +54,17 @@ pub(crate) struct IsGround {
     pub(crate) min_ratio: f64,
 }
 
+impl IsGround {
+    /// Least share of the points on a plane and least score, by how far around the sensor sees.
+    pub(crate) fn least(&self, plane: &Support) -> (f64, f64) {
+        if plane.seen < self.narrow {
+            (self.narrow_on, self.narrow_score)
+        } else {
+            (self.min_on, self.min_score)
+        }
+    }
+}
+
 /// The ground in one cloud.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Ground {
@@ -140,11 +151,7 @@ pub(crate) fn ground(sides: &Sides, is: &IsGround) -> Option<Ground> {
     order.sort_by(|a, b| of(*b).total_cmp(&of(*a)));
     let [side, next, ..] = *order else { return None };
     let plane = (*sides.get(side)?)?;
-    let (min_on, min_score) = if plane.seen < is.narrow {
-        (is.narrow_on, is.narrow_score)
-    } else {
-        (is.min_on, is.min_score)
-    };
+    let (min_on, min_score) = is.least(&plane);
     let is_ground = plane.on >= min_on
         && (plane.above >= is.min_above || plane.sectors as f64 >= is.min_around * plane.seen as f64)
         && plane.far >= is.min_far

@@ -6,9 +6,10 @@
 //!
 //! prints the table. `RATES_SEEDS` is how many seeds there are of each line (200), `RATES_FROM` the first of them (1001: limits
 //! were looked for on lower ones), `RATES_ONLY` words of the groups, rules, drives and faults that are tried, with commas
-//! between them (all), and with `+` between those that must all be there; with `RATES_WHY` some reasons of what was not evaluated follow. A finding is right when it names the
-//! fault, alone or among those that it says fit as well; another rule may have it, where the rule says so. The table's
-//! references are simulations that others made of such rules, with vehicles and sensors like these.
+//! between them (all), and with `+` between those that must all be there; with `RATES_WHY` some reasons of what was not
+//! evaluated follow. A finding is right when it names the fault, alone or among those that it says fit as well; another rule
+//! may have it, where the rule says so. The table's references are simulations that others made of such rules, with vehicles
+//! and sensors like these.
 
 #![allow(
     clippy::unwrap_used,

@@ -121,11 +121,16 @@ fn judge_side(
         .map_or(axis, |mount| mount.base_from_sensor.rotation * axis);
     let off_deg = in_base.angle(&Vector3::z()).to_degrees();
     let of_side = || grounds.iter().filter(|ground| ground.side == side);
-    let least = of_side().map(|ground| ground.score).fold(f64::INFINITY, f64::min);
+    let Some(least) = of_side().min_by(|a, b| a.score.total_cmp(&b.score)) else {
+        return;
+    };
+    let (_, min_score) = limits.is_ground().least(&least.plane);
     let next = of_side().map(|ground| ground.next).fold(0.0, f64::max);
     let measured = [
         Measured::new(format!("angle of {word} from up"), off_deg, "deg").limit(limits.max_off_deg),
-        Measured::new("cells on the ground, less for what lies beneath", least, "1").samples(of_side().count() as u64),
+        Measured::new("cells on the ground, less for what lies beneath", least.score, "1")
+            .limit(min_score)
+            .samples(of_side().count() as u64),
         Measured::new("the same of the next side", next, "1"),
     ];
     if off_deg <= limits.max_off_deg {

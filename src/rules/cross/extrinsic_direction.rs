@@ -86,6 +86,11 @@ impl Residuals {
     }
 }
 
+/// What a reading leaves.
+fn of(residuals: &[Residuals], reading: Reading) -> Option<&Residuals> {
+    residuals.iter().find(|known| known.reading == reading)
+}
+
 /// What was seen.
 pub(crate) struct Seen {
     known: HandEye,
@@ -104,10 +109,7 @@ impl Seen {
     }
 
     fn of(&self, reading: Reading) -> f64 {
-        let mut known = self.residuals.iter();
-        known
-            .find(|known| known.reading == reading)
-            .map_or(f64::NAN, |known| known.median_m)
+        of(&self.residuals, reading).map_or(f64::NAN, |known| known.median_m)
     }
 }
 
@@ -196,8 +198,8 @@ fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Seen, (NotEva
         .map(|(reading, mounting)| Residuals::of(*reading, all(mounting)))
         .collect();
     residuals.sort_by(|a, b| a.median_m.total_cmp(&b.median_m));
-    let of = |reading: Reading| residuals.iter().find(|known| known.reading == reading);
-    let by_pairs = residuals.first().zip(of(Reading::AsTold)).and_then(|(best, told)| {
+    let told = of(&residuals, Reading::AsTold);
+    let by_pairs = residuals.first().zip(told).and_then(|(best, told)| {
         let best = if told.is_beaten_by(best, limits) { best } else { told };
         let mut rivals = residuals
             .iter()
@@ -205,8 +207,8 @@ fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Seen, (NotEva
         let is_best = rivals.all(|rival| rival.is_beaten_by(best, limits));
         (is_best && best.median_m <= limits.max_residual_m).then_some(best.reading)
     });
-    let inverse_serves = of(Reading::Inverse)
-        .zip(of(Reading::AsTold))
+    let inverse_serves = of(&residuals, Reading::Inverse)
+        .zip(told)
         .is_some_and(|(inverse, told)| inverse.median_m <= limits.max_residual_m && told.is_beaten_by(inverse, limits));
     Ok(Seen {
         inverse_serves,
