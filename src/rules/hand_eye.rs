@@ -6,7 +6,7 @@ use nalgebra::{Isometry2, Isometry3, Translation3, UnitQuaternion, Vector2, Vect
 
 use crate::rules::lidar::Clouds;
 use crate::rules::motion::{Motion, Stream, Turned};
-use crate::rules::scan_motion::{Moment, Moved, ScanMotion, Steps, in_space};
+use crate::rules::scan_motion::{Moment, Moved, ScanMotion, Steps};
 use crate::rules::time::point_time_sweep::sweeps_the_other_way;
 use crate::source::Place;
 use crate::verdict::NotEvaluated;
@@ -162,7 +162,7 @@ impl HandEye {
         let tied = tied.into_iter().filter(|(poses, ..)| !is_by_scans(poses));
         let moved = pick(steps);
         let of = |(poses, body, told): (&Stream<PoseRow>, FrameId, Isometry3<f64>)| {
-            let (pairs, late) = pairs(&moved, poses);
+            let (pairs, late) = pairs(steps, &moved, poses);
             Self {
                 pairs,
                 late,
@@ -235,7 +235,7 @@ pub(crate) fn is_by_scans(poses: &Stream<PoseRow>) -> bool {
 }
 
 /// The motions of both between the clouds that were matched, and their moment.
-fn pairs(moved: &[Moved], poses: &Stream<PoseRow>) -> (Vec<Pair>, Late) {
+fn pairs(steps: &Steps, moved: &[Moved], poses: &Stream<PoseRow>) -> (Vec<Pair>, Late) {
     let (turned, track) = (Turned::of(poses), poses.track());
     let at = |t_s: f64| pose_at(&turned, &track.at(t_s)?, t_s);
     let late = late(moved, poses, &turned);
@@ -246,7 +246,7 @@ fn pairs(moved: &[Moved], poses: &Stream<PoseRow>) -> (Vec<Pair>, Late) {
         };
         Some(Pair {
             body: from.inv_mul(&to),
-            lidar: in_space(&moved.motion),
+            lidar: steps.in_cloud(moved),
             sigma_rad: moved.sigma[0],
             sigma_m: moved.sigma[1],
             lasted_s: moved.lasted_s(),

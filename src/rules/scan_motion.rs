@@ -1,16 +1,16 @@
 //! How lidars moved by their own clouds: neighbouring scans matched to each other, once for all rules.
 //!
-//! Owns which points are compared and the chains of steps. Motions are in the plane of the cloud's x and y, and only sought where
-//! that plane is level. Must not judge.
+//! Owns which points are compared and the chains of steps. Motions are in the plane of the ground, and only sought where z of the cloud is
+//! about upright. Must not judge.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use nalgebra::{Isometry2, Vector3};
+use nalgebra::{Isometry2, Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
 
 use crate::math::stats::median;
 use crate::rules::axes::up_axis_flip::UpAxisFlip;
-use crate::rules::ground::{Planes, SIDES};
+use crate::rules::ground::{Ground, Planes, SIDES, sensor_in_cloud};
 use crate::rules::lidar::Clouds;
 use crate::rules::limits_of;
 use crate::rules::motion::{Motion, mount};
@@ -76,7 +76,7 @@ impl Moment {
 pub(crate) struct Moved {
     pub(crate) from: Moment,
     pub(crate) to: Moment,
-    /// `from_cloud_from_to_cloud`: where the later sensor is in the axes of the earlier one.
+    /// `from_level_from_to_level`: where the later sensor is in the level axes of the earlier one ([`Steps::level_from_cloud`]).
     pub(crate) motion: Isometry2<f64>,
     /// Standard errors of the angle and of the place, radians and metres.
     pub(crate) sigma: [f64; 2],
@@ -88,7 +88,7 @@ impl Moved {
         self.motion.translation.vector.norm()
     }
 
-    /// How far it turned about the cloud's z, radians.
+    /// How far it turned about the level z, radians.
     pub(crate) fn turned_rad(&self) -> f64 {
         self.motion.rotation.angle()
     }
@@ -107,6 +107,8 @@ pub(crate) struct Steps {
     pub(crate) is_up: Option<bool>,
     /// Why that is not known.
     pub(crate) why: &'static str,
+    /// Turns the cloud's axes so that its z stands upright on the ground, up or down as it does already.
+    level_from_cloud: UnitQuaternion<f64>,
     runs: Vec<Vec<Seen>>,
 }
 
@@ -114,6 +116,16 @@ impl Steps {
     /// How many steps were matched.
     pub(crate) fn count(&self) -> usize {
         self.runs.iter().map(|run| run.len() - 1).sum()
+    }
+
+    /// `from_cloud_from_to_cloud`: where the later sensor is in the axes of the earlier one.
+    pub(crate) fn in_cloud(&self, moved: &Moved) -> Isometry3<f64> {
+        let place = moved.motion.translation.vector;
+        let flat = Isometry3::from_parts(
+            Translation3::new(place.x, place.y, 0.0),
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), moved.turned_rad()),
+        );
+        self.level_from_cloud.inverse() * flat * self.level_from_cloud
     }
 
     /// Steps that follow each other put together until they are enough, one after the other.
@@ -185,8 +197,8 @@ fn steps(world: &World, clouds: &Clouds, planes: &Planes) -> Steps {
         return match level(world, clouds) {
             Ok(is_up) => Steps {
                 is_up: Some(is_up),
-                why: "",
-                runs: runs(clouds, |_| true),
+                runs: runs(clouds, |point| Some(point.xy())),
+                ..Steps::default()
             },
             Err(why) => Steps {
                 why,
@@ -211,13 +223,51 @@ fn steps(world: &World, clouds: &Clouds, planes: &Planes) -> Steps {
         }
         None => None,
     };
-    let height_m = is_up.and_then(|_| median(&grounds.iter().map(|ground| ground.plane.height_m).collect::<Vec<_>>()));
-    let sign = if is_up == Some(false) { -1.0 } else { 1.0 };
-    let is_clear = |z: f64| height_m.is_none_or(|height_m| sign * z > CLEAR_M - height_m);
+    let Some(upright) = is_up.and_then(|is_up| Upright::of(&grounds, is_up)) else {
+        return Steps {
+            why: NO_GROUND,
+            runs: runs(clouds, |point| Some(point.xy())),
+            ..Steps::default()
+        };
+    };
+    let sensor = sensor_in_cloud(world, clouds).unwrap_or_else(Vector3::zeros);
     Steps {
         is_up,
-        why: NO_GROUND,
-        runs: runs(clouds, is_clear),
+        level_from_cloud: upright.level_from_cloud,
+        runs: runs(clouds, |point| {
+            let is_clear = upright.height_m + upright.up.dot(&(point - sensor)) > CLEAR_M;
+            is_clear.then(|| (upright.level_from_cloud * point).xy())
+        }),
+        ..Steps::default()
+    }
+}
+
+/// How a lidar stands on the ground.
+struct Upright {
+    /// The normal of the ground, in the axes of the cloud.
+    up: Vector3<f64>,
+    /// Height of the sensor, metres.
+    height_m: f64,
+    level_from_cloud: UnitQuaternion<f64>,
+}
+
+impl Upright {
+    /// By the grounds of its clouds, which lie beneath z or above it.
+    fn of(grounds: &[Ground], is_up: bool) -> Option<Self> {
+        let sign = if is_up { 1.0 } else { -1.0 };
+        let of_that_side = || {
+            grounds
+                .iter()
+                .map(|ground| ground.plane)
+                .filter(|plane| sign * plane.normal.z > 0.0)
+        };
+        let part = |axis: usize| median(&of_that_side().map(|plane| plane.normal[axis]).collect::<Vec<_>>());
+        let up = Vector3::new(part(0)?, part(1)?, part(2)?).try_normalize(0.5)?;
+        Some(Self {
+            up,
+            height_m: median(&of_that_side().map(|plane| plane.height_m).collect::<Vec<_>>())?,
+            level_from_cloud: UnitQuaternion::rotation_between(&up, &(Vector3::z() * sign))?,
+        })
     }
 }
 
@@ -233,14 +283,14 @@ fn level(world: &World, clouds: &Clouds) -> Result<bool, &'static str> {
     Ok(up > 0.0)
 }
 
-/// The clouds of each run, of the points that count, as far as they were matched.
-fn runs(clouds: &Clouds, is_clear: impl Fn(f64) -> bool) -> Vec<Vec<Seen>> {
+/// The clouds of each run, as far as they were matched; of each the points that count, laid flat.
+fn runs(clouds: &Clouds, flat: impl Fn(&Vector3<f64>) -> Option<Vector2<f64>>) -> Vec<Vec<Seen>> {
     let start_ns = clouds.bag.start_ns.unwrap_or_default();
     let moment = |slice: &CloudSlice| Moment::new(slice.stamp_ns, slice.log_ns, start_ns);
     let second = unit_of_times(&clouds.evidence.runs, moment);
     let mut runs = Vec::new();
     for run in &clouds.evidence.runs {
-        let mut raw = run.iter().map(|slice| Raw::of(moment(slice), slice, second, &is_clear));
+        let mut raw = run.iter().map(|slice| Raw::of(moment(slice), slice, second, &flat));
         let Some(first) = raw.next() else { continue };
         let mut matching = Matching::of(first);
         for raw in raw {
@@ -276,11 +326,66 @@ fn unit_of_times(runs: &[Vec<CloudSlice>], moment: impl Fn(&CloudSlice) -> Momen
         .map(|(unit, _)| unit)
 }
 
-/// A motion in the plane of the cloud as one in its three axes.
-pub(crate) fn in_space(motion: &Isometry2<f64>) -> nalgebra::Isometry3<f64> {
-    let place = motion.translation.vector;
-    nalgebra::Isometry3::new(
-        Vector3::new(place.x, place.y, 0.0),
-        Vector3::z() * motion.rotation.angle(),
-    )
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::math::support::Support;
+
+    fn ground(up: Vector3<f64>) -> Ground {
+        let plane = Support {
+            normal: up,
+            height_m: 1.8,
+            points: 100,
+            on: 1.0,
+            below: 0.0,
+            above: 0.0,
+            cells: 40,
+            sectors: 36,
+            seen: 36,
+            far: 1.0,
+            at_horizon: 0.0,
+            spread_m: 0.0,
+        };
+        Ground {
+            side: 0,
+            score: 40.0,
+            next: 0.0,
+            plane,
+            ceiling_cells: 0.0,
+        }
+    }
+
+    /// A body that turns by 0.2 rad and goes a metre, seen by a lidar that is pitched by 12 degrees, upright and upside down.
+    #[test]
+    fn a_motion_on_the_ground_is_told_in_the_axes_of_a_tilted_cloud() {
+        let body = Isometry3::new(Vector3::new(1.0, 0.1, 0.0), Vector3::z() * 0.2);
+        for (roll, is_up) in [(0.0, true), (std::f64::consts::PI, false)] {
+            let body_from_lidar = UnitQuaternion::from_euler_angles(roll, 0.2, 0.0);
+            let up = body_from_lidar.inverse() * Vector3::z();
+            let upright = Upright::of(&[ground(up), ground(-up)], is_up).unwrap();
+            assert!((upright.up - up).norm() < 1e-12 && (upright.height_m - 1.8).abs() < 1e-12);
+            let steps = Steps {
+                is_up: Some(is_up),
+                level_from_cloud: upright.level_from_cloud,
+                ..Steps::default()
+            };
+            let level = upright.level_from_cloud * body_from_lidar.inverse();
+            let flat = level * body * level.inverse();
+            assert!(flat.translation.z.abs() < 1e-12, "{flat}");
+            let moment = Moment::new(None, 0, 0);
+            let moved = Moved {
+                from: moment,
+                to: moment,
+                motion: Isometry2::new(flat.translation.vector.xy(), flat.rotation.scaled_axis().z),
+                sigma: [0.0; 2],
+            };
+            let expected = body_from_lidar.inverse() * body * body_from_lidar;
+            let off = steps.in_cloud(&moved).inv_mul(&expected);
+            assert!(
+                off.translation.vector.norm() < 1e-9 && off.rotation.angle() < 1e-9,
+                "{off}"
+            );
+        }
+    }
 }

@@ -214,17 +214,37 @@ fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Seen, (NotEva
         inverse_serves,
         pairs: sure.len(),
         residuals,
-        decided: match (by_pairs, by_place) {
-            (Some(by_pairs), Some(by_place)) => (by_pairs == by_place).then_some(by_pairs),
-            (by_pairs, by_place) => by_pairs.or(by_place),
+        decided: match by_place {
+            Some(by_place) => by_place.agreed(by_pairs),
+            None => by_pairs,
         },
         known,
     })
 }
 
-/// The one reading that is where all pairs together determine the mounting, give or take the errors of that; `None` where they do not, or
-/// others are near it.
-fn placed(known: &HandEye, readings: &[(Reading, Isometry3<f64>)], limits: &Limits) -> Option<Reading> {
+/// Where all pairs together determine the mounting.
+struct Placed {
+    /// The readings that are there, give or take its errors.
+    near: Vec<Reading>,
+    /// The one of them that all others are far from.
+    alone: Option<Reading>,
+}
+
+impl Placed {
+    /// The reading that both ways allow. A mounting that is off by something else than a reading may still be told the right way round.
+    fn agreed(&self, by_pairs: Option<Reading>) -> Option<Reading> {
+        match (by_pairs, self.alone) {
+            (Some(by_pairs), None) => {
+                (by_pairs == Reading::AsTold || self.near.contains(&by_pairs)).then_some(by_pairs)
+            }
+            (Some(by_pairs), Some(alone)) => (by_pairs == alone).then_some(alone),
+            (None, alone) => alone,
+        }
+    }
+}
+
+/// Which readings are where least squares over all pairs put the mounting; `None` where those do not determine it.
+fn placed(known: &HandEye, readings: &[(Reading, Isometry3<f64>)], limits: &Limits) -> Option<Placed> {
     let found = hand_eye::estimated(known, &limits_of::<HandEyeCalibration>()?).ok()?;
     let [yaw, x, y] = found.sigma;
     let least_rad = limits.least_yaw_deg.to_radians();
@@ -251,8 +271,11 @@ fn placed(known: &HandEye, readings: &[(Reading, Isometry3<f64>)], limits: &Limi
         let mut rivals = off.iter().filter(|(rival, _)| reading.is_held_against(*rival));
         rivals.all(|(_, sigmas)| sigmas.powi(2) - best.powi(2) >= limits.apart_sigmas.powi(2))
     };
-    let mut there = off.iter().filter(|(_, sigmas)| *sigmas <= limits.within_sigmas);
-    there.find(is_alone).map(|(reading, _)| *reading)
+    let near = || off.iter().filter(|(_, sigmas)| *sigmas <= limits.within_sigmas);
+    Some(Placed {
+        alone: near().find(is_alone).map(|(reading, _)| *reading),
+        near: near().map(|(reading, _)| *reading).collect(),
+    })
 }
 
 fn judge_seen(clouds: &Clouds, seen: &Seen, limits: &Limits, out: &mut Judge) {

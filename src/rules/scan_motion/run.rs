@@ -3,7 +3,7 @@
 //! Owns the pose of each cloud in the axes of the first: the points are brought to one moment by the motion that the last step shows,
 //! and matched to a key cloud as long as enough of it is seen. Must not say which clouds, nor which way is up.
 
-use nalgebra::{Isometry2, Vector2};
+use nalgebra::{Isometry2, Vector2, Vector3};
 
 use crate::math::scan_match::{Matched, Scan, matched};
 use crate::world::cloud::CloudSlice;
@@ -49,7 +49,12 @@ pub(super) struct Raw {
 }
 
 impl Raw {
-    pub(super) fn of(moment: Moment, slice: &CloudSlice, second: Option<f64>, is_clear: impl Fn(f64) -> bool) -> Self {
+    pub(super) fn of(
+        moment: Moment,
+        slice: &CloudSlice,
+        second: Option<f64>,
+        flat: impl Fn(&Vector3<f64>) -> Option<Vector2<f64>>,
+    ) -> Self {
         let last = slice.after.iter().copied().fold(0.0, f64::max);
         let after_s = |index: usize| match (second, slice.after.get(index)) {
             (Some(second), Some(after)) => (after - 0.5 * last) * second,
@@ -59,8 +64,7 @@ impl Raw {
         Self {
             moment,
             points: points
-                .filter(|(_, point)| is_clear(point[2]))
-                .map(|(index, [x, y, _])| (Vector2::new(*x, *y), after_s(index)))
+                .filter_map(|(index, point)| Some((flat(&Vector3::from(*point))?, after_s(index))))
                 .collect(),
         }
     }
