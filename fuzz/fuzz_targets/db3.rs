@@ -19,6 +19,7 @@ fuzz_target!(|bytes: &[u8]| {
         windows: 3,
         seconds: 1.0,
         bytes: 1000,
+        carried: None,
     };
     for sampling in [None, Some(part)] {
         let mut source = Source::new(SourceId(0), "fuzz.db3", SourceKind::Sqlite);

@@ -19,6 +19,7 @@ fuzz_target!(|bytes: &[u8]| {
         windows: 2,
         seconds: 0.1,
         bytes: 100,
+        carried: None,
     };
     for sampling in [None, Some(sampling)] {
         let mut source = Source::new(SourceId(0), "fuzz.bag", SourceKind::Rosbag1);

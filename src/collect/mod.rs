@@ -86,6 +86,7 @@ pub fn collect(path: &Path, how: &How, source: &mut Source, progress: Progress<'
     let wanted = Wanted {
         sampling: how.sampling,
         throughout: &decides_the_tree,
+        in_a_row: &is_matched,
     };
     let recording = Recording {
         path,
@@ -99,6 +100,14 @@ pub fn collect(path: &Path, how: &How, source: &mut Source, progress: Progress<'
 fn decides_the_tree(channel: &Channel) -> bool {
     let is_sensor = || channel.message_type.ends_with("/String") && last_segment(&channel.topic).ends_with("metadata");
     channel.latched || matches!(last_segment(&channel.topic), "tf_static" | "robot_description") || is_sensor()
+}
+
+/// Whether a channel holds scans, which rules match to the next ones.
+fn is_matched(channel: &Channel) -> bool {
+    matches!(
+        last_segment(&channel.message_type),
+        "PointCloud2" | "CustomMsg" | "LaserScan"
+    )
 }
 
 /// A channel that was told.

@@ -5,7 +5,7 @@
 use std::collections::BTreeSet;
 use std::time::{Duration, Instant};
 
-use crate::read::bag::Sampling;
+use crate::read::bag::{Carried, Sampling};
 use crate::rules::Evidence;
 use crate::verdict::{NotEvaluated, Outcome, Row, Verdict};
 use crate::world::World;
@@ -16,6 +16,12 @@ use super::plan::Enabled;
 /// Bytes of messages that a recording is sampled with at first. A recording that holds less is read wholly. Zstandard
 /// gives about a gigabyte a second: a tenth of a second for every recording, whatever its length.
 const FIRST_BYTES: u64 = 80 << 20;
+/// How many of the windows go on for scans that are too large for them, and bytes of each: two seconds of a lidar of 128 beams and 2048
+/// columns at 10 Hz, 48 bytes a point.
+const CARRIED: Carried = Carried {
+    runs: 10,
+    bytes: 256 << 20,
+};
 /// What one widening multiplies the bytes and the windows by.
 const WIDENING: u32 = 4;
 /// Time that a run may take before it is no longer widened.
@@ -56,6 +62,7 @@ impl Plan {
             windows: asked.windows.unwrap_or(needed.windows).max(1),
             seconds: needed.seconds,
             bytes: asked.bytes.unwrap_or(FIRST_BYTES),
+            carried: Some(CARRIED),
         };
         Self {
             asked,
@@ -97,6 +104,9 @@ impl Plan {
         self.lacking = Some(lacking);
         sampling.windows = sampling.windows.saturating_mul(WIDENING);
         sampling.bytes = sampling.bytes.saturating_mul(u64::from(WIDENING));
+        if let Some(carried) = sampling.carried.as_mut().filter(|_| self.asked.budget.is_some()) {
+            carried.runs = carried.runs.saturating_mul(WIDENING);
+        }
         true
     }
 }

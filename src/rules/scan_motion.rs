@@ -9,6 +9,7 @@ use std::sync::Arc;
 use nalgebra::{Isometry2, Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
 
 use crate::math::stats::median;
+use crate::math::support::Support;
 use crate::rules::axes::up_axis_flip::UpAxisFlip;
 use crate::rules::ground::{Ground, Planes, SIDES, sensor_in_cloud};
 use crate::rules::lidar::Clouds;
@@ -261,11 +262,13 @@ impl Upright {
                 .map(|ground| ground.plane)
                 .filter(|plane| sign * plane.normal.z > 0.0)
         };
-        let part = |axis: usize| median(&of_that_side().map(|plane| plane.normal[axis]).collect::<Vec<_>>());
-        let up = Vector3::new(part(0)?, part(1)?, part(2)?).try_normalize(0.5)?;
+        let middle = |of: fn(&Support) -> f64| median(&of_that_side().map(|plane| of(&plane)).collect::<Vec<_>>());
+        let [x, y, z]: [fn(&Support) -> f64; 3] =
+            [|plane| plane.normal.x, |plane| plane.normal.y, |plane| plane.normal.z];
+        let up = Vector3::new(middle(x)?, middle(y)?, middle(z)?).try_normalize(0.5)?;
         Some(Self {
             up,
-            height_m: median(&of_that_side().map(|plane| plane.height_m).collect::<Vec<_>>())?,
+            height_m: middle(|plane| plane.height_m)?,
             level_from_cloud: UnitQuaternion::rotation_between(&up, &(Vector3::z() * sign))?,
         })
     }
@@ -330,7 +333,6 @@ fn unit_of_times(runs: &[Vec<CloudSlice>], moment: impl Fn(&CloudSlice) -> Momen
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::math::support::Support;
 
     fn ground(up: Vector3<f64>) -> Ground {
         let plane = Support {

@@ -447,6 +447,7 @@ fn metadata_is_found_by_the_index_too() {
         windows: 2,
         seconds: 0.1,
         bytes: 20_000,
+        carried: None,
     };
     let mut source = Source::new(SourceId(0), "drive.mcap", SourceKind::Mcap);
     let collected = collect(

@@ -18,7 +18,7 @@ use crate::support::{bag, build, edge, names};
 use frames_lint::collect::{Collected, How, collect};
 use frames_lint::engine;
 use frames_lint::page::Front;
-use frames_lint::read::bag::Sampling;
+use frames_lint::read::bag::{Carried, Sampling};
 use frames_lint::rules::RULES;
 use frames_lint::source::{Confidence, ReadStatus, Source, SourceId, SourceKind};
 use frames_lint::verdict::Severity;
@@ -46,6 +46,7 @@ const SAMPLING: Sampling = Sampling {
     windows: 5,
     seconds: 2.0,
     bytes: 600_000,
+    carried: None,
 };
 
 fn read(bytes: &[u8], sampling: Option<Sampling>) -> (Source, Collected) {
@@ -113,6 +114,38 @@ fn the_sample_reaches_from_the_beginning_to_the_end_and_says_how_large_it_is() {
     assert_eq!(examined.windows, Some(stretches.len() as u64));
     assert!(examined.bytes < examined.bytes_total / 4);
     assert!(examined.time_ns.unwrap() < examined.time_total_ns.unwrap() / 4);
+}
+
+/// A cloud that is larger than a stretch may be has neighbours all the same, so that rules on motion by scans can judge.
+#[test]
+fn scans_have_neighbours_in_a_sample() {
+    let bytes = build(
+        "
+duration_s: 60
+chunk_size_bytes: 20000
+drive: {vehicle: car, motion: turning, seed: 3}
+topics:
+  - {topic: /odom, from_drive: odometry, rate_hz: 20, frame_id: odom, child_frame_id: base_link}
+  - {topic: /points, from_drive: lidar, rate_hz: 10, frame_id: lidar, xyz: [0, 0, 1.8], lidar: {beams: 8, columns: 180, driver: velodyne}}
+",
+    );
+    let runs = |carried: Option<Carried>| -> Vec<usize> {
+        let sampling = Sampling {
+            bytes: 100_000,
+            carried,
+            ..SAMPLING
+        };
+        let (_, sampled) = read(&bytes, Some(sampling));
+        let clouds = bag(&sampled).topics["/points"].content.clouds.as_ref().unwrap();
+        clouds.runs.iter().map(Vec::len).collect()
+    };
+    let without = runs(None);
+    assert!(without.iter().all(|length| *length < 4), "{without:?}");
+    let with = runs(Some(Carried {
+        runs: 5,
+        bytes: 10 << 20,
+    }));
+    assert_eq!(with.iter().filter(|length| **length == 16).count(), 5, "{with:?}");
 }
 
 #[test]

@@ -8,7 +8,7 @@ use crate::support;
 use crate::support::heard::{Heard, Said, are_some_of, read, read_from, wanted};
 use crate::support::rosbag1::{Compression, Connection, Ending, Layout, Rosbag1, Written};
 use crate::support::rosbag1_drive::{drive, layouts};
-use frames_lint::read::bag::{Extent, Sampling, Wanted};
+use frames_lint::read::bag::{Carried, Extent, Sampling, Wanted};
 use frames_lint::source::ReadStatus;
 
 #[test]
@@ -229,6 +229,7 @@ const SAMPLING: Sampling = Sampling {
     windows: 4,
     seconds: 2.0,
     bytes: 200_000,
+    carried: None,
 };
 
 #[test]
@@ -236,6 +237,7 @@ fn some_of_a_bag_is_read_by_its_index() {
     let some = Wanted {
         sampling: Some(SAMPLING),
         throughout: &|channel| channel.latched,
+        in_a_row: &|_| false,
     };
     for compression in Compression::ALL {
         let (bag, written) = long(compression);
@@ -273,11 +275,41 @@ fn some_of_a_bag_is_read_by_its_index() {
     }
 }
 
+/// Stretches go on for messages that are wanted in a row, and less far where decompression is slow.
+#[test]
+fn messages_that_are_wanted_in_a_row_are_read_on() {
+    for compression in Compression::ALL {
+        let (bag, _) = long(compression);
+        let count = |carried: Option<Carried>| {
+            let some = Wanted {
+                sampling: Some(Sampling {
+                    bytes: 20_000,
+                    carried,
+                    ..SAMPLING
+                }),
+                throughout: &|channel| channel.latched,
+                in_a_row: &|channel| channel.topic == "/imu",
+            };
+            wanted(&bag.bytes, &some).2.messages.len()
+        };
+        let carried = count(Some(Carried {
+            runs: 4,
+            bytes: 100_000,
+        }));
+        if compression == Compression::Bz2 {
+            assert!(carried < 800, "{carried}");
+        } else {
+            assert!(carried >= 800 && carried > count(None) + 100, "{carried}");
+        }
+    }
+}
+
 #[test]
 fn an_index_that_lies_about_a_chosen_chunk_is_not_followed() {
     let some = Wanted {
         sampling: Some(SAMPLING),
         throughout: &|channel| channel.latched,
+        in_a_row: &|_| false,
     };
     let (bag, written) = long(Compression::Lz4);
     // The last chunk, which is always chosen, is said to stand a little earlier.

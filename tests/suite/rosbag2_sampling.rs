@@ -7,7 +7,7 @@ use std::fs;
 use crate::support::reading::{folder, read};
 use crate::support::recipe::DRIVE;
 use crate::support::rosbag2::{Db3, Drive, Message, Topic, Yaml, write_parts};
-use frames_lint::read::bag::Sampling;
+use frames_lint::read::bag::{Carried, Sampling};
 use frames_lint::source::ReadStatus;
 
 /// Ten minutes with a static transform late, a topic that begins late, and clouds of 20 kB.
@@ -57,6 +57,7 @@ fn a_large_database_is_read_in_windows() {
         windows: 6,
         seconds: 5.0,
         bytes: 2_000_000,
+        carried: None,
     };
     let (source, extent, heard) = read(&path, Some(sampling));
     assert_eq!(source.status, ReadStatus::Read, "{source:?}");
@@ -132,6 +133,7 @@ fn windows_that_cover_everything_are_everything() {
             windows,
             seconds: 100.0,
             bytes: size - 1,
+            carried: None,
         };
         let (_, extent, heard) = read(&path, Some(sampling));
         heard.check();
@@ -139,6 +141,48 @@ fn windows_that_cover_everything_are_everything() {
             assert!(extent.whole, "{windows} {}", heard.messages.len());
             assert!(heard.seams.is_empty(), "{windows}: {:?}", heard.seams);
         }
+    }
+}
+
+#[test]
+fn messages_that_are_wanted_in_a_row_are_read_on() {
+    let folder = folder();
+    let drive = long();
+    let whole = folder.path().join("drive.db3");
+    drive.write_db3(&whole, Db3::default());
+    let mut paths = vec![whole];
+    for ending in ["db3", "mcap"] {
+        let folder = folder.path().join(ending);
+        fs::create_dir(&folder).unwrap();
+        Yaml::of(&write_parts(&drive.split(4), &folder, ending)).write(&drive, &folder);
+        paths.push(folder);
+    }
+    for path in paths {
+        // A window of the first four holds no two clouds: they are a second apart and have 20 kB.
+        let clouds_in_a_row = |runs: u32, bytes: u64| {
+            let sampling = Sampling {
+                windows: 8,
+                seconds: 5.0,
+                bytes: 160_000,
+                carried: Some(Carried { runs, bytes }),
+            };
+            let (_, _, heard) = read(&path, Some(sampling));
+            heard.check();
+            let times = heard
+                .messages
+                .iter()
+                .filter(|(name, ..)| name == "/points")
+                .map(|(_, at, _)| *at);
+            let times: Vec<i64> = times.collect();
+            let steps = times.windows(2).filter(|pair| pair[1] - pair[0] == 1_000_000_000);
+            steps.count()
+        };
+        let counts =
+            [(0, 0), (4, 1 << 20), (8, 1 << 20), (8, 45_000)].map(|(runs, bytes)| clouds_in_a_row(runs, bytes));
+        let [none, half, all, bounded] = counts;
+        // What one chunk of an MCAP holds is read in any case.
+        assert!(none + 8 <= half && half + 8 <= all, "{}: {counts:?}", path.display());
+        assert!(none <= bounded && bounded < all, "{}: {counts:?}", path.display());
     }
 }
 
@@ -156,6 +200,7 @@ fn a_split_recording_is_sampled_as_one() {
             windows: 10,
             seconds: 2.0,
             bytes: size / 8,
+            carried: None,
         };
         let (source, extent, heard) = read(&folder, Some(sampling));
         assert_eq!(source.status, ReadStatus::Read, "{source:?}");

@@ -82,13 +82,14 @@ impl Heard {
     }
 }
 
-/// Reads a file or folder; topics called `tf_static` are wanted throughout.
+/// Reads a file or folder; topics called `tf_static` are wanted throughout, `/points` in a row.
 pub fn read(path: &Path, sampling: Option<Sampling>) -> (Source, Extent, Heard) {
     let mut source = Source::new(SourceId(0), path.display().to_string(), SourceKind::Sqlite);
     let mut heard = Heard::default();
     let wanted = Wanted {
         sampling,
         throughout: &|channel| channel.topic.ends_with("tf_static"),
+        in_a_row: &|channel| channel.topic == "/points",
     };
     let recording = Recording { path, parts: &[] };
     let extent = bag::read(&recording, &wanted, &mut source, &|_, _| {}, &mut heard);
@@ -101,5 +102,6 @@ pub fn sparse() -> Sampling {
         windows: 3,
         seconds: 0.5,
         bytes: 40_000,
+        carried: None,
     }
 }

@@ -4,7 +4,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::Sampling;
+use super::{Channel, Sampling, Wanted};
 
 /// Chunks in which a channel is looked for at least, as far as it has so many.
 const CHUNKS_PER_CHANNEL: usize = 6;
@@ -24,20 +24,39 @@ pub(super) struct ChunkInfo {
     pub(super) channels: Vec<u32>,
 }
 
+/// The channels that are wanted otherwise than others, by the format's own count.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Marked {
+    /// Looked for in more chunks.
+    pub(super) throughout: BTreeSet<u32>,
+    /// Wanted message after message.
+    pub(super) in_a_row: BTreeSet<u32>,
+}
+
+impl Marked {
+    /// By what tells the channels of a kind.
+    pub(super) fn of(wanted: &Wanted<'_>, channels: impl Fn(&dyn Fn(&Channel) -> bool) -> BTreeSet<u32>) -> Self {
+        Self {
+            throughout: channels(wanted.throughout),
+            in_a_row: channels(wanted.in_a_row),
+        }
+    }
+}
+
 /// The numbers of the chunks to be read, in the order of the file; all of them where the recording is small.
 ///
 /// Runs of neighbouring chunks are spread evenly over the time: the first at the beginning, the last at the end. Then
 /// chunks are added for channels that the runs show too little of: the first chunk of each channel and some over its
-/// length, more of them for the channels in `throughout`.
-pub(super) fn choose(chunks: &[ChunkInfo], sampling: &Sampling, throughout: &BTreeSet<u32>) -> Vec<usize> {
+/// length, more of them for the channels that are wanted throughout.
+pub(super) fn choose(chunks: &[ChunkInfo], sampling: &Sampling, marked: &Marked) -> Vec<usize> {
     let all: u64 = chunks.iter().fold(0, |sum, chunk| sum.saturating_add(chunk.bytes));
     if all <= sampling.bytes {
         return (0..chunks.len()).collect();
     }
-    let mut chosen = runs(chunks, sampling);
+    let mut chosen = runs(chunks, sampling, &marked.in_a_row);
     let mut extra = sampling.bytes / 2;
     for (channel, holding) in holders(chunks) {
-        let wanted = if throughout.contains(&channel) {
+        let wanted = if marked.throughout.contains(&channel) {
             CHUNKS_THROUGHOUT
         } else {
             CHUNKS_PER_CHANNEL
@@ -70,7 +89,7 @@ pub(super) fn choose(chunks: &[ChunkInfo], sampling: &Sampling, throughout: &BTr
 }
 
 /// Runs of neighbours in time.
-fn runs(chunks: &[ChunkInfo], sampling: &Sampling) -> BTreeSet<usize> {
+fn runs(chunks: &[ChunkInfo], sampling: &Sampling, in_a_row: &BTreeSet<u32>) -> BTreeSet<usize> {
     let mut by_time: Vec<usize> = (0..chunks.len()).collect();
     by_time.sort_by_key(|number| chunks.get(*number).map(|chunk| (chunk.start_ns, *number)));
     let info = |place: usize| {
@@ -80,13 +99,12 @@ fn runs(chunks: &[ChunkInfo], sampling: &Sampling) -> BTreeSet<usize> {
     };
     let start = chunks.iter().map(|chunk| chunk.start_ns).min().unwrap_or(0);
     let end = chunks.iter().map(|chunk| chunk.end_ns).max().unwrap_or(0);
-    let windows = u64::from(sampling.windows.max(1));
-    let share = sampling.bytes / windows;
+    let windows = sampling.windows.max(1);
     let length_ns = sampling.seconds * 1e9;
     let mut chosen = BTreeSet::new();
     for window in 0..windows {
         let part = if windows > 1 {
-            window as f64 / (windows - 1) as f64
+            f64::from(window) / f64::from(windows - 1)
         } else {
             0.0
         };
@@ -96,11 +114,23 @@ fn runs(chunks: &[ChunkInfo], sampling: &Sampling) -> BTreeSet<usize> {
         let first =
             by_time.partition_point(|number| chunks.get(*number).is_some_and(|chunk| (chunk.end_ns as f64) < from));
         let first = first.min(by_time.len().saturating_sub(1));
+        let lasting = (first..)
+            .map_while(info)
+            .enumerate()
+            .take_while(|(index, (_, chunk))| *index == 0 || chunk.start_ns as f64 <= from + length_ns);
+        let lasting: Vec<_> = lasting.map(|(_, known)| known).collect();
+        let is_in_a_row =
+            |(_, chunk): &(usize, &ChunkInfo)| chunk.channels.iter().any(|channel| in_a_row.contains(channel));
+        let (share, carried) = sampling.bounds(window);
+        let bound = if lasting.iter().any(is_in_a_row) {
+            carried
+        } else {
+            share
+        };
         let mut bytes = 0_u64;
-        for place in first.. {
-            let Some((number, chunk)) = info(place) else { break };
+        for (index, (number, chunk)) in lasting.into_iter().enumerate() {
             bytes = bytes.saturating_add(chunk.bytes);
-            if place > first && (bytes > share || chunk.start_ns as f64 > from + length_ns) {
+            if index > 0 && bytes > bound {
                 break;
             }
             chosen.insert(number);
@@ -135,6 +165,7 @@ fn spread(numbers: &[usize], count: usize) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::Carried;
     use super::*;
 
     /// A chunk of 1 MB for every second, with channel 1 in each, 2 in one of a hundred, 3 in the last only.
@@ -160,17 +191,25 @@ mod tests {
         windows: 5,
         seconds: 2.0,
         bytes: 20 << 20,
+        carried: None,
     };
+
+    fn throughout(channels: &[u32]) -> Marked {
+        Marked {
+            throughout: channels.iter().copied().collect(),
+            ..Marked::default()
+        }
+    }
 
     #[test]
     fn a_small_recording_is_read_wholly() {
-        let chosen = choose(&drive(20), &SAMPLING, &BTreeSet::new());
+        let chosen = choose(&drive(20), &SAMPLING, &Marked::default());
         assert_eq!(chosen, (0..20).collect::<Vec<_>>());
     }
 
     #[test]
     fn runs_begin_at_the_beginning_and_end_at_the_end() {
-        let chosen = choose(&drive(1000), &SAMPLING, &BTreeSet::new());
+        let chosen = choose(&drive(1000), &SAMPLING, &Marked::default());
         for wanted in [0, 1, 2, 249, 250, 251, 998, 999] {
             assert!(chosen.contains(&wanted), "{wanted} is not in {chosen:?}");
         }
@@ -181,17 +220,70 @@ mod tests {
     fn rare_channels_are_met_and_those_wanted_throughout_more_often() {
         let chunks = drive(2000);
         let rare = |chosen: &[usize]| chosen.iter().filter(|number| **number % 100 == 50).count();
-        let some = choose(&chunks, &SAMPLING, &BTreeSet::new());
+        let some = choose(&chunks, &SAMPLING, &Marked::default());
         assert!((6..10).contains(&rare(&some)), "{some:?}");
         assert!(some.contains(&50), "the first message of a channel");
-        let more = choose(&chunks, &SAMPLING, &BTreeSet::from([2]));
+        let more = choose(&chunks, &SAMPLING, &throughout(&[2]));
         assert!(rare(&more) > rare(&some) && rare(&more) >= 10, "{more:?}");
+    }
+
+    /// Ten chunks of 12 MB a second, each with the one channel.
+    fn large(seconds: i64) -> Vec<ChunkInfo> {
+        (0..10 * seconds)
+            .map(|tenth| ChunkInfo {
+                start_ns: tenth * 100_000_000,
+                end_ns: tenth * 100_000_000 + 99_999_999,
+                bytes: 12 << 20,
+                channels: vec![7],
+            })
+            .collect()
+    }
+
+    #[test]
+    fn large_messages_that_are_wanted_in_a_row_have_neighbours() {
+        let in_a_row = Marked {
+            in_a_row: BTreeSet::from([7]),
+            ..Marked::default()
+        };
+        let carried = |runs: u32, megabytes: u64| Sampling {
+            carried: Some(Carried {
+                runs,
+                bytes: megabytes << 20,
+            }),
+            ..SAMPLING
+        };
+        let longest = |chosen: &[usize]| {
+            let parts = chosen.chunk_by(|a, b| a + 1 == *b);
+            parts.map(<[usize]>::len).collect::<Vec<_>>()
+        };
+        let chunks = large(600);
+        let alone = choose(&chunks, &carried(5, 300), &Marked::default());
+        assert!(longest(&alone).iter().all(|length| *length <= 2), "{alone:?}");
+        // The runs are 2 seconds long, or as long as their bytes allow.
+        let all = choose(&chunks, &carried(5, 300), &in_a_row);
+        assert_eq!(
+            longest(&all).iter().filter(|length| **length >= 20).count(),
+            5,
+            "{all:?}"
+        );
+        let some = choose(&chunks, &carried(2, 300), &in_a_row);
+        assert_eq!(
+            longest(&some).iter().filter(|length| **length >= 20).count(),
+            2,
+            "{some:?}"
+        );
+        let bounded = choose(&chunks, &carried(5, 100), &in_a_row);
+        assert_eq!(
+            longest(&bounded).iter().filter(|length| **length == 8).count(),
+            5,
+            "{bounded:?}"
+        );
     }
 
     #[test]
     fn the_cost_does_not_grow_with_the_recording() {
         for seconds in [100, 1000, 10_000] {
-            let chosen = choose(&drive(seconds), &SAMPLING, &BTreeSet::from([1, 2]));
+            let chosen = choose(&drive(seconds), &SAMPLING, &throughout(&[1, 2]));
             assert!(chosen.len() <= 32, "{} of {seconds}", chosen.len());
         }
     }
@@ -202,6 +294,6 @@ mod tests {
         chunks[3].start_ns = i64::MAX;
         chunks[4].end_ns = i64::MIN;
         chunks[5].bytes = u64::MAX;
-        assert!(!choose(&chunks, &SAMPLING, &BTreeSet::new()).is_empty());
+        assert!(!choose(&chunks, &SAMPLING, &Marked::default()).is_empty());
     }
 }

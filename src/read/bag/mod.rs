@@ -90,6 +90,31 @@ pub struct Sampling {
     pub seconds: f64,
     /// Bound on all runs together, bytes of messages; a recording that is smaller is read wholly.
     pub bytes: u64,
+    /// Runs that go on for all of `seconds`, whatever `bytes` says, where they hold channels that are wanted in a row.
+    pub carried: Option<Carried>,
+}
+
+/// Messages that are looked at beside their neighbours, and are so large that a run of usual bytes holds none.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Carried {
+    /// How many of the runs go on.
+    pub runs: u32,
+    /// Bound on each of them, bytes of messages.
+    pub bytes: u64,
+}
+
+impl Sampling {
+    /// Bound on one of the runs, bytes, and the same where it holds channels that are wanted in a row.
+    fn bounds(&self, run: u32) -> (u64, u64) {
+        let runs = self.windows.max(1);
+        let share = self.bytes / u64::from(runs);
+        let carried = self.carried.filter(|carried| {
+            // Evenly spread over all runs.
+            let of = |run: u64| run * u64::from(carried.runs.min(runs)) / u64::from(runs);
+            of(u64::from(run)) != of(u64::from(run) + 1)
+        });
+        (share, carried.map_or(share, |carried| carried.bytes.max(share)))
+    }
 }
 
 /// What is wanted of a recording.
@@ -100,6 +125,8 @@ pub struct Wanted<'a> {
     /// Channels that are read as far as the index makes it cheap, whatever the runs are; of every other channel, the
     /// first messages and some more over the length are read.
     pub throughout: &'a dyn Fn(&Channel) -> bool,
+    /// Channels whose messages are compared with the next ones: [`Sampling::carried`] is for them.
+    pub in_a_row: &'a dyn Fn(&Channel) -> bool,
 }
 
 impl Wanted<'_> {
@@ -107,6 +134,7 @@ impl Wanted<'_> {
     pub const ALL: Self = Self {
         sampling: None,
         throughout: &|_| true,
+        in_a_row: &|_| false,
     };
 }
 

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use crate::source::{Problem, ReadStatus, Source};
 
 use super::metadata::Metadata;
-use super::{Channel, Extent, Message, Sampling, Task, Visit, Wanted};
+use super::{Carried, Channel, Extent, Message, Sampling, Task, Visit, Wanted};
 
 /// Bound on the topics that are counted.
 const MAX_COUNTED: usize = 10_000;
@@ -65,7 +65,7 @@ pub(super) fn read(files: &[PathBuf], metadata: Option<&Metadata>, task: Task<'_
         let told = |part: u64, _: u64| progress(before + part.min(*size), total);
         let task = Task {
             wanted: Wanted {
-                sampling: sampling.map(|sampling| share(&sampling, *size, total)),
+                sampling: sampling.map(|sampling| share(&sampling, before, *size, total)),
                 ..wanted
             },
             source: &mut part,
@@ -100,16 +100,27 @@ pub(super) fn name(file: &Path) -> String {
     )
 }
 
-/// The part of a sampling that falls to a file of this size.
-fn share(sampling: &Sampling, size: u64, total: u64) -> Sampling {
-    let portion = |whole: u64| {
+/// The part of a sampling that falls to a file of this size, behind others.
+fn share(sampling: &Sampling, before: u64, size: u64, total: u64) -> Sampling {
+    let portion_of = |whole: u64, size: u64| {
         let share = u128::from(whole) * u128::from(size) / u128::from(total.max(1));
         u64::try_from(share).unwrap_or(whole)
     };
+    let portion = |whole: u64| portion_of(whole, size);
+    // Many files have none of a few runs, but all together have them all.
+    let carried = sampling.carried.map(|carried| {
+        let runs = u64::from(carried.runs);
+        let runs = portion_of(runs, before + size) - portion_of(runs, before);
+        Carried {
+            runs: u32::try_from(runs).unwrap_or(0),
+            ..carried
+        }
+    });
     Sampling {
         windows: u32::try_from(portion(u64::from(sampling.windows))).unwrap_or(1).max(1),
         seconds: sampling.seconds,
         bytes: portion(sampling.bytes),
+        carried,
     }
 }
 

@@ -22,8 +22,9 @@ use crate::source::{Place, ReadStatus, Source};
 use self::channels::Channels;
 use self::chunk::ChunkHead;
 use self::index::{ChunkAt, Index};
+use super::chunks::{self, Marked};
 use super::inflate::Inflater;
-use super::{Extent, MAX_MESSAGE, Progress, Task, Wanted, chunks};
+use super::{Extent, MAX_MESSAGE, Progress, Task, Wanted};
 
 /// Bound on the uncompressed size a chunk may claim, bytes; recorders cut chunks at some megabytes.
 const MAX_CHUNK: u64 = 1 << 30;
@@ -135,8 +136,8 @@ impl Pass<'_, '_> {
         for (kind, body) in &index.definitions {
             self.channels.record(*kind, body).ok()?;
         }
-        let throughout = self.channels.wanted(wanted.throughout);
-        let chosen = chunks::choose(&index.infos, sampling, &throughout);
+        let marked = Marked::of(wanted, |is_wanted| self.channels.wanted(is_wanted));
+        let chosen = chunks::choose(&index.infos, sampling, &marked);
         if chosen.len() == index.chunks.len() {
             return None;
         }

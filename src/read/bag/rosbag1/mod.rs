@@ -96,7 +96,7 @@ pub(super) fn read(file: File, total: u64, first: &[u8], task: Task<'_>) -> Exte
         }
     }
     if let Some(sampling) = &wanted.sampling
-        && let Some(chosen) = pass.choose(sampling, wanted.throughout)
+        && let Some(chosen) = pass.choose(sampling, &wanted)
     {
         return pass.sample(&chosen, source);
     }

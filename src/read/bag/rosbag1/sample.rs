@@ -2,8 +2,9 @@
 //!
 //! Owns what the choice needs of the index, and the reading of what was chosen. Must not choose.
 
-use crate::read::bag::chunks::{self, ChunkInfo};
-use crate::read::bag::{Channel, Extent, Sampling};
+use crate::read::bag::chunks::{self, ChunkInfo, Marked};
+use crate::read::bag::inflate::Compression;
+use crate::read::bag::{Extent, Sampling, Wanted};
 use crate::source::{Place, ReadStatus, Source};
 
 use super::Pass;
@@ -14,16 +15,31 @@ use super::record::{Fault, op};
 /// Chunks that are looked at to learn how far they shrink.
 const PROBED: usize = 32;
 
+/// How many times longer bzip2 takes for a byte than others do: 40 MB a second.
+const SLOW: u64 = 16;
+
+/// What some chunks show of all.
+struct Probe {
+    /// By what factor chunks grow when they are decompressed: the index does not say.
+    growth: f64,
+    /// Whether some are packed with bzip2.
+    is_slow: bool,
+}
+
 impl Pass<'_, '_> {
     /// The chunks that are read, where that is less than all of them. `None` as well where the index is not true.
-    pub(super) fn choose(&mut self, sampling: &Sampling, throughout: &dyn Fn(&Channel) -> bool) -> Option<Vec<usize>> {
+    pub(super) fn choose(&mut self, sampling: &Sampling, wanted: &Wanted<'_>) -> Option<Vec<usize>> {
         let index = self.sink.index.clone()?;
-        let growth = self.growth(&index)?;
+        let Probe { growth, is_slow } = self.probed(&index)?;
+        let mut sampling = *sampling;
+        if let Some(carried) = sampling.carried.as_mut().filter(|_| is_slow) {
+            carried.bytes /= SLOW;
+        }
         let infos: Vec<ChunkInfo> = (0..index.chunks.len())
             .filter_map(|number| info(&index, number, growth))
             .collect();
-        let throughout = self.sink.connections.wanted(throughout);
-        let chosen = chunks::choose(&infos, sampling, &throughout);
+        let marked = Marked::of(wanted, |is_wanted| self.sink.connections.wanted(is_wanted));
+        let chosen = chunks::choose(&infos, &sampling, &marked);
         if chosen.len() == index.chunks.len() {
             return None;
         }
@@ -34,16 +50,19 @@ impl Pass<'_, '_> {
         are_there.then_some(chosen)
     }
 
-    /// By what factor chunks grow when they are decompressed, measured on some of them: the index does not say.
-    fn growth(&mut self, index: &Index) -> Option<f64> {
+    fn probed(&mut self, index: &Index) -> Option<Probe> {
         let count = index.chunks.len();
-        let (mut packed, mut size) = (0, 0);
+        let (mut packed, mut size, mut is_slow) = (0, 0, false);
         for probe in 0..PROBED.min(count) {
             let (_, chunk) = self.chunk_at(index, probe * count / PROBED.min(count)).ok()?;
             packed += chunk.len;
             size += chunk.size;
+            is_slow |= chunk.compression == Compression::Bz2;
         }
-        Some((size as f64 / packed.max(1) as f64).max(1.0))
+        Some(Probe {
+            growth: (size as f64 / packed.max(1) as f64).max(1.0),
+            is_slow,
+        })
     }
 
     /// Goes to a chunk of the index and reads its frame. It must end before what the index places behind it.

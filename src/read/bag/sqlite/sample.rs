@@ -45,12 +45,18 @@ pub(super) fn read(pass: &mut Pass<'_, '_>, sampling: &Sampling, wanted: &Wanted
     let mut picks = look.picks.iter().copied().peekable();
     let mut left_out = false;
     let windows = span_ns.map(|span| windows(span, sampling)).unwrap_or_default();
-    let share = sampling.bytes / (windows.len() as u64).max(1);
-    for (start, end) in windows {
+    let sampling = Sampling {
+        windows: u32::try_from(windows.len()).unwrap_or(u32::MAX),
+        ..*sampling
+    };
+    let is_in_a_row = pass.tables.channels.values().any(|channel| (wanted.in_a_row)(channel));
+    for (number, (start, end)) in (0..).zip(windows) {
         while let Some(pick) = picks.next_if(|(at, _)| *at < start) {
             single(pass, pick, &mut left_out);
         }
-        window(pass, (start, end), share, &mut left_out);
+        let (share, carried) = sampling.bounds(number);
+        let bound = if is_in_a_row { carried } else { share };
+        window(pass, (start, end), bound, &mut left_out);
     }
     for pick in picks {
         single(pass, pick, &mut left_out);
