@@ -17,7 +17,7 @@ const OUTLIER: f64 = 4.0;
 pub struct Mounted {
     /// `body_from_sensor`: its yaw, radians, and its place, metres.
     pub yaw_rad: f64,
-    /// x and y on the body, metres.
+    /// x and y on the body, metres of the sensor.
     pub place: Vector2<f64>,
     /// How far the body goes for a metre of the sensor.
     pub scale: f64,
@@ -45,7 +45,7 @@ pub fn mounted(pairs: &[(Isometry2<f64>, Isometry2<f64>)]) -> Option<Mounted> {
     let limit = OUTLIER * median(&all)?.max(1e-9);
     let kept: Vec<_> = pairs.into_iter().filter(|pair| left_m(pair, &first) <= limit).collect();
     let whole = solved(kept.iter().copied())?;
-    let (yaw_rad, place) = (yaw(&whole), Vector2::new(whole.z, whole.w));
+    let (yaw_rad, at) = (yaw(&whole), place(&whole));
     let mut squares = [0.0; 3];
     let size = kept.len().div_ceil(GROUPS);
     for group in 0..GROUPS {
@@ -57,8 +57,8 @@ pub fn mounted(pairs: &[(Isometry2<f64>, Isometry2<f64>)]) -> Option<Mounted> {
         let part = solved(rest)?;
         let off = [
             Rotation2::new(yaw(&part)).rotation_to(&Rotation2::new(yaw_rad)).angle(),
-            part.z - place.x,
-            part.w - place.y,
+            place(&part).x - at.x,
+            place(&part).y - at.y,
         ];
         for (sum, off) in squares.iter_mut().zip(off) {
             *sum += off * off;
@@ -68,8 +68,8 @@ pub fn mounted(pairs: &[(Isometry2<f64>, Isometry2<f64>)]) -> Option<Mounted> {
     let left: Vec<f64> = kept.iter().map(|pair| left_m(pair, &whole)).collect();
     Some(Mounted {
         yaw_rad,
-        place,
-        scale: whole.x.hypot(whole.y),
+        place: at,
+        scale: scale(&whole),
         sigma: squares.map(|sum: f64| (share * sum).sqrt()),
         residual_m: median(&left)?,
         pairs: kept.len(),
@@ -78,6 +78,15 @@ pub fn mounted(pairs: &[(Isometry2<f64>, Isometry2<f64>)]) -> Option<Mounted> {
 
 fn yaw(solution: &Vector4<f64>) -> f64 {
     solution.y.atan2(solution.x)
+}
+
+fn scale(solution: &Vector4<f64>) -> f64 {
+    solution.x.hypot(solution.y)
+}
+
+/// The lever arm that explains motions that are told too long is too long as well.
+fn place(solution: &Vector4<f64>) -> Vector2<f64> {
+    Vector2::new(solution.z, solution.w) / scale(solution)
 }
 
 /// The two equations of a pair in cosine, sine, x and y: `(R_A - 1) t - R t_B = -t_A`.
@@ -191,6 +200,23 @@ mod tests {
             (found.scale - 2.0).abs() < 1e-9 && (found.yaw_rad - 0.3).abs() < 1e-9,
             "{found:?}"
         );
+    }
+
+    /// Wheels that are smaller than their odometry takes them for.
+    #[test]
+    fn a_body_that_counts_its_way_short_does_not_move_the_sensor() {
+        let mut rng = Rng::new(6);
+        let mount = Isometry2::new(Vector2::new(0.7, -0.2), 0.3);
+        let mut all = pairs(&mount, 40, 0.1, [0.0, 0.0], &mut rng);
+        for (body, _) in &mut all {
+            body.translation.vector *= 0.9;
+        }
+        let found = mounted(&all).unwrap();
+        assert!(
+            (found.scale - 0.9).abs() < 1e-9 && (found.yaw_rad - 0.3).abs() < 1e-9,
+            "{found:?}"
+        );
+        assert!((found.place - Vector2::new(0.7, -0.2)).norm() < 1e-9, "{found:?}");
     }
 
     #[test]

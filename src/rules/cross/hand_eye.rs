@@ -4,6 +4,7 @@ use nalgebra::Isometry3;
 use serde::Deserialize;
 
 use crate::math::planar_hand_eye::{Mounted, mounted};
+use crate::math::stats::median;
 use crate::rules::hand_eye::{HandEye, Pair, in_plane};
 use crate::rules::lidar::Clouds;
 use crate::rules::time::point_time_sweep::sweeps_the_other_way;
@@ -24,6 +25,7 @@ pub struct Limits {
     min_turned_deg: f64,
     max_yaw_deg: f64,
     max_place_m: f64,
+    systematic_m: f64,
     sigmas: f64,
     sure_yaw_deg: f64,
     sure_place_m: f64,
@@ -94,7 +96,7 @@ pub(crate) fn estimated(known: &HandEye, limits: &Limits) -> Result<Mounted, (No
     let flat: Vec<_> = sure(known, limits)
         .map(|pair| (in_plane(&pair.body), in_plane(&(turn * pair.lidar * turn.inverse()))))
         .collect();
-    let found =
+    let mut found =
         mounted(&flat).ok_or_else(|| little(format!("{} pairs of scans do not determine where it is", flat.len())))?;
     if (found.scale - 1.0).abs() > limits.max_scale {
         return Err(little(format!(
@@ -102,6 +104,11 @@ pub(crate) fn estimated(known: &HandEye, limits: &Limits) -> Result<Mounted, (No
             known.poses.0, found.scale
         )));
     }
+    // What all matches have in common no group of them shows.
+    let ways: Vec<f64> = flat.iter().map(|(_, lidar)| lidar.translation.vector.norm()).collect();
+    let way_m = median(&ways).unwrap_or_default();
+    let [yaw, ..] = &mut found.sigma;
+    *yaw = yaw.hypot(limits.systematic_m.atan2(way_m));
     Ok(found)
 }
 
