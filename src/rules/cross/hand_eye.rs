@@ -78,7 +78,7 @@ fn solved(known: &HandEye, limits: &Limits) -> Result<Mounted, (NotEvaluated, St
     let [yaw, x, y] = found.sigma;
     if yaw.to_degrees() > limits.sure_yaw_deg || x.hypot(y) > limits.sure_place_m {
         let why = format!(
-            "yaw and place are determined to {:.1} deg and {:.2} m; {} and {} are needed",
+            "yaw and place are determined to {:.2} deg and {:.2} m; {} and {} are needed",
             yaw.to_degrees(),
             x.hypot(y),
             limits.sure_yaw_deg,
