@@ -5,6 +5,7 @@
 
 mod clouds;
 mod dataset;
+mod dialects;
 mod named;
 mod ouster;
 mod rows;
@@ -16,6 +17,7 @@ use serde::Deserialize;
 
 pub use clouds::{CloudDriver, CountsFrom, PointTime, Sweep};
 pub use dataset::{Axes, Dataset, DatasetFrame, QuaternionWord};
+pub use dialects::{Angle, Dialect, Keyed, Length, Order};
 pub use named::{Forward, InsDriver, Lidar, LidarImu, Offset, Simulator};
 pub use ouster::{OusterPart, OusterPlace};
 pub use rows::{RowFault, Rows};
@@ -33,6 +35,7 @@ pub struct Tables {
     ins_drivers: Rows<InsDriver>,
     simulators: Rows<Simulator>,
     datasets: Rows<Dataset>,
+    dialects: Rows<Dialect>,
 }
 
 impl Default for Tables {
@@ -48,6 +51,7 @@ impl Default for Tables {
             ins_drivers: Rows::read(include_str!("../rules/tables/ins-drivers.yaml")),
             simulators: Rows::read(include_str!("../rules/tables/simulators.yaml")),
             datasets: Rows::read(include_str!("../rules/tables/datasets.yaml")),
+            dialects: Rows::read(include_str!("../rules/tables/calibration-dialects.yaml")),
         };
         TABLES.get_or_init(read).clone()
     }
@@ -55,7 +59,7 @@ impl Default for Tables {
 
 impl Tables {
     /// Their names, as the files in `rules/tables/` have them.
-    pub const NAMES: [&str; 8] = [
+    pub const NAMES: [&str; 9] = [
         "lidar-clouds",
         "lidars",
         "ouster",
@@ -64,6 +68,7 @@ impl Tables {
         "ins-drivers",
         "simulators",
         "datasets",
+        "calibration-dialects",
     ];
 
     /// Adds a row of the user's to a table; `origin` is where it stands.
@@ -77,6 +82,7 @@ impl Tables {
             "ins-drivers" => self.ins_drivers.add(row, origin),
             "simulators" => self.simulators.add(row, origin),
             "datasets" => self.datasets.add(row, origin),
+            "calibration-dialects" => self.dialects.add(row, origin),
             _ => Err(RowFault {
                 keys: Vec::new(),
                 message: format!("`{table}` is no table; known tables: {}", Self::NAMES.join(", ")),
@@ -135,6 +141,11 @@ impl Tables {
     /// The dataset that the user calls so.
     pub fn dataset(&self, word: &str) -> Option<Arc<Dataset>> {
         self.datasets.iter().find(|row| row.is_called(word)).cloned()
+    }
+
+    /// Dialects of calibration files; the first whose marks a file has counts.
+    pub fn dialects(&self) -> &Rows<Dialect> {
+        &self.dialects
     }
 
     /// What the datasets are called.
@@ -340,7 +351,7 @@ mod tests {
     }
 
     /// The files of the tables that users may add to.
-    const FILES: [(&str, &str); 8] = [
+    const FILES: [(&str, &str); 9] = [
         ("lidar-clouds", include_str!("../rules/tables/lidar-clouds.yaml")),
         ("lidars", include_str!("../rules/tables/lidars.yaml")),
         ("ouster", include_str!("../rules/tables/ouster.yaml")),
@@ -349,6 +360,10 @@ mod tests {
         ("ins-drivers", include_str!("../rules/tables/ins-drivers.yaml")),
         ("simulators", include_str!("../rules/tables/simulators.yaml")),
         ("datasets", include_str!("../rules/tables/datasets.yaml")),
+        (
+            "calibration-dialects",
+            include_str!("../rules/tables/calibration-dialects.yaml"),
+        ),
     ];
 
     #[test]

@@ -3,6 +3,7 @@
 
 use frames_lint::read::{calibration, text};
 use frames_lint::source::{Source, SourceId, SourceKind};
+use frames_lint::tables::Tables;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -11,5 +12,5 @@ fuzz_target!(|bytes: &[u8]| {
     };
     let mut source = Source::new(SourceId(0), "fuzz.json", SourceKind::Json);
     source.text = text;
-    calibration::read_json(&mut source);
+    calibration::read_json(&mut source, Tables::default().dialects());
 });

@@ -156,7 +156,7 @@ mod tests {
         assert_eq!(
             fault("tables:\n  lidars-clouds: []\n"),
             "c.yaml:2:3: unknown key `lidars-clouds`; known keys: lidar-clouds, lidars, ouster, lidar-imus, driver-frames, ins-drivers, \
-             simulators, datasets"
+             simulators, datasets, calibration-dialects"
         );
         let text = "tables:\n  lidar-imus:\n    - name: Ours\n      words: [ours]\n      lever_m: [0, 0, 0]\n";
         assert!(

@@ -8,9 +8,10 @@ use std::path::{Path, PathBuf};
 
 use crate::collect::{How, collect};
 use crate::progress::Progress;
+use crate::read::calibration::{self, Dialects};
 use crate::read::discover::{Input, Inputs};
 use crate::read::urdf::MeshLookup;
-use crate::read::{calibration, text, urdf, xacro, xacro_parts};
+use crate::read::{text, urdf, xacro, xacro_parts};
 use crate::source::{Derived, Examined, MessageRef, Place, ReadStatus, Source, SourceId, SourceKind};
 use crate::world::Facts;
 
@@ -39,12 +40,19 @@ struct Emerged {
 }
 
 /// Reads all inputs. Readings are ordered by source id.
-pub(super) fn gather(inputs: &Inputs, xacro_args: &[String], how: &How, progress: &Progress) -> Vec<Reading> {
+pub(super) fn gather(
+    inputs: &Inputs,
+    xacro_args: &[String],
+    how: &How,
+    dialects: &Dialects,
+    progress: &Progress,
+) -> Vec<Reading> {
     let included = included_xacros(inputs);
     let reader = Reader {
         inputs,
         xacro_args,
         how,
+        dialects,
         progress,
         included: &included,
     };
@@ -60,7 +68,7 @@ pub(super) fn gather(inputs: &Inputs, xacro_args: &[String], how: &How, progress
     let base = readings.len();
     readings.extend(parallel::map(
         emerged.into_iter().enumerate().collect(),
-        |(offset, text)| read_emerged(text, source_id(base + offset), inputs),
+        |(offset, text)| read_emerged(text, source_id(base + offset), inputs, dialects),
     ));
     readings
 }
@@ -76,7 +84,7 @@ fn meshes(input: &Input, inputs: &Inputs) -> MeshLookup {
     }
 }
 
-fn read_emerged(emerged: Emerged, id: SourceId, inputs: &Inputs) -> Reading {
+fn read_emerged(emerged: Emerged, id: SourceId, inputs: &Inputs, dialects: &Dialects) -> Reading {
     let mut source = Source::new(id, emerged.path, emerged.kind);
     source.derived = Some(emerged.derived);
     source.examined = Examined {
@@ -86,7 +94,7 @@ fn read_emerged(emerged: Emerged, id: SourceId, inputs: &Inputs) -> Reading {
     };
     source.text = emerged.text;
     if source.kind == SourceKind::SensorMetadata {
-        let facts = calibration::read_json(&mut source);
+        let facts = calibration::read_json(&mut source, dialects);
         // A text that is cut off is no fault of the recording, nor of the call.
         source.status = source.status.min(ReadStatus::Partial);
         return Reading {
@@ -125,6 +133,7 @@ struct Reader<'a> {
     inputs: &'a Inputs,
     xacro_args: &'a [String],
     how: &'a How,
+    dialects: &'a Dialects,
     progress: &'a Progress,
     included: &'a [String],
 }
@@ -166,8 +175,8 @@ impl Reader<'_> {
                     return Facts::default();
                 }
                 match input.kind {
-                    SourceKind::Yaml => with_references(calibration::read_yaml(source), input),
-                    SourceKind::Json => with_references(calibration::read_json(source), input),
+                    SourceKind::Yaml => with_references(calibration::read_yaml(source, self.dialects), input),
+                    SourceKind::Json => with_references(calibration::read_json(source, self.dialects), input),
                     SourceKind::Xacro => self.read_xacro(input, source, index, emerged),
                     _ => urdf::read(source, &meshes(input, self.inputs)),
                 }

@@ -260,7 +260,8 @@ fn worlds(
         time_fields: config.map(Config::time_fields).unwrap_or_default(),
         ..How::default()
     };
-    let readings = gather::gather(inputs, &options.xacro_args, &how, &progress);
+    let tables = config.map_or_else(Arc::default, Config::tables);
+    let readings = gather::gather(inputs, &options.xacro_args, &how, tables.dialects(), &progress);
     let mut worlds = platform::platforms(readings, inputs);
     if let (Some(config), Some(first)) = (config, worlds.first()) {
         let sources = Arc::clone(&first.sources);

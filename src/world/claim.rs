@@ -129,6 +129,9 @@ pub enum ClaimKind {
     File {
         /// The dialect it was read as (`generic`, `autoware`, ...).
         dialect: String,
+        /// Whether its frames are what the dialect's program calls its sensors (`lidar`, `imu`), and no names of the platform's frames.
+        #[serde(default)]
+        roles: bool,
     },
 }
 

@@ -1,104 +1,296 @@
 //! Dialects: what a known format says beyond its words.
 //!
-//! A key that only one program writes fixes what the generic reading cannot know: units, the meaning of a list, how far
-//! a direction can be trusted. Adding a dialect: one row of [`TABLE`] (or, for a format known by its nesting, one branch
-//! in `generic`), with its source, and a test with a few lines of the real format.
+//! Owns how a file is recognised by its keys, and which row of the table speaks of a value. The table (`rules/tables/
+//! calibration-dialects.yaml`) knows the formats; adding one is a row there. Autoware's is known by its nesting, and a branch in `generic`.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use crate::source::Confidence;
+use crate::tables::{Angle, Dialect, Keyed, Length, Order, Rows};
 
-/// What a key of a known format means.
+use super::document::{Kind, Node};
+
+/// Values under one path that are kept for marks such as `T_type=0`.
+const MAX_VALUES: usize = 4;
+/// Longer texts are no such value.
+const MAX_VALUE: usize = 32;
+/// Different paths that are looked at; files of records repeat the same ones.
+const MAX_PATHS: usize = 4096;
+
+/// Units and order of what stands under a key.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Dialect {
-    /// The word in `ClaimKind::File`.
-    pub(super) name: &'static str,
+pub(super) struct Terms {
     /// Metres of one unit of length.
     pub(super) metres: f64,
     /// Whether angles are degrees.
     pub(super) degrees: bool,
-    /// How sure frames and direction are, if the format settles it.
-    pub(super) reading: Option<Confidence>,
+    /// Whether a bare list of four is x y z w, or w x y z.
+    pub(super) xyzw: Option<bool>,
     /// The list holds one 4x4 for each sensor, and the bottom rows carry flags: only their upper 3x4 are transforms.
     pub(super) packed: bool,
+    /// What says so.
+    pub(super) by: By,
+}
+
+/// What makes the terms of a value known.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum By {
+    /// Nothing: they are the usual ones.
+    Nothing,
+    /// A row of the table.
+    Row,
+    /// Autoware's nesting, whose xacro pastes the values into a joint's origin under these names.
+    Nesting,
 }
 
 /// Plain words, metres, radians.
-pub(super) const GENERIC: Dialect = Dialect {
-    name: "generic",
+pub(super) const GENERIC: Terms = Terms {
     metres: 1.0,
     degrees: false,
-    reading: None,
+    xyzw: None,
     packed: false,
+    by: By::Nothing,
 };
 
-/// Autoware's `parent: {child: {x, y, z, roll, pitch, yaw}}`: the sensor kit's xacro pastes the values into a joint's
-/// origin under these names.
-pub(super) const AUTOWARE: Dialect = Dialect {
-    name: "autoware",
-    reading: Some(Confidence::Certain),
+/// Autoware's `parent: {child: {x, y, z, roll, pitch, yaw}}`.
+pub(super) const AUTOWARE: Terms = Terms {
+    by: By::Nesting,
     ..GENERIC
 };
 
-/// nuScenes and Lyft tables: `rotation: [w, x, y, z]` in records with a `token` (nuscenes-devkit, pyquaternion).
-pub(super) const NUSCENES: Dialect = Dialect {
-    name: "nuscenes",
-    ..GENERIC
-};
+impl Terms {
+    /// Whether the format is known.
+    pub(super) fn are_known(&self) -> bool {
+        self.by != By::Nothing
+    }
 
-/// Ouster sensor metadata: millimetres; `lidar_to_sensor` takes lidar coordinates to sensor coordinates (ouster-sdk).
-const OUSTER: Dialect = Dialect {
-    name: "ouster",
-    metres: 1e-3,
-    reading: Some(Confidence::Likely),
-    ..GENERIC
-};
+    fn of(keyed: &Keyed) -> Self {
+        Self {
+            metres: match keyed.length {
+                Length::Metres => 1.0,
+                Length::Millimetres => 1e-3,
+            },
+            degrees: keyed.angle == Angle::Degrees,
+            xyzw: keyed.quaternion.map(|order| order == Order::Xyzw),
+            packed: keyed.packed,
+            by: By::Row,
+        }
+    }
+}
 
-/// Keys of known formats.
-const TABLE: &[(&str, Dialect)] = &[
-    ("lidar_to_sensor_transform", OUSTER),
-    ("imu_to_sensor_transform", OUSTER),
-    ("beam_to_lidar_transform", OUSTER),
-    // SLICT: "the (4,4) entry of the extrinsics is used to declare whether stamp is at beginning or end of scan".
-    (
-        "lidar_extr",
-        Dialect {
-            name: "slict",
-            packed: true,
-            ..GENERIC
-        },
-    ),
-    // carla-ros-bridge `objects.json`: metres and degrees (carla_spawn_objects).
-    (
-        "spawn_point",
-        Dialect {
-            name: "carla",
-            degrees: true,
-            ..GENERIC
-        },
-    ),
-    // livox_ros_driver2 `*_config.json`: millimetres and degrees (applied as `* PI / 180` and `/ 1000`).
-    (
-        "extrinsic_parameter",
-        Dialect {
-            name: "livox",
-            metres: 1e-3,
-            degrees: true,
-            ..GENERIC
-        },
-    ),
-    // OpenCalib (SensorsCalibration): `{rows, cols, data}` under the name of the pair of sensors.
-    (
-        "sensor_calib",
-        Dialect {
-            name: "opencalib",
-            ..GENERIC
-        },
-    ),
-];
+/// What the table says of one value.
+#[derive(Clone, Debug)]
+pub(super) struct Said<'r> {
+    pub(super) keyed: &'r Keyed,
+    /// The numbers in its path that the key asks for.
+    numbers: Vec<u32>,
+}
 
-/// The dialect that a key belongs to; [`GENERIC`] for all others.
-pub(super) fn of_key(key: &str) -> Dialect {
-    TABLE
+impl Said<'_> {
+    pub(super) fn terms(&self) -> Terms {
+        Terms::of(self.keyed)
+    }
+
+    /// The two frames, `(target, source)`, with `sibling` for the texts beside it.
+    pub(super) fn frames(&self, sibling: impl Fn(&str) -> Option<String>) -> Option<(String, String)> {
+        let (target, source) = self.keyed.is.as_ref()?.split_once(" from ")?;
+        let frame = |word: &str| match word.strip_prefix('@') {
+            Some(key) => sibling(key),
+            None => self.numbered(word),
+        };
+        Some((frame(target)?, frame(source)?))
+    }
+
+    /// A frame with its numbers: `#`, `#2`, `#-1`.
+    fn numbered(&self, word: &str) -> Option<String> {
+        let mut parts = word.split('#');
+        let mut name = parts.next()?.to_owned();
+        for part in parts {
+            let (number, rest) = if let Some(rest) = part.strip_prefix("-1") {
+                (self.numbers.first()?.checked_sub(1)?, rest)
+            } else if let Some(rest) = part.strip_prefix('2') {
+                (*self.numbers.get(1)?, rest)
+            } else {
+                (*self.numbers.first()?, part)
+            };
+            name.push_str(&number.to_string());
+            name.push_str(rest);
+        }
+        Some(name)
+    }
+}
+
+/// How sure a row's direction is.
+pub(super) fn reading(dialect: &Dialect, keyed: &Keyed) -> Confidence {
+    if dialect.verified && keyed.doubt.is_none() {
+        Confidence::Likely
+    } else {
+        Confidence::Hint
+    }
+}
+
+/// What the row says of the value with this label.
+pub(super) fn said<'r>(dialect: &'r Dialect, label: &str) -> Option<Said<'r>> {
+    let by = |path: &[&str]| {
+        dialect.transforms.iter().find_map(|keyed| {
+            let numbers = keyed.keys.iter().find_map(|key| numbers(key, path))?;
+            Some(Said { keyed, numbers })
+        })
+    };
+    let slashes: Vec<&str> = label.split('/').collect();
+    // Parameters of ROS 2 may be written with dots.
+    by(&slashes).or_else(|| by(&label.split(['/', '.']).collect::<Vec<_>>()))
+}
+
+/// The numbers that stand for `#` where a path ends in a key; `None` where it does not.
+fn numbers(key: &str, path: &[&str]) -> Option<Vec<u32>> {
+    let pattern: Vec<&str> = key.split('/').collect();
+    let tail = path.get(path.len().checked_sub(pattern.len())?..)?;
+    let mut found = Vec::new();
+    for (pattern, part) in pattern.into_iter().zip(tail) {
+        match pattern.split_once('#') {
+            _ if pattern == "*" => {}
+            None if pattern == *part => {}
+            None => return None,
+            Some((before, behind)) => {
+                let digits = part.strip_prefix(before)?.strip_suffix(behind)?;
+                found.push(
+                    digits
+                        .bytes()
+                        .all(|byte| byte.is_ascii_digit())
+                        .then(|| digits.parse().ok())??,
+                );
+            }
+        }
+    }
+    Some(found)
+}
+
+/// The dialect of a file: the first row whose marks its keys have.
+pub(super) fn recognise(roots: &[Node], dialects: &Rows<Dialect>) -> Option<Arc<Dialect>> {
+    let mut paths = Paths::default();
+    for root in roots {
+        paths.take(root, &mut Vec::new());
+    }
+    dialects
         .iter()
-        .find(|(known, _)| *known == key)
-        .map_or(GENERIC, |(_, dialect)| *dialect)
+        .find(|row| row.marks.iter().any(|mark| paths.have(mark)))
+        .cloned()
+}
+
+/// The paths of keys of a file, with some of the texts under them.
+#[derive(Default)]
+struct Paths {
+    by_end: BTreeMap<String, Vec<KeyPath>>,
+    count: usize,
+}
+
+struct KeyPath {
+    /// Its keys, without their numbers.
+    keys: Vec<String>,
+    values: BTreeSet<String>,
+}
+
+/// A key without its numbers.
+fn unnumbered(key: &str) -> String {
+    let mut plain = String::with_capacity(key.len());
+    for letter in key.chars() {
+        if !letter.is_ascii_digit() {
+            plain.push(letter);
+        } else if !plain.ends_with('#') {
+            plain.push('#');
+        }
+    }
+    plain
+}
+
+impl Paths {
+    fn take(&mut self, node: &Node, path: &mut Vec<String>) {
+        match &node.kind {
+            Kind::Scalar { .. } => {}
+            Kind::Sequence(items) => {
+                path.push("#".to_owned());
+                for item in items.iter().filter(|item| item.text().is_none()) {
+                    self.take(item, path);
+                }
+                path.pop();
+            }
+            Kind::Mapping(pairs) => {
+                for (key, value) in pairs {
+                    let Some(text) = key.text() else { continue };
+                    let before = path.len();
+                    path.extend(text.split('/').filter(|part| !part.is_empty()).map(unnumbered));
+                    self.add(path, value);
+                    self.take(value, path);
+                    path.truncate(before);
+                }
+            }
+        }
+    }
+
+    fn add(&mut self, path: &[String], value: &Node) {
+        let Some(end) = path.last() else { return };
+        // `a.b.c`, as parameters of ROS 2 are written: known by its last part as well.
+        let last = end.rsplit('.').next().unwrap_or(end);
+        let ends = if last == end {
+            vec![end.as_str()]
+        } else {
+            vec![end, last]
+        };
+        for end in ends {
+            let known = self.by_end.entry(end.to_owned()).or_default();
+            let index = known.iter().position(|known| known.keys == path).unwrap_or_else(|| {
+                self.count += 1;
+                if self.count <= MAX_PATHS {
+                    known.push(KeyPath {
+                        keys: path.to_vec(),
+                        values: BTreeSet::new(),
+                    });
+                }
+                known.len().saturating_sub(1)
+            });
+            let text = value.text().filter(|text| text.len() <= MAX_VALUE);
+            if let (Some(path), Some(text)) = (known.get_mut(index), text)
+                && path.values.len() < MAX_VALUES
+            {
+                path.values.insert(text.to_owned());
+            }
+        }
+    }
+
+    /// Whether a line of marks fits: all its keys are there, and none behind a `!`.
+    fn have(&self, mark: &str) -> bool {
+        mark.split('&').map(str::trim).all(|part| match part.strip_prefix('!') {
+            Some(absent) => !self.has(absent),
+            None => self.has(part),
+        })
+    }
+
+    fn has(&self, mark: &str) -> bool {
+        let (key, value) = mark
+            .split_once('=')
+            .map_or((mark, None), |(key, value)| (key, Some(value)));
+        let pattern: Vec<String> = key.split('/').map(unnumbered).collect();
+        let Some(end) = pattern.last() else { return false };
+        self.by_end
+            .get(end)
+            .into_iter()
+            .flatten()
+            .any(|KeyPath { keys: path, values }| {
+                // Of a path with dots the last part alone was looked up.
+                let dotted: Vec<&str> = path.iter().flat_map(|part| part.split('.')).collect();
+                let whole: Vec<&str> = path.iter().map(String::as_str).collect();
+                let ends_so = |path: &[&str]| {
+                    let start = path.len().checked_sub(pattern.len());
+                    let tail = start.and_then(|start| path.get(start..));
+                    tail.is_some_and(|tail| {
+                        tail.iter()
+                            .zip(&pattern)
+                            .all(|(part, wanted)| wanted == "*" || part == wanted)
+                    })
+                };
+                (ends_so(&whole) || ends_so(&dotted)) && value.is_none_or(|value| values.contains(value))
+            })
+    }
 }

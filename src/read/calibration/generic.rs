@@ -9,7 +9,7 @@ use crate::source::{Confidence, Span};
 use crate::world::transform_name::{self, NamePart};
 use crate::world::{FrameRole, Literal};
 
-use super::dialect::{self, Dialect};
+use super::dialect::{self, Terms};
 use super::document::{Kind, Node};
 use super::names::{self, Half};
 use super::numbers::{self, Numbers};
@@ -50,36 +50,36 @@ fn visit<'a>(node: &'a Node, walk: &mut Walk<'a>) {
 /// Numbers under a key.
 fn value<'a>(node: &'a Node, found: &Numbers, walk: &mut Walk<'a>) {
     let key = walk.key();
-    let dialect = dialect::of_key(names::last_part(key));
-    if names::is_never(key) && dialect == dialect::GENERIC {
+    let terms = walk.terms("");
+    if names::is_never(key) && !terms.are_known() {
         return;
     }
-    let strong = dialect != dialect::GENERIC || walk.any_key(names::is_transform) || walk.named().is_some();
+    let strong = terms.are_known() || walk.any_key(names::is_transform) || walk.named().is_some();
     let by = walk.own_key();
     let label = walk.label("");
-    if let (true, Numbers::Flat(literals)) = (dialect.packed, found) {
-        packed(literals, &label, by, dialect, walk);
+    if let (true, Numbers::Flat(literals)) = (terms.packed, found) {
+        packed(literals, &label, by, terms, walk);
         return;
     }
-    let metres = if names::says_millimetres(key) {
-        1e-3
+    let terms = if names::says_millimetres(key) {
+        Terms { metres: 1e-3, ..terms }
     } else {
-        dialect.metres
+        terms
     };
     if let Some((rows, cols, literals)) = found.matrix() {
         let rigid = || numbers::looks_rigid(rows, cols, &numbers::values(literals));
         if strong || rigid() {
-            let draft = shapes::matrix(rows, cols, literals, metres, node.span);
+            let draft = shapes::matrix(rows, cols, literals, terms.metres, node.span);
             let named = walk.named();
-            walk.emit(draft, label, named.as_ref(), by, dialect);
+            walk.emit(draft, label, named.as_ref(), by, terms);
         }
     } else if let Some(draft) = found
         .vector(7)
-        .and_then(|seven| shapes::seven(key, seven, metres, node.span))
+        .and_then(|seven| shapes::seven(key, seven, terms, node.span))
     {
         if strong {
             let named = walk.named();
-            walk.emit(draft, label, named.as_ref(), by, dialect);
+            walk.emit(draft, label, named.as_ref(), by, terms);
         }
     } else if let (true, Numbers::Misfit(why)) = (strong, found) {
         walk.problems
@@ -108,7 +108,7 @@ fn miscounted(node: &Node, count: usize, label: &str, walk: &mut Walk<'_>) {
 }
 
 /// One 3x4 out of each block of sixteen.
-fn packed(literals: &[Literal], label: &str, by: Option<&Node>, dialect: Dialect, walk: &mut Walk<'_>) {
+fn packed(literals: &[Literal], label: &str, by: Option<&Node>, terms: Terms, walk: &mut Walk<'_>) {
     let blocks: Vec<&[Literal]> = literals.chunks(16).collect();
     for (index, block) in blocks.iter().enumerate() {
         let (Some(upper), Some(last)) = (block.get(..12), block.last()) else {
@@ -121,19 +121,14 @@ fn packed(literals: &[Literal], label: &str, by: Option<&Node>, dialect: Dialect
             label.to_owned()
         };
         let by = by.filter(|_| blocks.len() == 1);
-        walk.emit(
-            shapes::matrix(3, 4, upper, dialect.metres, span),
-            label,
-            None,
-            by,
-            dialect,
-        );
+        walk.emit(shapes::matrix(3, 4, upper, terms.metres, span), label, None, by, terms);
     }
 }
 
 fn mapping<'a>(node: &'a Node, walk: &mut Walk<'a>) {
     let mut consumed = BTreeSet::new();
     flat(node, walk);
+    prefixed(node, walk);
     nested(node, walk, &mut consumed);
     halves(node, walk, &mut consumed);
     for (index, (key, child)) in node.pairs().iter().enumerate() {
@@ -157,20 +152,38 @@ fn flat<'a>(node: &'a Node, walk: &mut Walk<'a>) {
     if names::is_never(key) {
         return;
     }
-    let dialect = dialect::of_key(key);
-    let draft = shapes::flat_pose(key, node, walk.text, dialect).or_else(|| {
+    let terms = walk.terms("");
+    let draft = shapes::flat_pose(key, node, walk.text, terms).or_else(|| {
         let speaks = walk.any_key(names::is_rotation) || parent_speaks_of_rotation(walk);
         shapes::flat_rotation(node, speaks, names::says_degrees(key))
     });
     let draft = draft.or_else(|| {
         // A known format may state a position alone.
-        let known = dialect != dialect::GENERIC;
-        let (xyz, metres) = shapes::translation(key, node, walk.text, dialect).filter(|_| known)?;
+        let (xyz, metres) = shapes::translation(key, node, walk.text, terms).filter(|_| terms.are_known())?;
         shapes::combine(Some(&xyz), None, metres, node.span)
     });
     if let Some(draft) = draft {
         let (label, named, by) = (walk.label(""), walk.named(), walk.own_key());
-        walk.emit(draft, label, named.as_ref(), by, dialect);
+        walk.emit(draft, label, named.as_ref(), by, terms);
+    }
+}
+
+/// Six scalars side by side whose keys begin alike: `lidar_to_cam_tx`, ..., `lidar_to_cam_rz`.
+fn prefixed<'a>(node: &'a Node, walk: &mut Walk<'a>) {
+    for (key, first) in node.pairs() {
+        let stem = key.text().and_then(|text| text.strip_suffix("_tx"));
+        let Some(stem) = stem.filter(|stem| !stem.is_empty() && !names::is_never(stem)) else {
+            continue;
+        };
+        let terms = walk.terms(stem);
+        let Some((draft, last)) = shapes::prefixed_pose(stem, node, terms) else {
+            continue;
+        };
+        let draft = shapes::Draft {
+            span: first.span.cover(last),
+            ..draft
+        };
+        walk.emit(draft, walk.label(stem), None, Some(key), terms);
     }
 }
 
@@ -220,21 +233,16 @@ struct Pair<'a> {
 
 /// Translations and rotations that stand side by side: `extrinsic_T` and `extrinsic_R`, `translation` and `rotation`.
 fn halves<'a>(node: &'a Node, walk: &mut Walk<'a>, consumed: &mut BTreeSet<usize>) {
-    let dialect = if node.get("token").is_some() {
-        dialect::NUSCENES
-    } else {
-        dialect::GENERIC
-    };
-    let order = (dialect == dialect::NUSCENES).then_some(false);
     let mut pairs: Vec<Pair<'a>> = Vec::new();
     for (index, (key, child)) in node.pairs().iter().enumerate() {
         let Some(text) = key.text().filter(|text| !names::is_never(text)) else {
             continue;
         };
         let Some((stem, half)) = stem_of(text) else { continue };
-        let translation = shapes::translation(text, child, walk.text, dialect).filter(|_| half == Half::Translation);
+        let terms = walk.terms(text);
+        let translation = shapes::translation(text, child, walk.text, terms).filter(|_| half == Half::Translation);
         let rotation = (half != Half::Translation)
-            .then(|| shapes::rotation(text, half, child, walk.text, dialect, order))
+            .then(|| shapes::rotation(text, half, child, walk.text, terms))
             .flatten();
         if translation.is_none() && rotation.is_none() {
             continue;
@@ -260,7 +268,7 @@ fn halves<'a>(node: &'a Node, walk: &mut Walk<'a>, consumed: &mut BTreeSet<usize
     }
     let filter = node.get("Q").is_some();
     for pair in pairs {
-        emit_pair(pair, filter, dialect, walk);
+        emit_pair(pair, filter, walk);
     }
 }
 
@@ -278,7 +286,7 @@ fn stem_of(key: &str) -> Option<(String, Half)> {
     names::half(key).map(|(stem, half)| (stem.to_owned(), half))
 }
 
-fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, dialect: Dialect, walk: &mut Walk<'a>) {
+fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, walk: &mut Walk<'a>) {
     // Names of the frames: the halves' own, else those of the surroundings.
     let named_of = |key: &Node, walk: &Walk<'a>| walk.named_by(key).or_else(|| walk.named());
     let best = pair
@@ -300,7 +308,13 @@ fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, dialect: Dialect, walk: &mut 
                 r_key.text().unwrap_or_default().clone_into(&mut label);
             }
             if let Some(draft) = shapes::combine(Some(&xyz), Some(&rotation), metres, span) {
-                walk.emit(draft, label, named.as_ref(), Some(r_key), dialect);
+                walk.emit(
+                    draft,
+                    label,
+                    named.as_ref(),
+                    Some(r_key),
+                    walk.terms(r_key.text().unwrap_or_default()),
+                );
             }
         }
         (Some((key, xyz, metres, span)), None) => {
@@ -309,7 +323,13 @@ fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, dialect: Dialect, walk: &mut 
                 && let Some(draft) = shapes::combine(Some(&xyz), None, metres, span)
             {
                 let label = walk.label(key.text().unwrap_or_default());
-                walk.emit(draft, label, named.as_ref(), Some(key), dialect);
+                walk.emit(
+                    draft,
+                    label,
+                    named.as_ref(),
+                    Some(key),
+                    walk.terms(key.text().unwrap_or_default()),
+                );
             }
         }
         (None, Some(lone)) => pair.rotations.push(lone),
@@ -330,7 +350,13 @@ fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, dialect: Dialect, walk: &mut 
             Rotation::Rpy { .. } => named.is_some(),
         };
         if convincing && let Some(draft) = shapes::combine(None, Some(&rotation), 1.0, span) {
-            walk.emit(draft, walk.label(text), named.as_ref(), Some(key), dialect);
+            walk.emit(
+                draft,
+                walk.label(text),
+                named.as_ref(),
+                Some(key),
+                walk.terms(key.text().unwrap_or_default()),
+            );
         }
     }
 }

@@ -21,10 +21,14 @@ mod walk;
 mod tests;
 
 use crate::source::{LineIndex, Place, ReadStatus, Source};
+use crate::tables::{Dialect, Rows};
 use crate::world::Facts;
 
 use document::{Documents, Fault};
 use repair::OffsetMap;
+
+/// The dialects that a file may be of.
+pub type Dialects = Rows<Dialect>;
 
 /// Largest file that is read.
 const MAX_BYTES: usize = 64 * 1024 * 1024;
@@ -32,8 +36,8 @@ const MAX_BYTES: usize = 64 * 1024 * 1024;
 const TABS: [usize; 4] = [1, 4, 8, 2];
 
 /// Reads a YAML file (`source.text`): transforms, frames and declared chains. Sets status, detail and problems.
-pub fn read_yaml(source: &mut Source) -> Facts {
-    read(source, |text, base| {
+pub fn read_yaml(source: &mut Source, dialects: &Dialects) -> Facts {
+    read(source, dialects, |text, base| {
         let body = repair::without_directives(text);
         let strict = events::build(&body, &OffsetMap::starting_at(base));
         if strict.fault.is_none() {
@@ -61,8 +65,8 @@ pub fn read_yaml(source: &mut Source) -> Facts {
 }
 
 /// Reads a JSON file (`source.text`), with `//` and `/* */` comments. Sets status, detail and problems.
-pub fn read_json(source: &mut Source) -> Facts {
-    read(source, |text, base| {
+pub fn read_json(source: &mut Source, dialects: &Dialects) -> Facts {
+    read(source, dialects, |text, base| {
         let body = repair::without_json_comments(text);
         (events::build(&body, &OffsetMap::starting_at(base)), Vec::new())
     })
@@ -70,14 +74,19 @@ pub fn read_json(source: &mut Source) -> Facts {
 
 type Mended = Vec<(usize, &'static str)>;
 
-fn read(source: &mut Source, parse: impl Fn(&str, usize) -> (Documents, Mended)) -> Facts {
+fn read(source: &mut Source, dialects: &Dialects, parse: impl Fn(&str, usize) -> (Documents, Mended)) -> Facts {
     let text = std::mem::take(&mut source.text);
-    let facts = read_text(source, &text, parse);
+    let facts = read_text(source, &text, dialects, parse);
     source.text = text;
     facts
 }
 
-fn read_text(source: &mut Source, text: &str, parse: impl Fn(&str, usize) -> (Documents, Mended)) -> Facts {
+fn read_text(
+    source: &mut Source,
+    text: &str,
+    dialects: &Dialects,
+    parse: impl Fn(&str, usize) -> (Documents, Mended),
+) -> Facts {
     source.examined.bytes_total = source.examined.bytes_total.max(text.len() as u64);
     if let Some(why) = refused(text) {
         source.problem(ReadStatus::Unreadable, Place::whole(source.id), why);
@@ -94,7 +103,8 @@ fn read_text(source: &mut Source, text: &str, parse: impl Fn(&str, usize) -> (Do
         return Facts::default();
     }
     let (documents, mended) = parse(body, bom);
-    let mut walk = walk::Walk::new(source.id, text);
+    let dialect = dialect::recognise(&documents.roots, dialects);
+    let mut walk = walk::Walk::new(source.id, text, dialect.as_deref());
     for root in &documents.roots {
         generic::read(root, &mut walk);
     }
@@ -111,7 +121,7 @@ fn read_text(source: &mut Source, text: &str, parse: impl Fn(&str, usize) -> (Do
     for (span, message) in problems {
         source.problem(ReadStatus::Partial, Place::text(source.id, span), message);
     }
-    describe(source, text, &documents, &mended, &facts);
+    describe(source, text, &documents, &mended, &facts, dialect.as_deref());
     facts
 }
 
@@ -175,8 +185,15 @@ fn template(text: &str) -> Option<usize> {
 }
 
 /// The line of words on a source: what was found, what was mended, what stands twice.
-fn describe(source: &mut Source, text: &str, documents: &Documents, mended: &Mended, facts: &Facts) {
-    let mut notes = Vec::new();
+fn describe(
+    source: &mut Source,
+    text: &str,
+    documents: &Documents,
+    mended: &Mended,
+    facts: &Facts,
+    dialect: Option<&Dialect>,
+) {
+    let mut notes: Vec<String> = dialect.map(|dialect| dialect.says.clone()).into_iter().collect();
     if !facts.ousters.is_empty() && facts.claims.is_empty() {
         notes.push("metadata of an Ouster, and no transforms".to_owned());
     } else if !facts.origins.is_empty() && facts.claims.is_empty() {

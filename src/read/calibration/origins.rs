@@ -136,7 +136,7 @@ mod tests {
     fn origins(text: &str) -> Vec<String> {
         let mut source = Source::new(SourceId(0), "origin.yaml", SourceKind::Yaml);
         text.clone_into(&mut source.text);
-        let facts = read_yaml(&mut source);
+        let facts = read_yaml(&mut source, crate::tables::Tables::default().dialects());
         let told = |origin: &crate::world::EarthOrigin| {
             let line = LineIndex::new(text)
                 .locate(text, origin.place.span().unwrap().start)

@@ -134,8 +134,8 @@ mod tests {
         let mut source = Source::new(SourceId(0), "f", kind);
         text.clone_into(&mut source.text);
         match kind {
-            SourceKind::Json => read_json(&mut source).projections,
-            _ => read_yaml(&mut source).projections,
+            SourceKind::Json => read_json(&mut source, crate::tables::Tables::default().dialects()).projections,
+            _ => read_yaml(&mut source, crate::tables::Tables::default().dialects()).projections,
         }
     }
 

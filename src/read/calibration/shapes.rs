@@ -5,7 +5,7 @@
 use crate::source::Span;
 use crate::world::{Literal, Pose, Spelling};
 
-use super::dialect::Dialect;
+use super::dialect::Terms;
 use super::document::Node;
 use super::names::{self, Half};
 use super::numbers::{self, array, matrix_pose, rpy_pose, values};
@@ -133,10 +133,10 @@ pub(super) fn combine(
 
 /// A list of seven: x y z qx qy qz qw, the order of TUM trajectories, GLIM and tf's command line. The order of the
 /// last four is known only where the key says it.
-pub(super) fn seven(key: &str, literals: &[Literal], metres: f64, span: Span) -> Option<Draft> {
+pub(super) fn seven(key: &str, literals: &[Literal], terms: Terms, span: Span) -> Option<Draft> {
     let (translation, four) = literals.split_at_checked(3)?;
-    let rotation = quaternion(four, names::says_order(key))?;
-    combine(Some(translation), Some(&rotation), metres, span)
+    let rotation = quaternion(four, names::says_order(key).or(terms.xyzw))?;
+    combine(Some(translation), Some(&rotation), terms.metres, span)
 }
 
 /// Four numbers; `xyzw` says whether their order is known to be x y z w or w x y z.
@@ -182,11 +182,11 @@ fn fields<const N: usize>(node: &Node, sets: &[[&str; N]]) -> Option<Vec<Literal
 }
 
 /// A translation: a mapping of three numbers with its factor to metres, or a list of three.
-pub(super) fn translation(key: &str, node: &Node, source: &str, dialect: Dialect) -> Option<(Vec<Literal>, f64)> {
+pub(super) fn translation(key: &str, node: &Node, source: &str, terms: Terms) -> Option<(Vec<Literal>, f64)> {
     let metres = if names::says_millimetres(key) {
         1e-3
     } else {
-        dialect.metres
+        terms.metres
     };
     if let Some(found) = numbers::numbers(node, source) {
         return found.vector(3).map(|literals| (literals.to_vec(), metres));
@@ -199,22 +199,15 @@ pub(super) fn translation(key: &str, node: &Node, source: &str, dialect: Dialect
     plain.or_else(|| fields(node, POSITIONS_MM).map(|literals| (literals, 1e-3)))
 }
 
-/// A rotation under a key that names one. `xyzw` is the order of a bare list of four, where the format fixes it.
-pub(super) fn rotation(
-    key: &str,
-    half: Half,
-    node: &Node,
-    source: &str,
-    dialect: Dialect,
-    xyzw: Option<bool>,
-) -> Option<Rotation> {
-    let degrees = dialect.degrees || names::says_degrees(key);
+/// A rotation under a key that names one.
+pub(super) fn rotation(key: &str, half: Half, node: &Node, source: &str, terms: Terms) -> Option<Rotation> {
+    let degrees = terms.degrees || names::says_degrees(key);
     if let Some(found) = numbers::numbers(node, source) {
         if let Some((3, 3, literals)) = found.matrix() {
             return Some(Rotation::Matrix(literals.to_vec()));
         }
         if let Some(four) = found.vector(4) {
-            return quaternion(four, names::says_order(key).or(xyzw));
+            return quaternion(four, names::says_order(key).or(terms.xyzw));
         }
         let three = found.vector(3).filter(|_| half == Half::Angles)?.to_vec();
         return Some(Rotation::Rpy {
@@ -225,7 +218,7 @@ pub(super) fn rotation(
     // Argoverse wraps the four numbers.
     if let Some(inner) = node.get("coefficients") {
         let found = numbers::numbers(inner, source)?;
-        return quaternion(found.vector(4)?, xyzw);
+        return quaternion(found.vector(4)?, terms.xyzw);
     }
     let four = fields(node, QUATERNIONS).or_else(|| fields(node, &[["x", "y", "z", "w"]]));
     if let Some(literals) = four {
@@ -249,16 +242,34 @@ fn angles(node: &Node, degrees: bool) -> Option<Rotation> {
 }
 
 /// A pose whose numbers are all keys of one mapping: `{x, y, z, roll, pitch, yaw}`, `{px, py, pz, qx, qy, qz, qw}`.
-pub(super) fn flat_pose(key: &str, node: &Node, source: &str, dialect: Dialect) -> Option<Draft> {
-    let (position, metres) = translation(key, node, source, dialect)?;
+pub(super) fn flat_pose(key: &str, node: &Node, source: &str, terms: Terms) -> Option<Draft> {
+    let (position, metres) = translation(key, node, source, terms)?;
     let rotation = match fields(node, QUATERNIONS) {
         Some(literals) => Rotation::Quaternion {
             literals,
             order_known: true,
         },
-        None => angles(node, dialect.degrees || names::says_degrees(key))?,
+        None => angles(node, terms.degrees || names::says_degrees(key))?,
     };
     combine(Some(&position), Some(&rotation), metres, node.span)
+}
+
+/// A pose whose numbers stand under `stem` and `_tx`, `_ty`, `_tz`, `_rx`, `_ry`, `_rz`, and where the last of them ends.
+pub(super) fn prefixed_pose(stem: &str, node: &Node, terms: Terms) -> Option<(Draft, Span)> {
+    let three = |kind: char| {
+        let of = |axis| numbers::literal(node.get(&format!("{stem}_{kind}{axis}"))?);
+        Some(vec![of('x')?, of('y')?, of('z')?])
+    };
+    let (position, angles) = (three('t')?, three('r')?);
+    let last = angles.last()?.span;
+    let rotation = Rotation::Rpy {
+        literals: angles,
+        degrees: terms.degrees,
+    };
+    Some((
+        combine(Some(&position), Some(&rotation), terms.metres, node.span)?,
+        last,
+    ))
 }
 
 /// A rotation whose numbers are all keys of one mapping: `{x, y, z, w}`, or `{roll, pitch, yaw}` under a key that speaks

@@ -1,12 +1,14 @@
 //! Tests of the calibration reader: forms of transforms, quirks of files, and real files where they are at hand.
 
 mod corpus;
+mod dialects;
 mod forms;
 mod frames;
 mod ouster;
 mod quirks;
 
 use crate::source::{LineIndex, ReadStatus, Source, SourceId, SourceKind, Span};
+use crate::tables::Tables;
 use crate::world::{Claim, Facts, Spelling};
 
 use super::{read_json, read_yaml};
@@ -15,7 +17,7 @@ use super::{read_json, read_yaml};
 fn yaml(text: &str) -> (Source, Facts) {
     let mut source = Source::new(SourceId(0), "calib.yaml", SourceKind::Yaml);
     text.clone_into(&mut source.text);
-    let facts = read_yaml(&mut source);
+    let facts = read_yaml(&mut source, Tables::default().dialects());
     assert_eq!(source.text, text, "the text stays");
     (source, facts)
 }
@@ -24,7 +26,7 @@ fn yaml(text: &str) -> (Source, Facts) {
 fn json(text: &str) -> (Source, Facts) {
     let mut source = Source::new(SourceId(0), "calib.json", SourceKind::Json);
     text.clone_into(&mut source.text);
-    let facts = read_json(&mut source);
+    let facts = read_json(&mut source, Tables::default().dialects());
     (source, facts)
 }
 

@@ -5,11 +5,12 @@
 use std::collections::BTreeMap;
 
 use crate::source::{Confidence, Place, SourceId, Span};
+use crate::tables::Dialect;
 use crate::world::transform_name::{self, NameStyle, TransformName};
 use crate::world::{Claim, ClaimKind, DeclaredChain, Facts, FrameId, FrameRole, FrameUse};
 
-use super::dialect::Dialect;
-use super::document::Node;
+use super::dialect::{self, By, Said, Terms};
+use super::document::{Kind, Node};
 use super::names;
 use super::numbers;
 use super::shapes::Draft;
@@ -50,6 +51,8 @@ pub(super) struct Walk<'a> {
     source: SourceId,
     /// The source's text.
     pub(super) text: &'a str,
+    /// The dialect of the file, where it is known.
+    dialect: Option<&'a Dialect>,
     path: Vec<Step<'a>>,
     found: Vec<Found>,
     chains: Vec<DeclaredChain>,
@@ -58,10 +61,11 @@ pub(super) struct Walk<'a> {
 }
 
 impl<'a> Walk<'a> {
-    pub(super) fn new(source: SourceId, text: &'a str) -> Self {
+    pub(super) fn new(source: SourceId, text: &'a str, dialect: Option<&'a Dialect>) -> Self {
         Self {
             source,
             text,
+            dialect,
             path: Vec::new(),
             found: Vec::new(),
             chains: Vec::new(),
@@ -127,6 +131,35 @@ impl<'a> Walk<'a> {
             parts.push(last.to_owned());
         }
         parts.join("/")
+    }
+
+    /// What the dialect says of the current value, or of the one under a key in it.
+    fn said(&self, last: &str) -> Option<Said<'a>> {
+        dialect::said(self.dialect?, &self.label(last))
+    }
+
+    /// Units and order of the current value, or of the one under a key in it.
+    pub(super) fn terms(&self, last: &str) -> Terms {
+        let said = self.said(last).or_else(|| self.said(""));
+        said.map_or(dialect::GENERIC, |said| said.terms())
+    }
+
+    /// The frames that the dialect gives a statement.
+    fn named_by_dialect(&self, label: &str, by: Option<&Node>, span: Span) -> Option<Named> {
+        let row = self.dialect?;
+        let said = dialect::said(row, label).or_else(|| self.said(by?.text()?))?;
+        let sibling = |key: &str| {
+            let mut mappings = self.path.iter().rev().map(|step| step.node);
+            let text = mappings.find_map(|node| node.get(key)?.text())?.trim();
+            (!text.is_empty()).then(|| text.to_owned())
+        };
+        let place = by.map_or(span, |key| key.span);
+        Some(Named {
+            frames: said.frames(sibling)?,
+            places: (place, place),
+            reading: dialect::reading(row, said.keyed),
+            role: FrameRole::CalibrationLabel,
+        })
     }
 
     /// The frames that the surroundings of the current value name: keys that state them, else names of keys, from the
@@ -199,14 +232,7 @@ impl<'a> Walk<'a> {
     }
 
     /// Makes a claim. Numbers that are none become a problem instead.
-    pub(super) fn emit(
-        &mut self,
-        draft: Draft,
-        label: String,
-        named: Option<&Named>,
-        by: Option<&Node>,
-        dialect: Dialect,
-    ) {
+    pub(super) fn emit(&mut self, draft: Draft, label: String, named: Option<&Named>, by: Option<&Node>, terms: Terms) {
         let literals = draft.translation.iter().chain(&draft.rotation);
         if let Some(bad) = literals.clone().find(|l| numbers::number(&l.text).is_none()) {
             let launch = ["$(", "${", "{{"].iter().any(|mark| bad.text.contains(mark));
@@ -221,7 +247,25 @@ impl<'a> Walk<'a> {
             ));
             return;
         }
-        let mut reading = dialect.reading.or(named.map(|n| n.reading)).unwrap_or(Confidence::Hint);
+        let by_dialect = self.named_by_dialect(&label, by, draft.span);
+        let (named, roles) = match (named, by_dialect) {
+            (Some(stated), _) if stated.role == FrameRole::Calibration => (Some(stated.clone()), false),
+            // A key may name the frames as the dialect does.
+            (Some(named), Some(dialect)) if named.frames == dialect.frames => {
+                let reading = dialect.reading;
+                (
+                    Some(Named {
+                        reading,
+                        ..named.clone()
+                    }),
+                    false,
+                )
+            }
+            (_, Some(dialect)) => (Some(dialect), true),
+            (named, None) => (named.cloned(), false),
+        };
+        let named = named.as_ref();
+        let mut reading = named.map_or(Confidence::Hint, |n| n.reading);
         if draft.order_guessed() {
             let ceiling = if draft.has_translation {
                 Confidence::Likely
@@ -231,7 +275,8 @@ impl<'a> Walk<'a> {
             reading = reading.min(ceiling);
         }
         // In a list of several, a name such as `T_cam_imu` does not say which camera.
-        if named.is_some_and(|n| n.role == FrameRole::CalibrationLabel) && self.in_list_of_several() {
+        let is_label = !roles && named.is_some_and(|n| n.role == FrameRole::CalibrationLabel);
+        if is_label && self.in_list_of_several() {
             reading = Confidence::Hint;
         }
         let place = |span: Span| Place::text(self.source, span);
@@ -242,7 +287,7 @@ impl<'a> Walk<'a> {
         let role = named.map_or(FrameRole::CalibrationLabel, |n| n.role);
         self.found.push(Found {
             role,
-            named_by: named.filter(|n| n.role == FrameRole::CalibrationLabel).map(|_| {
+            named_by: is_label.then(|| {
                 let name = by.and_then(Node::text).unwrap_or_default();
                 format!("{} {name}", self.key())
             }),
@@ -256,7 +301,13 @@ impl<'a> Walk<'a> {
                 translation_literals: draft.translation,
                 rotation_literals: draft.rotation,
                 kind: ClaimKind::File {
-                    dialect: dialect.name.to_owned(),
+                    dialect: match self.dialect {
+                        _ if terms.by == By::Nesting => "autoware",
+                        Some(row) if terms.are_known() => &row.name,
+                        _ => "generic",
+                    }
+                    .to_owned(),
+                    roles,
                 },
                 reading: if named.is_some() { reading } else { Confidence::Hint },
                 place: place(span),
@@ -327,6 +378,10 @@ impl<'a> Walk<'a> {
             let Some((target, source)) = &claim.frames else {
                 continue;
             };
+            // What a program calls its sensors is no name of a frame.
+            if matches!(claim.kind, ClaimKind::File { roles: true, .. }) {
+                continue;
+            }
             for (frame, place) in [(target, &claim.target_place), (source, &claim.source_place)] {
                 let place = place.clone().unwrap_or_else(|| claim.place.clone());
                 let entry = uses.entry((frame.clone(), *role)).or_insert((place.clone(), 0));
@@ -369,7 +424,9 @@ fn stated(node: &Node) -> Option<Named> {
     let frame = |node: &Node| {
         let text = node.text()?.trim();
         let plain = !text.is_empty() && !text.contains(char::is_whitespace) && !text.contains(['$', '{']);
-        (plain && numbers::number(text).is_none()).then(|| text.to_owned())
+        // A serial number is quoted.
+        let is_name = matches!(node.kind, Kind::Scalar { quoted: true, .. }) || numbers::number(text).is_none();
+        (plain && is_name).then(|| text.to_owned())
     };
     let child = || node.get("child_frame_id");
     let header = node.get("header").and_then(|header| header.get("frame_id"));

@@ -49,6 +49,7 @@ fn sources_that_differ_are_marked() {
     for claim in s.world.claims.iter_mut().skip(1) {
         claim.kind = ClaimKind::File {
             dialect: "generic".into(),
+            roles: false,
         };
     }
     let run = s.run();

@@ -62,6 +62,8 @@ pub(crate) struct Statement {
     pub(crate) direction: Direction,
     rank: Rank,
     bare_quaternion: bool,
+    /// The dialect whose names for its sensors (`lidar`, `imu`) its frames are; `None` where they are names of the platform's frames.
+    roles: Option<String>,
 }
 
 impl Statement {
@@ -105,7 +107,11 @@ impl Pair {
 
     /// How sure the reading of both is.
     fn reading(&self) -> Confidence {
-        self.reference.reading.min(self.other.reading)
+        let (a, b) = (&self.reference, &self.other);
+        let by_role = (a.roles.is_some() || b.roles.is_some()) && a.place.source != b.place.source;
+        // That two files mean one sensor by `lidar` is a guess.
+        let most = if by_role { Confidence::Hint } else { Confidence::Certain };
+        a.reading.min(b.reading).min(most)
     }
 
     /// Takes the other statement for the reference.
@@ -216,6 +222,8 @@ fn comparable(world: &World, a: &Statement, b: &Statement) -> Option<Comparable>
         (Rank::File, Rank::File) if a.place.source == b.place.source => {
             (last(a) != last(b) && a.label != b.label).then_some(Comparable::Same)
         }
+        // One program's files in a folder are of several robots.
+        (Rank::File, Rank::File) if a.roles.is_some() && a.roles == b.roles => None,
         // Frames of one letter (`T_BS`) mean "the sensor of this file".
         (Rank::File, Rank::File) if is_letter(&a.target) || is_letter(&a.source_frame) => None,
         (Rank::File, Rank::File) => {
@@ -261,6 +269,7 @@ pub(crate) fn statements(world: &World) -> Vec<Statement> {
             direction: Direction::AsStated,
             rank: Rank::Tf,
             bare_quaternion: false,
+            roles: None,
         })
     });
     files.chain(tf).collect()
@@ -296,6 +305,10 @@ fn from_claim(world: &World, claim: &Claim) -> Option<Statement> {
         direction: Direction::AsStated,
         rank,
         bare_quaternion: matches!(claim.spelling, Spelling::Quaternion { .. }),
+        roles: match &claim.kind {
+            ClaimKind::File { dialect, roles: true } => Some(dialect.clone()),
+            _ => None,
+        },
     })
 }
 
@@ -348,6 +361,7 @@ fn add_chains(world: &World, (a, b): &(FrameId, FrameId), statements: &mut Vec<S
             direction: Direction::AsStated,
             rank,
             bare_quaternion: false,
+            roles: None,
         });
     }
 }

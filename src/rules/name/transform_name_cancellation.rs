@@ -118,7 +118,7 @@ fn judge_chain(chain: &DeclaredChain, out: &mut Judge) {
 fn judge_keys(world: &World, out: &mut Judge) {
     let mut seen = BTreeSet::new();
     for claim in &world.claims {
-        let is_generic = matches!(&claim.kind, ClaimKind::File { dialect } if dialect == "generic");
+        let is_generic = matches!(&claim.kind, ClaimKind::File { dialect, .. } if dialect == "generic");
         let name = transform_name::parse(&claim.label).filter(|name| name.style == NameStyle::To);
         let (Some(name), true) = (name, is_generic && claim.reading < Confidence::Certain) else {
             continue;

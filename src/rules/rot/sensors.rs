@@ -4,7 +4,7 @@ use nalgebra::Isometry3;
 
 use crate::rules::names::{self, has_word, has_word_of};
 use crate::source::Place;
-use crate::world::{ClaimKind, FrameId, World};
+use crate::world::{Claim, ClaimKind, FrameId, World};
 
 /// Words for kinds of sensor; the lists of one row name one kind.
 const KINDS: &[&[&[&str]]] = &[
@@ -124,7 +124,7 @@ pub(super) fn mountings(world: &World) -> Vec<Mounting> {
         let is_whole = claim.has_rotation && claim.has_translation;
         // A camera against an IMU is a pair of sensors, and what a calibration file is for.
         let is_joint = matches!(claim.kind, ClaimKind::Joint { .. });
-        if is_whole && is_mounting(parent, sensor, is_joint) {
+        if is_whole && is_mounting(parent, sensor, is_joint) && !is_by_design(claim, parent, sensor) {
             all.push(Mounting {
                 parent: parent.clone(),
                 sensor: sensor.clone(),
@@ -157,6 +157,14 @@ fn is_mounting(parent: &FrameId, sensor: &FrameId, in_tree: bool) -> bool {
         Some(parent_kind) => !in_tree && parent_kind != sensor_kind,
     };
     parent_is_other && !has_word(parent, HOUSINGS) && !has_word(sensor, VIRTUAL) && !is_of_one_device(parent, sensor)
+}
+
+/// Whether a program's own conventions put a sensor exactly there: its body is its IMU, or a simulator's sensors share a place.
+fn is_by_design(claim: &Claim, body: &FrameId, sensor: &FrameId) -> bool {
+    let ClaimKind::File { dialect, roles: true } = &claim.kind else {
+        return false;
+    };
+    dialect == "carla" || (body.as_str(), sensor.as_str()) == ("body", "imu")
 }
 
 /// Whether both names begin with the name of one device: `oakd_link` and `oakd_rgb_camera_frame`.

@@ -61,10 +61,10 @@ impl Rule for DatasetProfile {
     }
 }
 
-/// What is known of a frame. `S` is the sensor whose file it is, as in EuRoC's `cam0/sensor.yaml`.
+/// What is known of a frame. `S`, or the dialect's `sensor`, is the sensor whose file it is, as in EuRoC's `cam0/sensor.yaml`.
 fn known<'d>(dataset: &'d Dataset, frame: &FrameId, path: &str) -> Option<&'d DatasetFrame> {
     let name = frame.as_str().to_lowercase();
-    if name != "s" {
+    if !matches!(name.as_str(), "s" | "sensor") {
         return dataset.frame(&name);
     }
     let path = Path::new(path);

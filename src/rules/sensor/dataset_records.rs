@@ -15,9 +15,7 @@ pub(super) fn judge(world: &World, dataset: &NamedDataset, limits: &Limits, out:
     if dataset.row.quaternion != Some(QuaternionWord::Wxyz) {
         return 0;
     }
-    let is_record = |claim: &&Claim| {
-        matches!(&claim.kind, ClaimKind::File { dialect } if dialect == "nuscenes") && claim.frames.is_none()
-    };
+    let is_record = |claim: &&Claim| matches!(&claim.kind, ClaimKind::File { dialect, .. } if dialect == "nuscenes");
     let mut count = 0;
     for claim in world.claims.iter().filter(is_record) {
         let Spelling::Quaternion { xyzw, .. } = &claim.spelling else {

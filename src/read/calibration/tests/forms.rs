@@ -271,7 +271,7 @@ fn camera_info_states_one_rotation() {
     );
     assert_eq!(
         (claim.label.as_str(), frames(&claim).as_str()),
-        ("rectification_matrix", "-")
+        ("rectification_matrix", "camera_rectified<-camera")
     );
     assert!(claim.has_rotation && !claim.has_translation);
 }

@@ -28,7 +28,8 @@ fn autoware_nesting_states_parent_and_child() {
     assert_eq!(
         claim.kind,
         ClaimKind::File {
-            dialect: "autoware".to_owned()
+            dialect: "autoware".to_owned(),
+            roles: false,
         }
     );
     assert_eq!(claim.reading, Certain);
@@ -93,8 +94,8 @@ fn names_of_keys_give_frames_with_less_certainty() {
         (format!("body_T_cam0: {FLAT}\n"), "body<-cam0", Likely),
         (format!("T_imu_lidar: {FLAT}\n"), "imu<-lidar", Likely),
         (format!("lidar_to_imu: {FLAT}\n"), "imu<-lidar", Hint),
-        (format!("T_BS: {{rows: 4, cols: 4, data: {FLAT}}}\n"), "B<-S", Hint),
-        (format!("IMU.T_b_c1: {FLAT}\n"), "b<-c1", Hint),
+        (format!("T_XY: {{rows: 4, cols: 4, data: {FLAT}}}\n"), "X<-Y", Hint),
+        (format!("IMU.T_b_d1: {FLAT}\n"), "b<-d1", Hint),
         (format!("Tbc: {FLAT}\n"), "b<-c", Hint),
         (format!("cam0: {{T_cam_imu: {FLAT}}}\n"), "cam0<-imu", Likely),
         (format!("cam1: {{T_imu_cam: {FLAT}}}\n"), "imu<-cam1", Likely),
@@ -126,7 +127,7 @@ fn the_first_camera_of_a_chain_has_no_camera_before_it() {
 
 #[test]
 fn one_name_for_several_things_names_none_of_them() {
-    let (_, facts) = yaml(&format!("cameras:\n- {{T_SC: {FLAT}}}\n- {{T_SC: {FLAT}}}\n"));
+    let (_, facts) = yaml(&format!("sensors:\n- {{T_XY: {FLAT}}}\n- {{T_XY: {FLAT}}}\n"));
     assert_eq!(facts.claims.iter().map(frames).collect::<Vec<_>>(), ["-", "-"]);
     assert!(facts.frames.is_empty());
     // Numbered cameras tell them apart.

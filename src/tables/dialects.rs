@@ -1,0 +1,106 @@
+//! Dialects: programs and datasets whose calibration files are known.
+
+use serde::Deserialize;
+
+use super::rows::Row;
+
+/// What is known of the files of one program.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Dialect {
+    /// One word.
+    pub name: String,
+    /// What a file of it is called in a sentence.
+    pub says: String,
+    /// Keys by which a file is known: one of these lines fits.
+    pub marks: Vec<String>,
+    /// What stands under its keys.
+    pub transforms: Vec<Keyed>,
+    /// Whether somebody read the reader's source, or compared files of one sensor.
+    pub verified: bool,
+    /// Where that is written.
+    #[serde(default)]
+    pub source: String,
+}
+
+/// A transform under a key.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Keyed {
+    /// The key, or the keys of its parts.
+    pub keys: Vec<String>,
+    /// `A from B`: takes points of B to points of A.
+    #[serde(default)]
+    pub is: Option<String>,
+    /// Whether the key itself says that.
+    #[serde(default)]
+    pub as_named: bool,
+    /// The unit of lengths.
+    #[serde(default)]
+    pub length: Length,
+    /// The unit of angles.
+    #[serde(default)]
+    pub angle: Angle,
+    /// The order of a bare list of four.
+    #[serde(default)]
+    pub quaternion: Option<Order>,
+    /// Whether a list holds several 4x4, whose bottom rows are flags.
+    #[serde(default)]
+    pub packed: bool,
+    /// Why the direction is a hint.
+    #[serde(default)]
+    pub doubt: Option<String>,
+}
+
+/// A unit of lengths.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+pub enum Length {
+    /// Metres.
+    #[default]
+    #[serde(rename = "m")]
+    Metres,
+    /// Millimetres.
+    #[serde(rename = "mm")]
+    Millimetres,
+}
+
+/// A unit of angles.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
+pub enum Angle {
+    /// Radians.
+    #[default]
+    #[serde(rename = "rad")]
+    Radians,
+    /// Degrees.
+    #[serde(rename = "deg")]
+    Degrees,
+}
+
+/// The order of the four numbers of a quaternion.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Order {
+    /// The real part last.
+    Xyzw,
+    /// The real part first.
+    Wxyz,
+}
+
+impl Row for Dialect {
+    fn source_mut(&mut self) -> &mut String {
+        &mut self.source
+    }
+
+    fn fault(&self) -> Option<(&'static str, &'static str)> {
+        let has_keys = |keys: &[String]| !keys.is_empty() && keys.iter().all(|key| !key.trim().is_empty());
+        if !has_keys(&self.marks) {
+            return Some(("marks", "paths of keys are expected, at least one"));
+        }
+        let is_well = |keyed: &Keyed| {
+            let frames = keyed.is.as_ref().is_none_or(|is| is.split_once(" from ").is_some());
+            has_keys(&keyed.keys) && frames
+        };
+        let all_well = self.transforms.iter().all(is_well);
+        (!all_well).then_some(("transforms", "`keys`, and `is: A from B`, are expected"))
+    }
+}
