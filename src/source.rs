@@ -41,6 +41,8 @@ pub enum SourceKind {
     Yaml,
     /// A JSON file that may hold transforms.
     Json,
+    /// A calibration in plain text: KITTI's, a matrix, an ini, info or Lua file, poses over time.
+    Text,
     /// An MCAP recording.
     Mcap,
     /// A ROS 1 bag.
@@ -65,6 +67,7 @@ impl SourceKind {
             Self::SensorMetadata => "sensor-metadata",
             Self::Yaml => "yaml",
             Self::Json => "json",
+            Self::Text => "text",
             Self::Mcap => "mcap",
             Self::Rosbag1 => "rosbag1",
             Self::Sqlite => "sqlite",

@@ -177,6 +177,7 @@ impl Reader<'_> {
                 match input.kind {
                     SourceKind::Yaml => with_references(calibration::read_yaml(source, self.dialects), input),
                     SourceKind::Json => with_references(calibration::read_json(source, self.dialects), input),
+                    SourceKind::Text => with_references(calibration::read_plain(source, self.dialects), input),
                     SourceKind::Xacro => self.read_xacro(input, source, index, emerged),
                     _ => urdf::read(source, &meshes(input, self.inputs)),
                 }

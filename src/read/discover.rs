@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 
 use ignore::WalkBuilder;
 
+use crate::read::calibration::plain;
 use crate::source::SourceKind;
 
 use super::bag::metadata;
@@ -59,13 +60,12 @@ const UNREAD_FORMATS: &[(&str, &str)] = &[
     ("srdf", "SRDF holds semantics, no transforms of its own; it is not read"),
     ("sdf", "SDF is not read"),
     ("world", "Gazebo worlds are not read"),
-    ("lua", "Cartographer Lua files are not read"),
-    ("ini", "INI files are not read"),
-    ("info", "ROVIO info files are not read"),
+    ("lua", "not a Lua file of Cartographer"),
+    ("ini", "not an ini file with sensors of MRPT"),
+    ("info", "not an info file with cameras of ROVIO"),
     ("feather", "feather tables are not read"),
     ("csv", "CSV tables are not read"),
-    ("tum", "trajectories are not read"),
-    ("txt", "plain text files are not read"),
+    ("txt", "plain text in no form that is known"),
     ("conf", "configuration files of this format are not read"),
     ("cfg", "configuration files of this format are not read"),
     ("toml", "TOML files are not read"),
@@ -323,7 +323,7 @@ fn recognise(path: &Path, head: &[u8]) -> Option<SourceKind> {
         None if ending(path) == "xml" && text.contains("<robot") => {
             Some(if xacro() { SourceKind::Xacro } else { SourceKind::Urdf })
         }
-        None => None,
+        None => plain::form(&ending(path), &text).map(|_| SourceKind::Text),
     }
 }
 

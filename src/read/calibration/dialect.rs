@@ -99,7 +99,22 @@ impl Said<'_> {
             Some(key) => sibling(key),
             None => self.numbered(word),
         };
-        Some((frame(target)?, frame(source)?))
+        let frames = (frame(target)?, frame(source)?);
+        // KITTI tells camera 0 against itself.
+        (frames.0 != frames.1).then_some(frames)
+    }
+
+    /// Whether the row names this very key.
+    pub(super) fn names(&self, key: &str) -> bool {
+        let keys = self.keyed.keys.iter();
+        keys.filter_map(|known| known.rsplit('/').next())
+            .any(|known| numbers(known, &[key]).is_some() && known != "*")
+    }
+
+    /// What the halves of one transform have in common, where the row names several keys for it.
+    pub(super) fn stem(&self) -> Option<String> {
+        let numbers: Vec<String> = self.numbers.iter().map(u32::to_string).collect();
+        (self.keyed.keys.len() > 1).then(|| format!("{} {}", self.keyed.keys.join("+"), numbers.join(" ")))
     }
 
     /// A frame with its numbers: `#`, `#2`, `#-1`.

@@ -85,6 +85,29 @@ impl Node {
     }
 }
 
+impl Documents {
+    /// Moves all places by so many bytes.
+    pub(crate) fn shift(&mut self, by: usize) {
+        fn moved(node: &mut Node, by: usize) {
+            node.span = Span::new(node.span.start + by, node.span.end + by);
+            match &mut node.kind {
+                Kind::Scalar { .. } => {}
+                Kind::Sequence(items) => items.iter_mut().for_each(|item| moved(item, by)),
+                Kind::Mapping(pairs) => {
+                    for (key, value) in pairs {
+                        moved(key, by);
+                        moved(value, by);
+                    }
+                }
+            }
+        }
+        self.roots.iter_mut().for_each(|root| moved(root, by));
+        if let Some(fault) = &mut self.fault {
+            fault.at += by;
+        }
+    }
+}
+
 /// Where reading stopped, and why.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Fault {

@@ -171,6 +171,14 @@ fn flat<'a>(node: &'a Node, walk: &mut Walk<'a>) {
 /// Six scalars side by side whose keys begin alike: `lidar_to_cam_tx`, ..., `lidar_to_cam_rz`.
 fn prefixed<'a>(node: &'a Node, walk: &mut Walk<'a>) {
     for (key, first) in node.pairs() {
+        // Halves are known by the table alone: `_x`, `_y` and `_z` stand behind many words.
+        let half = key.text().and_then(|text| text.strip_suffix("_x"));
+        let half = half.and_then(|stem| Some((stem, walk.named_key(stem)?.terms())));
+        if let Some((stem, terms)) = half
+            && let Some(draft) = shapes::prefixed_half(stem, node, terms)
+        {
+            walk.emit(draft, walk.label(stem), None, Some(key), terms);
+        }
         let stem = key.text().and_then(|text| text.strip_suffix("_tx"));
         let Some(stem) = stem.filter(|stem| !stem.is_empty() && !names::is_never(stem)) else {
             continue;
@@ -238,7 +246,9 @@ fn halves<'a>(node: &'a Node, walk: &mut Walk<'a>, consumed: &mut BTreeSet<usize
         let Some(text) = key.text().filter(|text| !names::is_never(text)) else {
             continue;
         };
-        let Some((stem, half)) = stem_of(text) else { continue };
+        let Some((stem, half)) = stem_of(text).or_else(|| stem_by_dialect(text, child, walk)) else {
+            continue;
+        };
         let terms = walk.terms(text);
         let translation = shapes::translation(text, child, walk.text, terms).filter(|_| half == Half::Translation);
         let rotation = (half != Half::Translation)
@@ -284,6 +294,18 @@ fn stem_of(key: &str) -> Option<(String, Half)> {
         return Some((format!("{} from {}", name.target, name.source), half));
     }
     names::half(key).map(|(stem, half)| (stem.to_owned(), half))
+}
+
+/// The same by the dialect, which may name the keys of both halves.
+fn stem_by_dialect(key: &str, value: &Node, walk: &Walk<'_>) -> Option<(String, Half)> {
+    let stem = walk.named_key(key)?.stem()?;
+    let found = numbers::numbers(value, walk.text)?;
+    let half = if found.vector(3).is_some() {
+        Half::Translation
+    } else {
+        Half::Rotation
+    };
+    Some((stem, half))
 }
 
 fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, walk: &mut Walk<'a>) {

@@ -11,6 +11,7 @@ mod names;
 mod numbers;
 mod origins;
 pub mod ouster;
+pub(crate) mod plain;
 mod projections;
 mod references;
 pub(crate) mod repair;
@@ -19,6 +20,8 @@ mod walk;
 
 #[cfg(test)]
 mod tests;
+
+use std::path::Path;
 
 use crate::source::{LineIndex, Place, ReadStatus, Source};
 use crate::tables::{Dialect, Rows};
@@ -70,6 +73,32 @@ pub fn read_json(source: &mut Source, dialects: &Dialects) -> Facts {
         let body = repair::without_json_comments(text);
         (events::build(&body, &OffsetMap::starting_at(base)), Vec::new())
     })
+}
+
+/// Reads a calibration in plain text (`source.text`), by the ending of its name and its first lines. Sets status, detail and problems.
+pub fn read_plain(source: &mut Source, dialects: &Dialects) -> Facts {
+    let name = Path::new(&source.path)
+        .file_name()
+        .map(|name| name.to_string_lossy().into_owned());
+    let name = name.unwrap_or_default();
+    let (stem, ending) = name.rsplit_once('.').unwrap_or((&name, ""));
+    let (stem, ending) = (stem.to_owned(), ending.to_lowercase());
+    let form = plain::form(&ending, &source.text);
+    let facts = read(source, dialects, |text, base| {
+        let Some(form) = form else {
+            return (Documents::default(), Vec::new());
+        };
+        // A mark of the byte order moves the places.
+        let mut documents = plain::build(form, text, &stem);
+        if base > 0 {
+            documents.shift(base);
+        }
+        (documents, Vec::new())
+    });
+    if form == Some(plain::Form::Trajectory) && source.problems.is_empty() {
+        source.detail = Some("poses over time: no transform of the platform".to_owned());
+    }
+    facts
 }
 
 type Mended = Vec<(usize, &'static str)>;

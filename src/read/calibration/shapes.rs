@@ -160,10 +160,15 @@ const POSITIONS: &[[&str; 3]] = &[
     ["t_x", "t_y", "t_z"],
     ["x_m", "y_m", "z_m"],
     ["tx_m", "ty_m", "tz_m"],
+    ["pose_x", "pose_y", "pose_z"],
 ];
 const POSITIONS_MM: &[[&str; 3]] = &[["x_mm", "y_mm", "z_mm"], ["tx_mm", "ty_mm", "tz_mm"]];
 const QUATERNIONS: &[[&str; 4]] = &[["qx", "qy", "qz", "qw"], ["q_x", "q_y", "q_z", "q_w"]];
-const ANGLES: &[[&str; 3]] = &[["roll", "pitch", "yaw"], ["roll_rad", "pitch_rad", "yaw_rad"]];
+const ANGLES: &[[&str; 3]] = &[
+    ["roll", "pitch", "yaw"],
+    ["roll_rad", "pitch_rad", "yaw_rad"],
+    ["pose_roll", "pose_pitch", "pose_yaw"],
+];
 const ANGLES_DEG: &[[&str; 3]] = &[
     ["roll_deg", "pitch_deg", "yaw_deg"],
     ["roll_degrees", "pitch_degrees", "yaw_degrees"],
@@ -270,6 +275,22 @@ pub(super) fn prefixed_pose(stem: &str, node: &Node, terms: Terms) -> Option<(Dr
         combine(Some(&position), Some(&rotation), terms.metres, node.span)?,
         last,
     ))
+}
+
+/// A rotation, or the place of something, whose numbers stand under `stem` and `_x`, `_y`, `_z`, for a rotation `_w` as well.
+pub(super) fn prefixed_half(stem: &str, node: &Node, terms: Terms) -> Option<Draft> {
+    let of = |part| numbers::literal(node.get(&format!("{stem}_{part}"))?);
+    let three = vec![of('x')?, of('y')?, of('z')?];
+    let span = three.first()?.span.cover(three.last()?.span);
+    let Some(w) = of('w') else {
+        return combine(Some(&three), None, terms.metres, span);
+    };
+    let span = span.cover(w.span);
+    let rotation = Rotation::Quaternion {
+        literals: three.into_iter().chain([w]).collect(),
+        order_known: true,
+    };
+    combine(None, Some(&rotation), 1.0, span)
 }
 
 /// A rotation whose numbers are all keys of one mapping: `{x, y, z, w}`, or `{roll, pitch, yaw}` under a key that speaks

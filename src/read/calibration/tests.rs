@@ -5,6 +5,7 @@ mod dialects;
 mod forms;
 mod frames;
 mod ouster;
+mod plain;
 mod quirks;
 
 use crate::source::{LineIndex, ReadStatus, Source, SourceId, SourceKind, Span};

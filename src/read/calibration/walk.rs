@@ -144,6 +144,11 @@ impl<'a> Walk<'a> {
         said.map_or(dialect::GENERIC, |said| said.terms())
     }
 
+    /// What the dialect says of a key in the current value that it names itself.
+    pub(super) fn named_key(&self, key: &str) -> Option<Said<'a>> {
+        self.said(key).filter(|said| said.names(key))
+    }
+
     /// The frames that the dialect gives a statement.
     fn named_by_dialect(&self, label: &str, by: Option<&Node>, span: Span) -> Option<Named> {
         let row = self.dialect?;

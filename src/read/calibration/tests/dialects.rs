@@ -360,6 +360,12 @@ fn every_dialect_of_transforms_is_tried() {
         "argoverse1",
         "camera-info",
         "kalibr-imu",
+        // Plain text.
+        "kitti-raw",
+        "kitti",
+        "boreas",
+        "mrpt",
+        "rovio",
     ];
     for row in Tables::default().dialects().iter() {
         let name = row.name.as_str();

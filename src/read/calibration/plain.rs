@@ -1,0 +1,110 @@
+//! Calibration files in plain text, which are neither YAML nor JSON: turned into the same documents, so that one reading fits all.
+//!
+//! Owns which form a text has. What its keys mean, the table of dialects says.
+
+mod blocks;
+mod lines;
+
+use super::document::{Documents, Kind, Node};
+use crate::source::Span;
+
+/// The form of a plain text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Form {
+    /// `key: numbers`, line by line (KITTI).
+    Keyed,
+    /// Rows of numbers that are one matrix (numpy's `savetxt`).
+    Matrix,
+    /// `[section]` and `key = value` (MRPT).
+    Ini,
+    /// `key value` in blocks of braces (ROVIO's Boost property trees).
+    Info,
+    /// Tables of Lua (Cartographer).
+    Lua,
+    /// Poses over time, one a line.
+    Trajectory,
+}
+
+/// Words without which a file of these endings is none of ours.
+const MARKS: [(&str, Form, &[&str]); 3] = [
+    ("ini", Form::Ini, &["pose_x", "sensorLabel"]),
+    ("info", Form::Info, &["qCM_", "MrMC_"]),
+    ("lua", Form::Lua, &["tracking_frame", "published_frame"]),
+];
+
+/// The form of a file by the ending of its name, in lower case, and its first bytes; `None` where it is no calibration.
+pub(crate) fn form(ending: &str, head: &str) -> Option<Form> {
+    if let Some((_, form, words)) = MARKS.iter().find(|(known, ..)| *known == ending) {
+        return words.iter().any(|word| head.contains(word)).then_some(*form);
+    }
+    match ending {
+        "txt" => lines::form(head),
+        "tum" => Some(Form::Trajectory),
+        _ => None,
+    }
+}
+
+/// The document of a text. `stem` is the name of the file without its ending: some formats say nothing else of what a file holds.
+pub(super) fn build(form: Form, text: &str, stem: &str) -> Documents {
+    let (root, fault) = match form {
+        Form::Keyed => lines::keyed(text),
+        Form::Matrix => lines::matrix(text),
+        Form::Trajectory => lines::trajectory(text),
+        Form::Ini => blocks::ini(text),
+        Form::Info => blocks::info(text),
+        Form::Lua => blocks::lua(text),
+    };
+    let root = if matches!(form, Form::Keyed | Form::Matrix) {
+        let first = root.pairs().first().map_or(root.span.start, |(key, _)| key.span.start);
+        let name = scalar(stem, Span::new(first, first));
+        Node::new(root.span, Kind::Mapping(vec![(name, root)]))
+    } else {
+        root
+    };
+    Documents {
+        roots: vec![root],
+        fault,
+        ..Documents::default()
+    }
+}
+
+fn scalar(text: &str, span: Span) -> Node {
+    let kind = Kind::Scalar {
+        text: text.into(),
+        quoted: false,
+    };
+    Node::new(span, kind)
+}
+
+/// The words of a line with their places; `start` is where the line begins.
+fn words(line: &str, start: usize) -> impl Iterator<Item = (&str, Span)> {
+    // MRPT writes lists in brackets.
+    let is_gap = |letter: char| letter.is_whitespace() || matches!(letter, ',' | '[' | ']');
+    line.split(is_gap).filter(|word| !word.is_empty()).map(move |word| {
+        let at = start + (word.as_ptr() as usize - line.as_ptr() as usize);
+        (word, Span::new(at, at + word.len()))
+    })
+}
+
+/// The lines of a text with where they begin, without their ends.
+fn text_lines(text: &str) -> impl Iterator<Item = (usize, &str)> {
+    let mut start = 0;
+    text.split_inclusive('\n').map(move |line| {
+        let at = start;
+        start += line.len();
+        (at, line.trim_end_matches(['\n', '\r']))
+    })
+}
+
+/// One word, or a list of them.
+fn value(words: Vec<(&str, Span)>, empty_at: usize) -> Node {
+    match words.as_slice() {
+        [] => scalar("", Span::new(empty_at, empty_at)),
+        [(word, span)] => scalar(word, *span),
+        [(_, first), .., (_, last)] => {
+            let span = first.cover(*last);
+            let items = words.into_iter().map(|(word, span)| scalar(word, span)).collect();
+            Node::new(span, Kind::Sequence(items))
+        }
+    }
+}

@@ -1,0 +1,170 @@
+//! Calibrations in plain text.
+
+use super::*;
+use crate::read::calibration::plain::{Form, form};
+use crate::read::calibration::read_plain;
+
+/// Reads a text as a file of this name.
+pub(super) fn plain(name: &str, text: &str) -> (Source, Facts) {
+    let mut source = Source::new(SourceId(0), name, SourceKind::Text);
+    text.clone_into(&mut source.text);
+    let facts = read_plain(&mut source, Tables::default().dialects());
+    (source, facts)
+}
+
+/// Label and frames of every claim.
+fn said(name: &str, text: &str) -> Vec<(String, String)> {
+    let (source, facts) = plain(name, text);
+    assert_eq!(source.status, ReadStatus::Read, "{:?}", source.problems);
+    for claim in &facts.claims {
+        literals_stand_where_they_say(text, claim);
+    }
+    let of = |claim: &Claim| (claim.label.clone(), frames(claim));
+    facts.claims.iter().map(of).collect()
+}
+
+fn pairs(expected: &[(&str, &str)]) -> Vec<(String, String)> {
+    let owned = expected.iter().map(|(a, b)| ((*a).to_owned(), (*b).to_owned()));
+    owned.collect()
+}
+
+const TURN: &str = "0 -1 0 1 0 0 0 0 1";
+const ROWS: &str = "0 -1 0 0.1 1 0 0 0.2 0 0 1 0.3";
+
+#[test]
+fn files_of_kitti_say_their_direction_by_name_or_key() {
+    let raw = format!("calib_time: 09-Jan-2012 13:57:47\nR: {TURN}\nT: 0.1 0.2 0.3\ndelta_f: 0 0\n");
+    assert_eq!(
+        said("calib_velo_to_cam.txt", &raw),
+        pairs(&[("calib_velo_to_cam", "cam0<-velo")])
+    );
+    assert_eq!(
+        said("a/calib_imu_to_velo.txt", &raw),
+        pairs(&[("calib_imu_to_velo", "velo<-imu")])
+    );
+    let cameras = format!(
+        "R_00: 1 0 0 0 1 0 0 0 1\nT_00: 0 0 0\nR_rect_00: {TURN}\nP_rect_00: {ROWS}\nR_01: {TURN}\nT_01: -0.5 0 0\n"
+    );
+    let found = said("calib_cam_to_cam.txt", &cameras);
+    assert!(
+        found.contains(&(
+            "calib_cam_to_cam/R_rect_00".to_owned(),
+            "cam0_rectified<-cam0".to_owned()
+        )),
+        "{found:?}"
+    );
+    let (_, facts) = plain("calib_cam_to_cam.txt", &cameras);
+    let pair = facts.claims.iter().find(|claim| frames(claim) == "cam1<-cam0").unwrap();
+    assert!(pair.has_rotation && pair.has_translation);
+    assert_eq!(
+        pair.pose.unwrap().isometry().translation.vector,
+        nalgebra::Vector3::new(-0.5, 0.0, 0.0)
+    );
+    let object =
+        format!("P0: 7 0 6 0 0 7 1 0 0 0 1 0\nR0_rect: {TURN}\nTr_velo_to_cam: {ROWS}\nTr_imu_to_velo: {ROWS}\n");
+    let tracking = object
+        .replace("R0_rect:", "R_rect")
+        .replace("_to_", "_")
+        .replace("Tr_velo_cam:", "Tr_velo_cam");
+    for text in [object, tracking] {
+        let found: Vec<String> = said("000000.txt", &text)
+            .into_iter()
+            .map(|(_, frames)| frames)
+            .collect();
+        assert_eq!(found, ["cam0_rectified<-cam0", "cam0<-velo", "velo<-imu"], "{text}");
+    }
+}
+
+#[test]
+fn a_matrix_is_called_by_the_name_of_its_file() {
+    let text = "0.000000000000000000e+00 -1.0 0 3.559999999999999970e-02\n1 0 0 0\n0 0 1 0\n0 0 0 1\n";
+    assert_eq!(
+        said("T_applanix_lidar.txt", text),
+        pairs(&[("T_applanix_lidar", "applanix<-lidar")])
+    );
+}
+
+#[test]
+fn a_sensor_of_mrpt_is_on_the_robot_in_degrees() {
+    let text = "// sensors\n[LASER1]\ndriver = CHokuyoURG ; a comment\nsensorLabel = FRONT\npose_x = 0.5\npose_y = 0\npose_z = 0.2 // metres\npose_yaw = 90\npose_pitch = 0\npose_roll = 180\n";
+    let (_, facts) = plain("robot.ini", text);
+    let [claim] = &facts.claims[..] else {
+        panic!("{:?}", facts.claims)
+    };
+    literals_stand_where_they_say(text, claim);
+    assert_eq!(frames(claim), "robot<-FRONT");
+    let turned = claim.pose.unwrap().isometry() * nalgebra::Point3::new(1.0, 1.0, 1.0);
+    // Rolled by half a turn, then yawed by a quarter.
+    assert!(
+        (turned - nalgebra::Point3::new(1.5, 1.0, -0.8)).norm() < 1e-12,
+        "{turned}"
+    );
+}
+
+#[test]
+fn a_camera_of_rovio_is_told_in_two_halves_of_two_directions() {
+    let text = "; comment\nCommon\n{\n\tdepthType 1; Type\n}\nCamera0\n{\n\tCalibrationFile ;\n\tqCM_x 0; X\n\tqCM_y 0;\n\tqCM_z 0.6;\n\tqCM_w 0.8;\n\tMrMC_x 0.1;\n\tMrMC_y 0.2;\n\tMrMC_z 0.3;\n}\n";
+    let (_, facts) = plain("rovio.info", text);
+    let said: Vec<(String, bool)> = facts
+        .claims
+        .iter()
+        .map(|claim| (frames(claim), claim.has_rotation))
+        .collect();
+    assert_eq!(
+        said,
+        [("camera0<-imu".to_owned(), true), ("imu<-camera0".to_owned(), false)]
+    );
+    assert!(
+        facts
+            .claims
+            .iter()
+            .all(|claim| claim.reading == crate::source::Confidence::Hint)
+    );
+}
+
+#[test]
+fn what_is_no_calibration_is_not_taken_for_one() {
+    let lines = "1305031098.6659 1.3563 0.6305 1.6380 0.6132 0.5962 -0.3311 -0.3986\n".repeat(3);
+    for (ending, text, expected) in [
+        ("txt", lines.as_str(), Some(Form::Trajectory)),
+        ("tum", "# nothing\n", Some(Form::Trajectory)),
+        ("txt", "Readme\n\nThis is a text.\n", None),
+        ("txt", "cmake_minimum_required(VERSION 3.5)\n", None),
+        ("txt", "KEY:STRING=value 1 2 3\n", None),
+        ("txt", "1 2 3\n4 5 6\n", None),
+        ("txt", "", None),
+        ("ini", "[a]\nb = 1\n", None),
+        ("ini", "[a]\npose_x = 1\n", Some(Form::Ini)),
+        ("info", "a 1\n", None),
+        ("lua", "options = { tracking_frame = \"imu\" }", Some(Form::Lua)),
+        ("lua", "print(1)", None),
+        ("csv", "1,2,3", None),
+    ] {
+        assert_eq!(form(ending, text), expected, "{ending} {text}");
+    }
+    let (source, facts) = plain("poses.txt", &lines);
+    assert!(facts.claims.is_empty() && source.status == ReadStatus::Read);
+    assert_eq!(
+        source.detail.as_deref(),
+        Some("poses over time: no transform of the platform")
+    );
+}
+
+#[test]
+fn broken_texts_say_where() {
+    for (name, text, at) in [
+        ("a.info", "Camera0\n{\n qCM_x 1\n", (4, 1)),
+        ("a.info", "}\nqCM_x 1\n", (1, 1)),
+        ("a.tum", "1 2 3 4 5 6 7 8\n1 2 3 4 5 6 7\n", (2, 1)),
+        ("a.tum", "1 2 3 4 5 6 7 8\n1 2 three 4 5 6 7 8\n", (2, 5)),
+    ] {
+        let (source, _) = plain(name, text);
+        assert_ne!(source.status, ReadStatus::Read, "{text}");
+        let place = &source.problems[0].place;
+        let span = place.span().unwrap();
+        assert_eq!(super::at(text, span), at, "{text}");
+    }
+    // Blocks without end.
+    let deep = format!("qCM_x 1\n{}", "a\n{\n".repeat(5000));
+    assert_ne!(plain("a.info", &deep).0.status, ReadStatus::Read);
+}
