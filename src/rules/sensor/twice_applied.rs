@@ -22,7 +22,11 @@ pub(super) fn judge(world: &World, limits: &Limits, out: &mut Judge) {
 
 /// The lidars whose drivers read such a claim; none where it is not one of a driver.
 fn drivers<'w>(world: &'w World, claim: &Claim) -> Vec<&'w Lidar> {
-    if !matches!(claim.kind, ClaimKind::File { .. }) || claim.frames.is_some() {
+    let names_none = match claim.kind {
+        ClaimKind::File { roles, .. } => roles || claim.frames.is_none(),
+        ClaimKind::Joint { .. } => false,
+    };
+    if !names_none {
         return Vec::new();
     }
     let is_number = |part: &&str| part.chars().all(|letter| letter.is_ascii_digit());
