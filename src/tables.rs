@@ -17,7 +17,7 @@ use serde::Deserialize;
 
 pub use clouds::{CloudDriver, CountsFrom, PointTime, Sweep};
 pub use dataset::{Axes, Dataset, DatasetFrame, QuaternionWord};
-pub use dialects::{Angle, Dialect, Keyed, Length, Order};
+pub use dialects::{Angle, Dialect, Keyed, Length};
 pub use named::{Forward, InsDriver, Lidar, LidarImu, Offset, Simulator};
 pub use ouster::{OusterPart, OusterPlace};
 pub use rows::{RowFault, Rows};

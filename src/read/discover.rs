@@ -253,7 +253,7 @@ fn display(path: &Path) -> String {
 }
 
 /// The ending of a file's name, in lower case; `launch.py`, `launch.xml` and `bag.active` count as one.
-fn ending(path: &Path) -> String {
+pub(super) fn ending(path: &Path) -> String {
     let name = path
         .file_name()
         .map(|name| name.to_string_lossy().to_lowercase())

@@ -2,6 +2,7 @@
 
 use serde::Deserialize;
 
+use super::dataset::QuaternionWord;
 use super::rows::Row;
 
 /// What is known of the files of one program.
@@ -43,7 +44,7 @@ pub struct Keyed {
     pub angle: Angle,
     /// The order of a bare list of four.
     #[serde(default)]
-    pub quaternion: Option<Order>,
+    pub quaternion: Option<QuaternionWord>,
     /// Whether a list holds several 4x4, whose bottom rows are flags.
     #[serde(default)]
     pub packed: bool,
@@ -74,16 +75,6 @@ pub enum Angle {
     /// Degrees.
     #[serde(rename = "deg")]
     Degrees,
-}
-
-/// The order of the four numbers of a quaternion.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "lowercase")]
-pub enum Order {
-    /// The real part last.
-    Xyzw,
-    /// The real part first.
-    Wxyz,
 }
 
 impl Row for Dialect {

@@ -4,10 +4,11 @@
 //! calibration-dialects.yaml`) knows the formats; adding one is a row there. Autoware's is known by its nesting, and a branch in `generic`.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Bound;
 use std::sync::Arc;
 
 use crate::source::Confidence;
-use crate::tables::{Angle, Dialect, Keyed, Length, Order, Rows};
+use crate::tables::{Angle, Dialect, Keyed, Length, QuaternionWord, Rows};
 
 use super::document::{Kind, Node};
 
@@ -72,7 +73,7 @@ impl Terms {
                 Length::Millimetres => 1e-3,
             },
             degrees: keyed.angle == Angle::Degrees,
-            xyzw: keyed.quaternion.map(|order| order == Order::Xyzw),
+            xyzw: keyed.quaternion.map(|order| order == QuaternionWord::Xyzw),
             packed: keyed.packed,
             by: By::Row,
         }
@@ -194,18 +195,9 @@ pub(super) fn recognise(roots: &[Node], dialects: &Rows<Dialect>) -> Option<Arc<
         .cloned()
 }
 
-/// The paths of keys of a file, with some of the texts under them.
+/// The paths of keys of a file, without their numbers and from the end to the root, with some of the texts under them.
 #[derive(Default)]
-struct Paths {
-    by_end: BTreeMap<String, Vec<KeyPath>>,
-    count: usize,
-}
-
-struct KeyPath {
-    /// Its keys, without their numbers.
-    keys: Vec<String>,
-    values: BTreeSet<String>,
-}
+struct Paths(BTreeMap<Vec<String>, BTreeSet<String>>);
 
 /// A key without its numbers.
 fn unnumbered(key: &str) -> String {
@@ -245,32 +237,23 @@ impl Paths {
     }
 
     fn add(&mut self, path: &[String], value: &Node) {
-        let Some(end) = path.last() else { return };
-        // `a.b.c`, as parameters of ROS 2 are written: known by its last part as well.
-        let last = end.rsplit('.').next().unwrap_or(end);
-        let ends = if last == end {
-            vec![end.as_str()]
-        } else {
-            vec![end, last]
-        };
-        for end in ends {
-            let known = self.by_end.entry(end.to_owned()).or_default();
-            let index = known.iter().position(|known| known.keys == path).unwrap_or_else(|| {
-                self.count += 1;
-                if self.count <= MAX_PATHS {
-                    known.push(KeyPath {
-                        keys: path.to_vec(),
-                        values: BTreeSet::new(),
-                    });
-                }
-                known.len().saturating_sub(1)
-            });
-            let text = value.text().filter(|text| text.len() <= MAX_VALUE);
-            if let (Some(path), Some(text)) = (known.get_mut(index), text)
-                && path.values.len() < MAX_VALUES
-            {
-                path.values.insert(text.to_owned());
-            }
+        self.insert(path.iter().rev().cloned().collect(), value);
+        // `a.b.c`, as parameters of ROS 2 are written, is known by its parts as well.
+        if path.iter().any(|part| part.contains('.')) {
+            let parts = path.iter().rev().flat_map(|part| part.rsplit('.'));
+            self.insert(parts.map(str::to_owned).collect(), value);
+        }
+    }
+
+    fn insert(&mut self, path: Vec<String>, value: &Node) {
+        if self.0.len() >= MAX_PATHS && !self.0.contains_key(&path) {
+            return;
+        }
+        let values = self.0.entry(path).or_default();
+        if let Some(text) = value.text().filter(|text| text.len() <= MAX_VALUE)
+            && values.len() < MAX_VALUES
+        {
+            values.insert(text.to_owned());
         }
     }
 
@@ -286,26 +269,20 @@ impl Paths {
         let (key, value) = mark
             .split_once('=')
             .map_or((mark, None), |(key, value)| (key, Some(value)));
-        let pattern: Vec<String> = key.split('/').map(unnumbered).collect();
-        let Some(end) = pattern.last() else { return false };
-        self.by_end
-            .get(end)
-            .into_iter()
-            .flatten()
-            .any(|KeyPath { keys: path, values }| {
-                // Of a path with dots the last part alone was looked up.
-                let dotted: Vec<&str> = path.iter().flat_map(|part| part.split('.')).collect();
-                let whole: Vec<&str> = path.iter().map(String::as_str).collect();
-                let ends_so = |path: &[&str]| {
-                    let start = path.len().checked_sub(pattern.len());
-                    let tail = start.and_then(|start| path.get(start..));
-                    tail.is_some_and(|tail| {
-                        tail.iter()
-                            .zip(&pattern)
-                            .all(|(part, wanted)| wanted == "*" || part == wanted)
-                    })
-                };
-                (ends_so(&whole) || ends_so(&dotted)) && value.is_none_or(|value| values.contains(value))
-            })
+        let pattern: Vec<String> = key.rsplit('/').map(unnumbered).collect();
+        let end = pattern.get(..1).unwrap_or_default();
+        let from_end = (Bound::Included(end), Bound::Unbounded);
+        let ends_alike = self
+            .0
+            .range::<[String], _>(from_end)
+            .take_while(|(path, _)| path.starts_with(end));
+        let mut fits = ends_alike.filter(|(path, _)| {
+            path.len() >= pattern.len()
+                && path
+                    .iter()
+                    .zip(&pattern)
+                    .all(|(part, wanted)| wanted == "*" || part == wanted)
+        });
+        fits.any(|(_, values)| value.is_none_or(|value| values.contains(value)))
     }
 }

@@ -168,30 +168,23 @@ fn flat<'a>(node: &'a Node, walk: &mut Walk<'a>) {
     }
 }
 
-/// Six scalars side by side whose keys begin alike: `lidar_to_cam_tx`, ..., `lidar_to_cam_rz`.
+/// Scalars side by side whose keys begin alike: `lidar_to_cam_tx`, ..., `lidar_to_cam_rz`; or the half of a transform, `qCM_x`, ..., `qCM_w`.
 fn prefixed<'a>(node: &'a Node, walk: &mut Walk<'a>) {
-    for (key, first) in node.pairs() {
+    for (key, _) in node.pairs() {
+        let Some(text) = key.text() else { continue };
+        let whole = |stem| {
+            let terms = (!names::is_never(stem)).then(|| walk.terms(stem))?;
+            Some((stem, terms, shapes::prefixed_pose(stem, node, terms)?))
+        };
         // Halves are known by the table alone: `_x`, `_y` and `_z` stand behind many words.
-        let half = key.text().and_then(|text| text.strip_suffix("_x"));
-        let half = half.and_then(|stem| Some((stem, walk.named_key(stem)?.terms())));
-        if let Some((stem, terms)) = half
-            && let Some(draft) = shapes::prefixed_half(stem, node, terms)
-        {
+        let half = |stem| {
+            let terms = walk.named_key(stem)?.terms();
+            Some((stem, terms, shapes::prefixed_half(stem, node, terms)?))
+        };
+        let stem = |end| text.strip_suffix(end).filter(|stem| !stem.is_empty());
+        if let Some((stem, terms, draft)) = stem("_tx").and_then(whole).or_else(|| stem("_x").and_then(half)) {
             walk.emit(draft, walk.label(stem), None, Some(key), terms);
         }
-        let stem = key.text().and_then(|text| text.strip_suffix("_tx"));
-        let Some(stem) = stem.filter(|stem| !stem.is_empty() && !names::is_never(stem)) else {
-            continue;
-        };
-        let terms = walk.terms(stem);
-        let Some((draft, last)) = shapes::prefixed_pose(stem, node, terms) else {
-            continue;
-        };
-        let draft = shapes::Draft {
-            span: first.span.cover(last),
-            ..draft
-        };
-        walk.emit(draft, walk.label(stem), None, Some(key), terms);
     }
 }
 
@@ -311,6 +304,7 @@ fn stem_by_dialect(key: &str, value: &Node, walk: &Walk<'_>) -> Option<(String, 
 fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, walk: &mut Walk<'a>) {
     // Names of the frames: the halves' own, else those of the surroundings.
     let named_of = |key: &Node, walk: &Walk<'a>| walk.named_by(key).or_else(|| walk.named());
+    let terms_of = |key: &Node, walk: &Walk<'a>| walk.terms(key.text().unwrap_or_default());
     let best = pair
         .rotations
         .iter()
@@ -330,13 +324,7 @@ fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, walk: &mut Walk<'a>) {
                 r_key.text().unwrap_or_default().clone_into(&mut label);
             }
             if let Some(draft) = shapes::combine(Some(&xyz), Some(&rotation), metres, span) {
-                walk.emit(
-                    draft,
-                    label,
-                    named.as_ref(),
-                    Some(r_key),
-                    walk.terms(r_key.text().unwrap_or_default()),
-                );
+                walk.emit(draft, label, named.as_ref(), Some(r_key), terms_of(r_key, walk));
             }
         }
         (Some((key, xyz, metres, span)), None) => {
@@ -345,13 +333,7 @@ fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, walk: &mut Walk<'a>) {
                 && let Some(draft) = shapes::combine(Some(&xyz), None, metres, span)
             {
                 let label = walk.label(key.text().unwrap_or_default());
-                walk.emit(
-                    draft,
-                    label,
-                    named.as_ref(),
-                    Some(key),
-                    walk.terms(key.text().unwrap_or_default()),
-                );
+                walk.emit(draft, label, named.as_ref(), Some(key), terms_of(key, walk));
             }
         }
         (None, Some(lone)) => pair.rotations.push(lone),
@@ -372,13 +354,7 @@ fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, walk: &mut Walk<'a>) {
             Rotation::Rpy { .. } => named.is_some(),
         };
         if convincing && let Some(draft) = shapes::combine(None, Some(&rotation), 1.0, span) {
-            walk.emit(
-                draft,
-                walk.label(text),
-                named.as_ref(),
-                Some(key),
-                walk.terms(key.text().unwrap_or_default()),
-            );
+            walk.emit(draft, walk.label(text), named.as_ref(), Some(key), terms_of(key, walk));
         }
     }
 }

@@ -27,6 +27,7 @@ use crate::source::{LineIndex, Place, ReadStatus, Source};
 use crate::tables::{Dialect, Rows};
 use crate::world::Facts;
 
+use super::discover::ending;
 use document::{Documents, Fault};
 use repair::OffsetMap;
 
@@ -77,13 +78,9 @@ pub fn read_json(source: &mut Source, dialects: &Dialects) -> Facts {
 
 /// Reads a calibration in plain text (`source.text`), by the ending of its name and its first lines. Sets status, detail and problems.
 pub fn read_plain(source: &mut Source, dialects: &Dialects) -> Facts {
-    let name = Path::new(&source.path)
-        .file_name()
-        .map(|name| name.to_string_lossy().into_owned());
-    let name = name.unwrap_or_default();
-    let (stem, ending) = name.rsplit_once('.').unwrap_or((&name, ""));
-    let (stem, ending) = (stem.to_owned(), ending.to_lowercase());
-    let form = plain::form(&ending, &source.text);
+    let path = Path::new(&source.path);
+    let form = plain::form(&ending(path), &source.text);
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     let facts = read(source, dialects, |text, base| {
         let Some(form) = form else {
             return (Documents::default(), Vec::new());

@@ -25,6 +25,9 @@ pub(crate) enum Form {
     Trajectory,
 }
 
+/// Bytes of a file that tell its form; what stands behind them is held to it.
+const HEAD: usize = 8192;
+
 /// Words without which a file of these endings is none of ours.
 const MARKS: [(&str, Form, &[&str]); 3] = [
     ("ini", Form::Ini, &["pose_x", "sensorLabel"]),
@@ -32,8 +35,10 @@ const MARKS: [(&str, Form, &[&str]); 3] = [
     ("lua", Form::Lua, &["tracking_frame", "published_frame"]),
 ];
 
-/// The form of a file by the ending of its name, in lower case, and its first bytes; `None` where it is no calibration.
-pub(crate) fn form(ending: &str, head: &str) -> Option<Form> {
+/// The form of a file by the ending of its name, in lower case, and the beginning of its text; `None` where it is no calibration.
+pub(crate) fn form(ending: &str, text: &str) -> Option<Form> {
+    let mut cuts = (0..=HEAD.min(text.len())).rev();
+    let head = cuts.find_map(|end| text.get(..end)).unwrap_or_default();
     if let Some((_, form, words)) = MARKS.iter().find(|(known, ..)| *known == ending) {
         return words.iter().any(|word| head.contains(word)).then_some(*form);
     }

@@ -259,22 +259,19 @@ pub(super) fn flat_pose(key: &str, node: &Node, source: &str, terms: Terms) -> O
     combine(Some(&position), Some(&rotation), metres, node.span)
 }
 
-/// A pose whose numbers stand under `stem` and `_tx`, `_ty`, `_tz`, `_rx`, `_ry`, `_rz`, and where the last of them ends.
-pub(super) fn prefixed_pose(stem: &str, node: &Node, terms: Terms) -> Option<(Draft, Span)> {
+/// A pose whose numbers stand under `stem` and `_tx`, `_ty`, `_tz`, `_rx`, `_ry`, `_rz`.
+pub(super) fn prefixed_pose(stem: &str, node: &Node, terms: Terms) -> Option<Draft> {
     let three = |kind: char| {
         let of = |axis| numbers::literal(node.get(&format!("{stem}_{kind}{axis}"))?);
         Some(vec![of('x')?, of('y')?, of('z')?])
     };
     let (position, angles) = (three('t')?, three('r')?);
-    let last = angles.last()?.span;
+    let span = position.first()?.span.cover(angles.last()?.span);
     let rotation = Rotation::Rpy {
         literals: angles,
         degrees: terms.degrees,
     };
-    Some((
-        combine(Some(&position), Some(&rotation), terms.metres, node.span)?,
-        last,
-    ))
+    combine(Some(&position), Some(&rotation), terms.metres, span)
 }
 
 /// A rotation, or the place of something, whose numbers stand under `stem` and `_x`, `_y`, `_z`, for a rotation `_w` as well.

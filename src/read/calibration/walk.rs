@@ -252,23 +252,7 @@ impl<'a> Walk<'a> {
             ));
             return;
         }
-        let by_dialect = self.named_by_dialect(&label, by, draft.span);
-        let (named, roles) = match (named, by_dialect) {
-            (Some(stated), _) if stated.role == FrameRole::Calibration => (Some(stated.clone()), false),
-            // A key may name the frames as the dialect does.
-            (Some(named), Some(dialect)) if named.frames == dialect.frames => {
-                let reading = dialect.reading;
-                (
-                    Some(Named {
-                        reading,
-                        ..named.clone()
-                    }),
-                    false,
-                )
-            }
-            (_, Some(dialect)) => (Some(dialect), true),
-            (named, None) => (named.cloned(), false),
-        };
+        let (named, roles) = settled(named, self.named_by_dialect(&label, by, draft.span));
         let named = named.as_ref();
         let mut reading = named.map_or(Confidence::Hint, |n| n.reading);
         if draft.order_guessed() {
@@ -407,6 +391,20 @@ impl<'a> Walk<'a> {
             ..Facts::default()
         };
         (facts, self.problems)
+    }
+}
+
+/// The frames of a statement, by what names them itself and by its dialect, and whether they are the dialect's words alone.
+fn settled(named: Option<&Named>, by_dialect: Option<Named>) -> (Option<Named>, bool) {
+    match (named, by_dialect) {
+        (Some(stated), _) if stated.role == FrameRole::Calibration => (Some(stated.clone()), false),
+        // A key may name the frames as the dialect does.
+        (Some(named), Some(Named { frames, reading, .. })) if named.frames == frames => {
+            let named = named.clone();
+            (Some(Named { reading, ..named }), false)
+        }
+        (_, Some(dialect)) => (Some(dialect), true),
+        (named, None) => (named.cloned(), false),
     }
 }
 

@@ -23,12 +23,10 @@ pub(super) fn form(head: &str) -> Option<Form> {
     } else {
         all.as_slice()
     };
-    let numbers = |line: &&str| {
-        words(line, 0)
-            .map(|(word, _)| number(word).map(|_| ()))
-            .collect::<Option<Vec<()>>>()
-    };
-    let counts: Option<Vec<usize>> = whole.iter().map(|line| Some(numbers(line)?.len())).collect();
+    let counts: Option<Vec<usize>> = whole
+        .iter()
+        .map(|line| Some(count(line)).filter(|count| *count > 0))
+        .collect();
     if let Some(counts) = counts {
         let first = *counts.first()?;
         let is_even = counts.iter().all(|count| *count == first);

@@ -164,6 +164,10 @@ fn broken_texts_say_where() {
         let span = place.span().unwrap();
         assert_eq!(super::at(text, span), at, "{text}");
     }
+    // The form is that of the beginning; a fault far behind it is told, and does not make the file another one.
+    let long = format!("{}1 2 three 4 5 6 7 8\n", "1 2 3 4 5 6 7 8\n".repeat(1000));
+    let (source, _) = plain("a.txt", &long);
+    assert_eq!(super::at(&long, source.problems[0].place.span().unwrap()), (1001, 5));
     // Blocks without end.
     let deep = format!("qCM_x 1\n{}", "a\n{\n".repeat(5000));
     assert_ne!(plain("a.info", &deep).0.status, ReadStatus::Read);
