@@ -4,6 +4,7 @@
 //! Does not print: that is `main`'s.
 
 mod args;
+mod convert;
 mod stamp;
 #[cfg(test)]
 mod tests;
@@ -21,9 +22,9 @@ use crate::engine::{self, UsageError, evidence};
 use crate::page::{Front, PageError};
 use crate::report::{Style, explain, json, rules_table, terminal};
 use crate::rules::RULES;
-use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, RuleInfo};
+use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, RuleInfo, Run};
 
-use args::{Check, Cli, Collect, Color, Format, RulesFormat, Verb};
+use args::{Chain, Check, Cli, Collect, Color, Format, Reporting, RulesFormat, Verb};
 
 /// What the program answers: texts for standard output and standard error, and the exit code.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -103,6 +104,8 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, stdin: &mut dyn Read, 
         Verb::Check(check) => run_check(check, stdin, surroundings),
         Verb::Collect(collect) => run_collect(collect, stdin, surroundings),
         Verb::Tree(tree) => tree::run(tree, stdin, surroundings),
+        Verb::Chain(chain) => run_chain(chain, stdin, surroundings),
+        Verb::Convert(convert) => convert::run(convert, stdin, surroundings),
         Verb::Explain { rule } => run_explain(&rule, surroundings.style),
         Verb::Rules { format } => run_rules(format, surroundings.style),
         Verb::Completions { shell } => Ok(completions(shell)),
@@ -159,19 +162,37 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
         },
         evidence: check.evidence,
         config: check.config,
+        wanted: engine::Wanted::Facts,
         select: check.select,
         ignore: check.ignore,
         xacro_args: check.reading.xacro_args,
         msg_paths: check.reading.msg_paths,
         progress: surroundings.progress,
     })?);
-    let fail_on = check.fail_on.into();
-    let mut style = if check.output.is_some() {
+    tell(&run, check.reporting, surroundings)
+}
+
+/// The products of transforms in source code, judged by the one rule that speaks of them.
+fn run_chain(chain: Chain, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
+    let run = engine::check(&engine::Options {
+        paths: paths(chain.paths, stdin)?,
+        wanted: engine::Wanted::Code,
+        select: vec!["NAME08".to_owned()],
+        progress: surroundings.progress,
+        ..engine::Options::default()
+    })?;
+    tell(&run, chain.reporting, surroundings)
+}
+
+/// The report of a run where it is wanted, and the exit code.
+fn tell(run: &Run, reporting: Reporting, surroundings: Surroundings) -> Result<Answer, Failure> {
+    let fail_on = reporting.fail_on.into();
+    let mut style = if reporting.output.is_some() {
         Style::PLAIN
     } else {
         surroundings.style
     };
-    match check.color {
+    match reporting.color {
         Color::Auto => {}
         Color::Always => style.color = true,
         Color::Never => style.color = false,
@@ -179,15 +200,15 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
     let options = terminal::Options {
         style,
         fail_on,
-        verbose: check.verbose,
-        all: check.all,
+        verbose: reporting.verbose,
+        all: reporting.all,
     };
-    let report = match check.format {
-        Format::Human => terminal::render(&run, &options),
-        Format::Json => json::render(&run, fail_on)?,
+    let report = match reporting.format {
+        Format::Human => terminal::render(run, &options),
+        Format::Json => json::render(run, fail_on)?,
     };
     let code = run.exit_code(fail_on);
-    let Some(file) = check.output else {
+    let Some(file) = reporting.output else {
         return Ok(Answer {
             out: report,
             code,
@@ -202,7 +223,7 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
         ..surroundings.style
     };
     Ok(Answer {
-        err: terminal::render_ending(&run, &terminal::Options { style, ..options }),
+        err: terminal::render_ending(run, &terminal::Options { style, ..options }),
         code,
         ..Answer::default()
     })

@@ -16,6 +16,10 @@
 //!   lidar-clouds: our-lidars.yaml  # a file beside this one, or the rows themselves
 //!   lidar-imus:
 //!     - {name: Ours, words: [ours], lever_mm: [1, 2, 3]}
+//! aliases:                         # names that files use for a frame of the platform
+//!   velodyne: [lidar, velo]
+//! transforms:                      # what a statement of a file is, where the file does not say or is in doubt
+//!   - {file: fast_livo.yaml, key: 'extrin_calib/extrinsic*', is: imu from lidar}
 //! projections:                     # see `projections`
 //!   - topic: /points
 //!     range_image: {width: 1024, height: 64, fov_up_deg: 22.5, fov_down_deg: -22.5}
@@ -38,9 +42,10 @@ use crate::read::discover::CONFIGURATION;
 use crate::source::{LineIndex, Place, Source, SourceId, SourceKind, Span};
 use crate::tables::Tables;
 use crate::world::conventions::{
-    BodyAxes, Convention, Declaration, Fields, QuaternionAlgebra, QuaternionOrder, Scope, TimeScale, WorldAxes,
+    Alias, BodyAxes, Convention, Declaration, DeclaredTransform, Fields, QuaternionAlgebra, QuaternionOrder, Scope,
+    TimeScale, WorldAxes,
 };
-use crate::world::{Conventions, NamedDataset, Projection};
+use crate::world::{Conventions, FrameId, NamedDataset, Projection};
 
 /// Bound on its size, bytes.
 const MAX_BYTES: u64 = 1 << 20;
@@ -59,6 +64,8 @@ pub struct Config {
     /// The dataset that it names, and where.
     dataset: Option<(NamedDataset, Span)>,
     projections: Vec<projections::Declared>,
+    aliases: Vec<Alias>,
+    transforms: Vec<DeclaredTransform>,
 }
 
 /// Why there is no configuration, with the place in words.
@@ -178,6 +185,8 @@ impl Config {
         Conventions {
             declarations: self.conventions.iter().map(placed).collect(),
             projections: self.projections.iter().filter_map(projection).collect(),
+            aliases: self.aliases.clone(),
+            transforms: self.transforms.clone(),
         }
     }
 }
@@ -209,7 +218,17 @@ impl Reader<'_> {
         let Some(root) = self.document()? else {
             return Ok(empty);
         };
-        self.keys(&root, &["conventions", "dataset", "projections", "tables"])?;
+        self.keys(
+            &root,
+            &[
+                "aliases",
+                "conventions",
+                "dataset",
+                "projections",
+                "tables",
+                "transforms",
+            ],
+        )?;
         let tables = match root.get("tables") {
             Some(node) => self.tables(node, folder)?,
             None => Tables::default(),
@@ -217,6 +236,8 @@ impl Reader<'_> {
         Ok(Config {
             conventions: self.conventions(&root)?,
             projections: self.projections(&root)?,
+            aliases: self.aliases(&root)?,
+            transforms: self.transforms(&root)?,
             dataset: root
                 .get("dataset")
                 .map(|node| self.dataset(node, &tables))
@@ -255,6 +276,69 @@ impl Reader<'_> {
             self.error(node.span.start, &what)
         })?;
         Ok((NamedDataset { row, place: None }, node.span))
+    }
+
+    /// `velodyne: [lidar, velo]`.
+    fn aliases(&self, root: &Node) -> Result<Vec<Alias>, ConfigError> {
+        let Some(map) = root.get("aliases") else {
+            return Ok(Vec::new());
+        };
+        if !map.is_mapping() {
+            let what = "`aliases` has the platform's frames for keys, and behind each the names that files use: `velodyne: [lidar, velo]`";
+            return Err(self.error(map.span.start, what));
+        }
+        let mut aliases: Vec<Alias> = Vec::new();
+        for (key, value) in map.pairs() {
+            let frame = FrameId::new(key.text().unwrap_or_default()).canonical();
+            let names: Vec<&Node> = value
+                .items()
+                .map_or_else(|| vec![value], |items| items.iter().collect());
+            for node in names {
+                let text = node.text().filter(|text| !text.is_empty());
+                let text = text.ok_or_else(|| self.error(node.span.start, "a name of a frame is expected"))?;
+                let name = FrameId::new(text).canonical();
+                if let Some(other) = aliases.iter().find(|other| other.name == name) {
+                    let what = format!("`{name}` already stands for `{}`", other.frame);
+                    return Err(self.error(node.span.start, &what));
+                }
+                aliases.push(Alias {
+                    name,
+                    frame: frame.clone(),
+                });
+            }
+        }
+        Ok(aliases)
+    }
+
+    /// `- {file: a.yaml, key: extrinsic, is: imu from lidar}`.
+    fn transforms(&self, root: &Node) -> Result<Vec<DeclaredTransform>, ConfigError> {
+        let Some(list) = root.get("transforms") else {
+            return Ok(Vec::new());
+        };
+        let what = "`transforms` is a list: `- {file: a.yaml, key: extrinsic, is: imu from lidar}`";
+        let items = list.items().ok_or_else(|| self.error(list.span.start, what))?;
+        let one = |item: &Node| {
+            self.keys(item, &["file", "key", "is"])?;
+            let key = self.glob(item, "key")?;
+            let is = item
+                .get("is")
+                .and_then(Node::text)
+                .and_then(|text| text.split_once(" from "));
+            match (key, is) {
+                (Some(key), Some((target, source))) => Ok(DeclaredTransform {
+                    file: self.glob(item, "file")?,
+                    key,
+                    target: FrameId::new(target.trim()).canonical(),
+                    source: FrameId::new(source.trim()).canonical(),
+                }),
+                (None, _) => Err(self.error(
+                    item.span.start,
+                    "`key` is missing: the key that the numbers stand under",
+                )),
+                (_, None) => Err(self.error(item.span.start, "`is: TARGET from SOURCE` is missing")),
+            }
+        };
+        items.iter().map(one).collect()
     }
 
     fn conventions(&self, root: &Node) -> Result<Vec<(Declaration, Span)>, ConfigError> {
@@ -392,6 +476,24 @@ mod tests {
     }
 
     #[test]
+    fn aliases_and_transforms_are_read() {
+        let text = "aliases:\n  velodyne: [lidar, /velo]\n  imu_link: imu\ntransforms:\n  - {file: '*.yaml', key: 'a/*', is: imu from lidar}\n";
+        let config = parse("c.yaml", text.to_owned(), Path::new("")).unwrap();
+        let conventions = config.conventions(None);
+        let frame = |name: &str| conventions.frame_of(&FrameId::new(name)).map(ToString::to_string);
+        assert_eq!(frame("velo").as_deref(), Some("velodyne"));
+        assert_eq!(frame("/imu").as_deref(), Some("imu_link"));
+        assert_eq!(frame("velodyne"), None);
+        let told = conventions.transform_of("robot/fast.yaml", "a/extrinsic").unwrap();
+        assert_eq!((told.0.as_str(), told.1.as_str()), ("imu", "lidar"));
+        assert!(conventions.transform_of("robot/fast.yaml", "b/extrinsic").is_none());
+        assert!(fault("aliases: [a]\n").contains("has the platform's frames for keys"));
+        assert!(fault("aliases: {a: [c], b: [c]}\n").contains("`c` already stands for `a`"));
+        assert!(fault("transforms: [{key: a, is: b}]\n").contains("TARGET from SOURCE"));
+        assert!(fault("transforms: [{is: b from c}]\n").contains("`key` is missing"));
+    }
+
+    #[test]
     fn an_empty_configuration_declares_nothing() {
         for text in ["", "# nothing\n", "conventions: []\n", "---\n"] {
             assert!(
@@ -408,7 +510,7 @@ mod tests {
     fn faults_have_a_place_and_say_what_is_known() {
         assert_eq!(
             fault("rules: {}\n"),
-            "c.yaml:1:1: unknown key `rules`; known keys: conventions, dataset, projections, tables"
+            "c.yaml:1:1: unknown key `rules`; known keys: aliases, conventions, dataset, projections, tables, transforms"
         );
         assert_eq!(
             fault("conventions:\n  - topic: /imu\n    wrold: NED\n"),

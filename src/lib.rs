@@ -16,6 +16,7 @@
 pub mod cli;
 pub mod collect;
 pub mod config;
+pub mod convert;
 pub mod engine;
 pub mod math;
 pub mod page;

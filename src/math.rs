@@ -19,6 +19,7 @@ pub mod gravity;
 pub mod lag;
 pub mod lens;
 pub mod level;
+pub mod magnetism;
 pub mod noise;
 pub mod planar_hand_eye;
 pub mod readings;

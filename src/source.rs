@@ -43,6 +43,10 @@ pub enum SourceKind {
     Json,
     /// A calibration in plain text: KITTI's, a matrix, an ini, info or Lua file, poses over time.
     Text,
+    /// A launch file, or a script that publishes static transforms.
+    Launch,
+    /// Source code, whose products of transforms are looked at.
+    Code,
     /// An MCAP recording.
     Mcap,
     /// A ROS 1 bag.
@@ -68,6 +72,8 @@ impl SourceKind {
             Self::Yaml => "yaml",
             Self::Json => "json",
             Self::Text => "text",
+            Self::Launch => "launch",
+            Self::Code => "code",
             Self::Mcap => "mcap",
             Self::Rosbag1 => "rosbag1",
             Self::Sqlite => "sqlite",

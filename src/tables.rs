@@ -9,6 +9,7 @@ mod dialects;
 mod named;
 mod ouster;
 mod rows;
+mod writing;
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, OnceLock};
@@ -21,6 +22,7 @@ pub use dialects::{Angle, Dialect, Keyed, Length};
 pub use named::{Forward, InsDriver, Lidar, LidarImu, Offset, Simulator};
 pub use ouster::{OusterPart, OusterPlace};
 pub use rows::{RowFault, Rows};
+pub use writing::{Writing, WrittenTransform, writings};
 
 use rows::Row;
 

@@ -43,6 +43,10 @@ pub(super) enum Verb {
     Collect(Collect),
     /// Draw the frame tree with who says what; judges nothing
     Tree(Tree),
+    /// Check the products of transforms in source code (C++, Python, Rust): do the frames of their names cancel?
+    Chain(Chain),
+    /// Write a transform in another dialect or form, with the chain that leads to it
+    Convert(Convert),
     /// Write a completion script for a shell
     Completions {
         /// The shell
@@ -117,6 +121,13 @@ pub(super) struct Check {
     /// Rules to leave out: codes, names or families, with commas between
     #[arg(long, value_name = "RULES", value_delimiter = ',')]
     pub(super) ignore: Vec<String>,
+    #[command(flatten)]
+    pub(super) reporting: Reporting,
+}
+
+/// How the verdict is told.
+#[derive(Debug, Args)]
+pub(super) struct Reporting {
     /// Findings of this severity or worse give exit code 1; hints never do
     #[arg(long, value_enum, default_value = "error", value_name = "SEVERITY")]
     pub(super) fail_on: FailOnWord,
@@ -135,6 +146,51 @@ pub(super) struct Check {
     /// Write the report to a file; the counts and the verdict go to standard error
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) output: Option<PathBuf>,
+}
+
+#[derive(Debug, Args)]
+#[command(after_help = EXIT_CODES)]
+pub(super) struct Chain {
+    /// Files and folders with source code; `-` takes a list from standard input, one path a line or NUL-separated
+    #[arg(required = true, value_name = "PATH", value_hint = ValueHint::AnyPath)]
+    pub(super) paths: Vec<PathBuf>,
+    #[command(flatten)]
+    pub(super) reporting: Reporting,
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Convert {
+    #[command(flatten)]
+    pub(super) input: Input,
+    /// The form (urdf, tf, matrix, quaternion, rpy) or the dialect (kalibr, vins-fusion, fast-lio, nuscenes, ...)
+    #[arg(long, value_name = "FORM", value_parser = target())]
+    pub(super) to: String,
+    /// The transform that takes points of SOURCE to TARGET, over any chain; all that were read without it
+    #[arg(long, num_args = 2, value_names = ["TARGET", "SOURCE"])]
+    pub(super) frames: Vec<String>,
+    /// The key of the dialect to write under; with --is, the key of the statement that is meant
+    #[arg(long, value_name = "KEY")]
+    pub(super) key: Option<String>,
+    /// What a statement without frames is
+    #[arg(long, value_name = "TARGET from SOURCE", value_parser = is)]
+    pub(super) is: Option<(String, String)>,
+    /// Configuration with the conventions that the files follow; without it the frames-lint.yaml nearest above the inputs
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(super) config: Option<PathBuf>,
+    /// Write to a file instead of standard output; a name that ends in .feather makes a Feather file
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(super) output: Option<PathBuf>,
+}
+
+/// The forms and dialects that are written.
+fn target() -> clap::builder::PossibleValuesParser {
+    clap::builder::PossibleValuesParser::new(crate::convert::targets())
+}
+
+/// `TARGET from SOURCE`.
+fn is(text: &str) -> Result<(String, String), String> {
+    let (target, source) = text.split_once(" from ").ok_or("`TARGET from SOURCE` is expected")?;
+    Ok((target.trim().to_owned(), source.trim().to_owned()))
 }
 
 #[derive(Debug, Args)]

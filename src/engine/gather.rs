@@ -11,7 +11,7 @@ use crate::progress::Progress;
 use crate::read::calibration::{self, Dialects};
 use crate::read::discover::{Input, Inputs};
 use crate::read::urdf::MeshLookup;
-use crate::read::{text, urdf, xacro, xacro_parts};
+use crate::read::{code, feather, launch, text, urdf, xacro, xacro_parts};
 use crate::source::{Derived, Examined, MessageRef, Place, ReadStatus, Source, SourceId, SourceKind};
 use crate::world::Facts;
 
@@ -177,6 +177,8 @@ impl Reader<'_> {
                 match input.kind {
                     SourceKind::Yaml => with_references(calibration::read_yaml(source, self.dialects), input),
                     SourceKind::Json => with_references(calibration::read_json(source, self.dialects), input),
+                    SourceKind::Launch => launch::read(source),
+                    SourceKind::Code => code::read(source),
                     SourceKind::Text => with_references(calibration::read_plain(source, self.dialects), input),
                     SourceKind::Xacro => self.read_xacro(input, source, index, emerged),
                     _ => urdf::read(source, &meshes(input, self.inputs)),
@@ -282,7 +284,13 @@ fn load_text(input: &Input, source: &mut Source) -> bool {
         source.problem(ReadStatus::Unreadable, whole, message);
         return false;
     }
-    match text::decode(bytes) {
+    let decoded = if bytes.starts_with(feather::MAGIC) {
+        source.derived = Some(Derived::Expansion);
+        feather::to_csv(bytes).map(|text| (text, None))
+    } else {
+        text::decode(bytes)
+    };
+    match decoded {
         Ok((text, note)) => {
             source.text = text;
             source.detail = note;

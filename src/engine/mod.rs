@@ -16,7 +16,7 @@ use std::sync::Arc;
 use crate::collect::How;
 use crate::config::{self, Config, ConfigError};
 use crate::progress::Progress;
-use crate::read::discover::{Inputs, discover};
+use crate::read::discover::{Inputs, discover_of};
 use crate::read::messages::definition::Definitions;
 use crate::run::{RuleInfo, Run};
 use crate::source::{Source, SourceId};
@@ -26,6 +26,7 @@ use crate::world::World;
 use evidence::Saved;
 use plan::Enabled;
 
+pub use crate::read::discover::Wanted;
 pub use sampling::Extent;
 
 /// What the user asked for.
@@ -35,6 +36,8 @@ pub struct Options {
     pub paths: Vec<PathBuf>,
     /// Documents of evidence, judged beside the paths.
     pub evidence: Vec<PathBuf>,
+    /// Which files of the folders are read.
+    pub wanted: Wanted,
     /// Codes, names and families of the rules to run; all where empty.
     pub select: Vec<String>,
     /// Codes, names and families of the rules to leave out.
@@ -187,10 +190,11 @@ fn merged(verdicts: Vec<Verdict>) -> Verdict {
 pub fn read(options: &Options) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;
     let definitions = definitions(options)?;
+    let config = configuration(options)?;
     let worlds = worlds(
         &inputs,
         options,
-        None,
+        config.as_ref(),
         &definitions,
         &sampling::Plan::new(options.extent, &[]),
     );
@@ -207,7 +211,7 @@ fn inputs(options: &Options) -> Result<Inputs, UsageError> {
     if options.paths.is_empty() && options.evidence.is_empty() {
         return Err(UsageError("no path was given".to_owned()));
     }
-    Ok(discover(&options.paths))
+    Ok(discover_of(&options.paths, options.wanted))
 }
 
 fn definitions(options: &Options) -> Result<Arc<Definitions>, UsageError> {

@@ -10,6 +10,7 @@ use std::path::{Path, PathBuf};
 use ignore::WalkBuilder;
 
 use crate::read::calibration::plain;
+use crate::read::{code, feather, launch};
 use crate::source::SourceKind;
 
 use super::bag::metadata;
@@ -53,18 +54,15 @@ pub struct Inputs {
 
 /// Formats that may state transforms and that no reader exists for: said in the report, never passed over in silence.
 const UNREAD_FORMATS: &[(&str, &str)] = &[
-    ("launch", "ROS launch files are not read"),
-    ("launch.xml", "ROS launch files are not read"),
-    ("launch.py", "Python launch files are not read"),
-    ("py", "Python files are not read"),
+    ("py", "not a launch file of ROS 2"),
     ("srdf", "SRDF holds semantics, no transforms of its own; it is not read"),
     ("sdf", "SDF is not read"),
     ("world", "Gazebo worlds are not read"),
     ("lua", "not a Lua file of Cartographer"),
     ("ini", "not an ini file with sensors of MRPT"),
     ("info", "not an info file with cameras of ROVIO"),
-    ("feather", "feather tables are not read"),
-    ("csv", "CSV tables are not read"),
+    ("feather", "not a feather table of version 2"),
+    ("csv", "not a table of transforms"),
     ("txt", "plain text in no form that is known"),
     ("conf", "configuration files of this format are not read"),
     ("cfg", "configuration files of this format are not read"),
@@ -72,14 +70,29 @@ const UNREAD_FORMATS: &[(&str, &str)] = &[
     ("xml", "this XML is not a robot description"),
 ];
 
+/// Which files are wanted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wanted {
+    /// Descriptions, calibrations, launch files and recordings.
+    #[default]
+    Facts,
+    /// Source code.
+    Code,
+}
+
 /// Collects the files under `paths`. A path that does not exist is an input that says so.
 pub fn discover(paths: &[PathBuf]) -> Inputs {
+    discover_of(paths, Wanted::Facts)
+}
+
+/// The same for files of one sort.
+pub fn discover_of(paths: &[PathBuf], wanted: Wanted) -> Inputs {
     let mut inputs = Inputs::default();
     for (index, path) in paths.iter().enumerate() {
         if path.is_dir() {
-            walk(path, index + 1, &mut inputs);
+            walk(path, index + 1, wanted, &mut inputs);
         } else {
-            inputs.files.push(named_file(path));
+            inputs.files.push(named_file(path, wanted));
         }
     }
     once(&mut inputs.files);
@@ -111,7 +124,7 @@ fn once(files: &mut Vec<Input>) {
 const LOOSE: usize = 0;
 
 /// A file the user named: whatever it is, the report says what became of it.
-fn named_file(path: &Path) -> Input {
+fn named_file(path: &Path, wanted: Wanted) -> Input {
     let root = path.parent().unwrap_or(Path::new("")).to_path_buf();
     let mut input = Input {
         path: path.to_path_buf(),
@@ -127,6 +140,13 @@ fn named_file(path: &Path) -> Input {
         Err(error) => {
             input.kind = kind_of_name(path).unwrap_or(SourceKind::Unsupported);
             input.refusal = Some(format!("cannot be opened: {error}"));
+        }
+        Ok(_) if wanted == Wanted::Code => {
+            if code::is_code(&ending(path)) {
+                input.kind = SourceKind::Code;
+            } else {
+                input.refusal = Some("not source code in C++, Python or Rust".to_owned());
+            }
         }
         Ok(head) => match recognise(path, &head) {
             _ if own_document(&head).is_some() => input.refusal = own_document(&head).map(str::to_owned),
@@ -145,7 +165,7 @@ fn named_file(path: &Path) -> Input {
     input
 }
 
-fn walk(root: &Path, group: usize, inputs: &mut Inputs) {
+fn walk(root: &Path, group: usize, wanted: Wanted, inputs: &mut Inputs) {
     let before = inputs.files.len();
     let walker = WalkBuilder::new(root)
         .require_git(false)
@@ -171,6 +191,12 @@ fn walk(root: &Path, group: usize, inputs: &mut Inputs) {
         } else if kind.is_dir() {
             continue;
         }
+        if wanted == Wanted::Code {
+            if code::is_code(&ending(path)) {
+                inputs.files.push(met(path, root, group, SourceKind::Code));
+            }
+            continue;
+        }
         if path.file_name().is_some_and(|name| name == "package.xml")
             && let Some(folder) = path.parent()
             && let Some(name) = folder.file_name()
@@ -191,20 +217,25 @@ fn walk(root: &Path, group: usize, inputs: &mut Inputs) {
     }
 }
 
-fn met_file(path: &Path, root: &Path, group: usize, inputs: &mut Inputs) {
-    if path.file_name().is_some_and(|name| name == CONFIGURATION) {
-        return;
-    }
-    let mut input = Input {
+/// A file of a folder.
+fn met(path: &Path, root: &Path, group: usize, kind: SourceKind) -> Input {
+    Input {
         path: path.to_path_buf(),
         display: display(path),
-        kind: SourceKind::Unsupported,
+        kind,
         parts: Vec::new(),
         refusal: None,
         group,
         root: root.to_path_buf(),
         required: true,
-    };
+    }
+}
+
+fn met_file(path: &Path, root: &Path, group: usize, inputs: &mut Inputs) {
+    if path.file_name().is_some_and(|name| name == CONFIGURATION) {
+        return;
+    }
+    let mut input = met(path, root, group, SourceKind::Unsupported);
     match first_bytes(path) {
         Err(_) if kind_of_name(path).is_none() => {
             *inputs.skipped.entry(ending(path)).or_default() += 1;
@@ -289,7 +320,7 @@ fn kind_of_name(path: &Path) -> Option<SourceKind> {
     Some(match ending(path).as_str() {
         "urdf" => SourceKind::Urdf,
         "xacro" => SourceKind::Xacro,
-        "yaml" | "yml" => SourceKind::Yaml,
+        "yaml" | "yml" | "calib" => SourceKind::Yaml,
         "json" => SourceKind::Json,
         "mcap" | "mcap.zstd" | "mcap.zst" => SourceKind::Mcap,
         "bag" | "bag.active" | "bag.zstd" | "bag.zst" => SourceKind::Rosbag1,
@@ -323,6 +354,9 @@ fn recognise(path: &Path, head: &[u8]) -> Option<SourceKind> {
         None if ending(path) == "xml" && text.contains("<robot") => {
             Some(if xacro() { SourceKind::Xacro } else { SourceKind::Urdf })
         }
+        None if launch::is_launch(&ending(path), &text) => Some(SourceKind::Launch),
+        None if plain::is_yaml(&ending(path), &text) => Some(SourceKind::Yaml),
+        None if head.starts_with(feather::MAGIC) => Some(SourceKind::Text),
         None => plain::form(&ending(path), &text).map(|_| SourceKind::Text),
     }
 }
@@ -386,7 +420,7 @@ mod tests {
             [
                 ("a.urdf".to_owned(), SourceKind::Urdf, true),
                 ("b.yaml".to_owned(), SourceKind::Yaml, true),
-                ("tf.launch".to_owned(), SourceKind::Unsupported, false),
+                ("tf.launch".to_owned(), SourceKind::Launch, true),
             ]
         );
         assert_eq!(inputs.skipped.get("png"), Some(&1));

@@ -4,9 +4,13 @@
 
 pub mod bag;
 pub mod calibration;
+pub mod code;
 pub mod discover;
+pub mod feather;
+pub mod launch;
 pub mod messages;
 mod recordings;
+mod syntax;
 pub mod text;
 pub mod urdf;
 pub mod xacro;

@@ -82,6 +82,7 @@ impl Sample {
                 has_origin: true,
             },
             reading: Confidence::Certain,
+            doubt: None,
             place,
             target_place: None,
             source_place: None,

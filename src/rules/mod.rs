@@ -6,6 +6,7 @@
 pub mod auth;
 pub mod axes;
 pub mod camera;
+pub mod config;
 pub mod cov;
 pub mod cross;
 mod declared;
@@ -217,6 +218,7 @@ pub static RULES: &[Entry] = &[
     entry::<quat::quaternion_order_static::QuaternionOrderStatic>(),
     entry::<quat::euler_sequence::EulerSequence>(),
     entry::<quat::left_vs_right_multiplication::LeftVsRightMultiplication>(),
+    entry::<quat::jpl_provenance::JplProvenance>(),
     entry::<geo::navsatfix_sanity::NavsatfixSanity>(),
     entry::<geo::ecef_enu_rotation::EcefEnuRotation>(),
     entry::<geo::coordinate_kind::CoordinateKind>(),
@@ -262,6 +264,7 @@ pub static RULES: &[Entry] = &[
     entry::<auth::multiple_authorities::MultipleAuthorities>(),
     entry::<auth::calibration_artifact_id::CalibrationArtifactId>(),
     entry::<auth::adhoc_static_transform::AdhocStaticTransform>(),
+    entry::<auth::convention_undeclared::ConventionUndeclared>(),
     entry::<auth::calibration_missing_default::CalibrationMissingDefault>(),
     entry::<cross::extrinsic_consistency::ExtrinsicConsistency>(),
     entry::<cross::extrinsic_relation::ExtrinsicRelation>(),
@@ -269,6 +272,10 @@ pub static RULES: &[Entry] = &[
     entry::<cross::extrinsic_direction::ExtrinsicDirection>(),
     entry::<cross::hand_eye::HandEyeCalibration>(),
     entry::<cross::urdf_tf_topology::UrdfTfTopology>(),
+    entry::<cross::frame_aliases::FrameAliases>(),
+    entry::<config::static_transform_arguments::StaticTransformArguments>(),
+    entry::<config::navsat_transform::NavsatTransform>(),
+    entry::<config::localization_frames::LocalizationFrames>(),
     entry::<urdf::mesh_scale::MeshScale>(),
     entry::<urdf::self_joint::SelfJoint>(),
     entry::<urdf::joint_axis::JointAxis>(),

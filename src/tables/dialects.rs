@@ -48,6 +48,9 @@ pub struct Keyed {
     /// Whether a list holds several 4x4, whose bottom rows are flags.
     #[serde(default)]
     pub packed: bool,
+    /// Whether the texts under `@` keys are names of the platform's frames, and not the program's own.
+    #[serde(default)]
+    pub stated: bool,
     /// Why the direction is a hint.
     #[serde(default)]
     pub doubt: Option<String>,

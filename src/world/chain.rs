@@ -24,6 +24,9 @@ pub struct DeclaredChain {
     pub result: Option<(TransformName, Span)>,
     /// The first factor (or result) that is no name of a transform.
     pub not_understood: Option<String>,
+    /// Whether the names are members of several objects: what one calls `imu` need not be what another does.
+    #[serde(default)]
+    pub is_loose: bool,
 }
 
 /// A chain taken apart; ranges count bytes of its text.

@@ -159,6 +159,9 @@ pub struct Claim {
     pub kind: ClaimKind,
     /// How sure the reading of frames and direction is.
     pub reading: Confidence,
+    /// Why its direction or algebra is in doubt, where its dialect is ambiguous and the user does not say.
+    #[serde(default)]
+    pub doubt: Option<String>,
     /// Where the statement stands.
     pub place: Place,
     /// Where the target (parent) frame is named, if it is.
@@ -188,6 +191,36 @@ impl Claim {
         match &self.frames {
             Some((target, source)) => format!("`{target}` from `{source}`"),
             None => format!("`{}`", self.label),
+        }
+    }
+
+    /// Takes over the frames and direction that the user states.
+    pub(super) fn declare_frames(&mut self, target: &FrameId, source: &FrameId) {
+        self.frames = Some((target.clone(), source.clone()));
+        self.reading = Confidence::Certain;
+        if !matches!(self.spelling, Spelling::Quaternion { .. }) {
+            self.doubt = None;
+        }
+        if let ClaimKind::File { roles, .. } = &mut self.kind {
+            *roles = false;
+        }
+    }
+
+    /// Puts the platform's names in the place of names that the user says stand for them.
+    pub(super) fn rename(&mut self, platform_name: impl Fn(&FrameId) -> Option<FrameId>) {
+        let Some((target, source)) = &mut self.frames else {
+            return;
+        };
+        let new = (platform_name(target), platform_name(source));
+        let is_known = new.0.is_some() && new.1.is_some();
+        if let Some(name) = new.0 {
+            *target = name;
+        }
+        if let Some(name) = new.1 {
+            *source = name;
+        }
+        if let (true, ClaimKind::File { roles, .. }) = (is_known, &mut self.kind) {
+            *roles = false;
         }
     }
 

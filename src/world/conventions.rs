@@ -179,6 +179,32 @@ pub struct Conventions {
     pub declarations: Vec<Declaration>,
     /// Projections that are declared.
     pub projections: Vec<Projection>,
+    /// Names that files use for frames of the platform, in the order of the configuration.
+    pub aliases: Vec<Alias>,
+    /// What statements of files are between.
+    pub transforms: Vec<DeclaredTransform>,
+}
+
+/// A name that files use for a frame of the platform.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Alias {
+    /// The name in files.
+    pub name: FrameId,
+    /// The frame.
+    pub frame: FrameId,
+}
+
+/// The frames and direction of a statement, as the user states them.
+#[derive(Clone, Debug)]
+pub struct DeclaredTransform {
+    /// Files, by the end of their path; all where `None`.
+    pub file: Option<GlobMatcher>,
+    /// The key that it stands under.
+    pub key: GlobMatcher,
+    /// The frame that it takes points to.
+    pub target: FrameId,
+    /// The frame that it takes points from.
+    pub source: FrameId,
 }
 
 /// What a declaration may be for: a stream of a recording, or a statement in a file.
@@ -193,6 +219,32 @@ pub struct Subject<'a> {
 }
 
 impl Conventions {
+    /// Whether nothing is declared of what topics, frames and files are told in.
+    pub fn is_empty(&self) -> bool {
+        self.declarations.is_empty()
+    }
+
+    /// The platform's frame that a name in files stands for.
+    pub fn frame_of(&self, name: &FrameId) -> Option<&FrameId> {
+        let name = name.canonical();
+        self.aliases
+            .iter()
+            .find(|alias| alias.name == name)
+            .map(|alias| &alias.frame)
+    }
+
+    /// The frames and direction that are declared for a statement; what stands later overrides.
+    pub fn transform_of(&self, file: &str, key: &str) -> Option<(&FrameId, &FrameId)> {
+        let holds = |one: &&DeclaredTransform| {
+            one.key.is_match(key) && one.file.as_ref().is_none_or(|glob| ends_with(glob, file))
+        };
+        self.transforms
+            .iter()
+            .rev()
+            .find(holds)
+            .map(|one| (&one.target, &one.source))
+    }
+
     /// What is declared for a subject; `None` where nothing is.
     pub fn of(&self, subject: &Subject<'_>) -> Option<Declared> {
         let mut known: Option<Declared> = None;
@@ -272,7 +324,7 @@ mod tests {
         };
         let conventions = Conventions {
             declarations: vec![declaration(all, ned, 2), declaration(one, flu, 5)],
-            projections: Vec::new(),
+            ..Conventions::default()
         };
         let of = |topic| {
             conventions.of(&Subject {

@@ -110,7 +110,7 @@ impl FrameRole {
             Self::TfChild => "TF child",
             Self::Header => "message header",
             Self::OdometryChild => "odometry child",
-            Self::Calibration => "calibration",
+            Self::Calibration => "named in a file",
             Self::CalibrationLabel => "calibration key",
         }
     }

@@ -14,6 +14,7 @@ mod derived;
 pub mod frame;
 pub mod graph;
 pub mod laser;
+pub mod launch;
 pub mod motion;
 pub mod number;
 pub mod origin;
@@ -27,14 +28,16 @@ pub mod tf2;
 pub mod transform_name;
 
 use std::any::Any;
+use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
 
-use crate::source::{At, Place, Source, SourceId};
+use crate::source::{At, Place, Placed, Source, SourceId};
 use crate::tables::{Dataset, Tables};
 
 use derived::Derived;
+use launch::{LocalizationSettings, StaticPublisher};
 
 pub use bag::BagEvidence;
 pub use chain::DeclaredChain;
@@ -88,6 +91,15 @@ pub struct World {
     /// Projections that files declare.
     #[serde(default)]
     pub projections: Vec<Projection>,
+    /// Static transforms that launch files and scripts publish.
+    #[serde(default)]
+    pub publishers: Vec<StaticPublisher>,
+    /// Settings of `robot_localization`.
+    #[serde(default)]
+    pub localizations: Vec<LocalizationSettings>,
+    /// Files whose quaternions are, or may be, of JPL's algebra, with what says so.
+    #[serde(default)]
+    pub jpl: Vec<Placed<String>>,
     #[serde(skip)]
     graph: OnceLock<FrameGraph>,
     #[serde(skip)]
@@ -115,6 +127,12 @@ pub struct Facts {
     pub ousters: Vec<OusterMetadata>,
     /// Projections that a file declares.
     pub projections: Vec<Projection>,
+    /// Static transforms that a launch file or a script publishes.
+    pub publishers: Vec<StaticPublisher>,
+    /// Settings of `robot_localization`.
+    pub localizations: Vec<LocalizationSettings>,
+    /// The file, where its quaternions are, or may be, of JPL's algebra, with what says so.
+    pub jpl: Vec<Placed<String>>,
 }
 
 /// A dataset that the configuration names.
@@ -175,15 +193,34 @@ impl World {
         self.origins.extend(facts.origins);
         self.ousters.extend(facts.ousters);
         self.projections.extend(facts.projections);
+        self.publishers.extend(facts.publishers);
+        self.localizations.extend(facts.localizations);
+        self.jpl.extend(facts.jpl);
         self.graph = OnceLock::new();
         self.derived = Derived::default();
     }
 
     /// Takes in what the user declares: it speaks before names and guesses, and settles the order of bare quaternions.
     pub fn declare(&mut self, conventions: Arc<Conventions>) {
+        let platform = if conventions.aliases.is_empty() {
+            BTreeSet::new()
+        } else {
+            self.graph().frames.clone()
+        };
         let (claims, sources) = (&mut self.claims, &self.sources);
         for claim in claims {
             let path = sources.get(claim.place.source.0 as usize);
+            if matches!(claim.kind, ClaimKind::File { .. }) {
+                let file = path.map_or("", |source| source.path.as_str());
+                if let Some((target, source)) = conventions.transform_of(file, &claim.label) {
+                    claim.declare_frames(target, source);
+                }
+                // A name of the platform's own needs no alias.
+                let own = |name: &FrameId| platform.get(&name.canonical()).cloned();
+                if !conventions.aliases.is_empty() {
+                    claim.rename(|name| own(name).or_else(|| conventions.frame_of(name).cloned()));
+                }
+            }
             let frames: Vec<FrameId> = claim.frames.iter().flat_map(|(a, b)| [a.clone(), b.clone()]).collect();
             let frames: Vec<&FrameId> = frames.iter().collect();
             let subject = conventions::Subject {

@@ -30,7 +30,13 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
                 "source", "world", "verdict", "page", "rules", "read", "collect", "config", "run", "progress",
             ],
         ),
-        ("cli", &["engine", "report", "run", "verdict", "page", "rules"]),
+        ("convert", &["run", "world", "source", "tables", "math"]),
+        (
+            "cli",
+            &[
+                "engine", "report", "run", "verdict", "page", "rules", "convert", "tables",
+            ],
+        ),
     ])
 }
 

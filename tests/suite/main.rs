@@ -16,6 +16,8 @@ mod bag_strange;
 mod bag_tf;
 mod cases;
 mod config;
+mod convert;
+mod dialects;
 mod drives;
 mod evidence;
 mod foxglove;

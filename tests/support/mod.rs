@@ -19,6 +19,7 @@ pub mod camera;
 pub mod clouds;
 pub mod contents;
 pub mod damage;
+pub mod dialects;
 pub mod drive;
 pub mod driven;
 pub mod driven_world;

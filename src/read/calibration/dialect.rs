@@ -84,8 +84,15 @@ impl Terms {
 #[derive(Clone, Debug)]
 pub(super) struct Said<'r> {
     pub(super) keyed: &'r Keyed,
-    /// The numbers in its path that the key asks for.
+    /// What in its path the key leaves open.
+    found: Found,
+}
+
+/// What stands for `#` and `*` of a key.
+#[derive(Clone, Debug, Default)]
+struct Found {
     numbers: Vec<u32>,
+    words: Vec<String>,
 }
 
 impl Said<'_> {
@@ -98,6 +105,7 @@ impl Said<'_> {
         let (target, source) = self.keyed.is.as_ref()?.split_once(" from ")?;
         let frame = |word: &str| match word.strip_prefix('@') {
             Some(key) => sibling(key),
+            None if word == "*" => self.found.words.first().cloned(),
             None => self.numbered(word),
         };
         let frames = (frame(target)?, frame(source)?);
@@ -109,12 +117,12 @@ impl Said<'_> {
     pub(super) fn names(&self, key: &str) -> bool {
         let keys = self.keyed.keys.iter();
         keys.filter_map(|known| known.rsplit('/').next())
-            .any(|known| numbers(known, &[key]).is_some() && known != "*")
+            .any(|known| matched(known, &[key]).is_some() && known != "*")
     }
 
     /// What the halves of one transform have in common, where the row names several keys for it.
     pub(super) fn stem(&self) -> Option<String> {
-        let numbers: Vec<String> = self.numbers.iter().map(u32::to_string).collect();
+        let numbers: Vec<String> = self.found.numbers.iter().map(u32::to_string).collect();
         (self.keyed.keys.len() > 1).then(|| format!("{} {}", self.keyed.keys.join("+"), numbers.join(" ")))
     }
 
@@ -124,11 +132,11 @@ impl Said<'_> {
         let mut name = parts.next()?.to_owned();
         for part in parts {
             let (number, rest) = if let Some(rest) = part.strip_prefix("-1") {
-                (self.numbers.first()?.checked_sub(1)?, rest)
+                (self.found.numbers.first()?.checked_sub(1)?, rest)
             } else if let Some(rest) = part.strip_prefix('2') {
-                (*self.numbers.get(1)?, rest)
+                (*self.found.numbers.get(1)?, rest)
             } else {
-                (*self.numbers.first()?, part)
+                (*self.found.numbers.first()?, part)
             };
             name.push_str(&number.to_string());
             name.push_str(rest);
@@ -150,8 +158,8 @@ pub(super) fn reading(dialect: &Dialect, keyed: &Keyed) -> Confidence {
 pub(super) fn said<'r>(dialect: &'r Dialect, label: &str) -> Option<Said<'r>> {
     let by = |path: &[&str]| {
         dialect.transforms.iter().find_map(|keyed| {
-            let numbers = keyed.keys.iter().find_map(|key| numbers(key, path))?;
-            Some(Said { keyed, numbers })
+            let found = keyed.keys.iter().find_map(|key| matched(key, path))?;
+            Some(Said { keyed, found })
         })
     };
     let slashes: Vec<&str> = label.split('/').collect();
@@ -159,19 +167,19 @@ pub(super) fn said<'r>(dialect: &'r Dialect, label: &str) -> Option<Said<'r>> {
     by(&slashes).or_else(|| by(&label.split(['/', '.']).collect::<Vec<_>>()))
 }
 
-/// The numbers that stand for `#` where a path ends in a key; `None` where it does not.
-fn numbers(key: &str, path: &[&str]) -> Option<Vec<u32>> {
+/// What stands for `#` and `*` where a path ends in a key; `None` where it does not.
+fn matched(key: &str, path: &[&str]) -> Option<Found> {
     let pattern: Vec<&str> = key.split('/').collect();
     let tail = path.get(path.len().checked_sub(pattern.len())?..)?;
-    let mut found = Vec::new();
+    let mut found = Found::default();
     for (pattern, part) in pattern.into_iter().zip(tail) {
         match pattern.split_once('#') {
-            _ if pattern == "*" => {}
+            _ if pattern == "*" => found.words.push((*part).to_owned()),
             None if pattern == *part => {}
             None => return None,
             Some((before, behind)) => {
                 let digits = part.strip_prefix(before)?.strip_suffix(behind)?;
-                found.push(
+                found.numbers.push(
                     digits
                         .bytes()
                         .all(|byte| byte.is_ascii_digit())

@@ -23,11 +23,12 @@ mod tests;
 
 use std::path::Path;
 
-use crate::source::{LineIndex, Place, ReadStatus, Source};
+use crate::source::{LineIndex, Place, Placed, ReadStatus, Source};
 use crate::tables::{Dialect, Rows};
 use crate::world::Facts;
 
 use super::discover::ending;
+use super::launch;
 use document::{Documents, Fault};
 use repair::OffsetMap;
 
@@ -42,10 +43,10 @@ const TABS: [usize; 4] = [1, 4, 8, 2];
 /// Reads a YAML file (`source.text`): transforms, frames and declared chains. Sets status, detail and problems.
 pub fn read_yaml(source: &mut Source, dialects: &Dialects) -> Facts {
     read(source, dialects, |text, base| {
-        let body = repair::without_directives(text);
+        let (body, wide) = repair::without_wide_commas(&repair::without_directives(text));
         let strict = events::build(&body, &OffsetMap::starting_at(base));
         if strict.fault.is_none() {
-            return (strict, Vec::new());
+            return (strict, wide);
         }
         let widths = if repair::has_leading_tabs(&body) {
             TABS.as_slice()
@@ -81,7 +82,7 @@ pub fn read_plain(source: &mut Source, dialects: &Dialects) -> Facts {
     let path = Path::new(&source.path);
     let form = plain::form(&ending(path), &source.text);
     let stem = path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-    let facts = read(source, dialects, |text, base| {
+    let mut facts = read(source, dialects, |text, base| {
         let Some(form) = form else {
             return (Documents::default(), Vec::new());
         };
@@ -92,7 +93,14 @@ pub fn read_plain(source: &mut Source, dialects: &Dialects) -> Facts {
         }
         (documents, Vec::new())
     });
-    if form == Some(plain::Form::Trajectory) && source.problems.is_empty() {
+    if form == Some(plain::Form::States) {
+        let line = source.text.lines().next().map_or(0, str::len);
+        let says = "states of OpenVINS hold JPL's q_GtoI, whose numbers are Hamilton's of q_ItoG";
+        facts
+            .jpl
+            .push(Placed::new(says.to_owned(), Place::text(source.id, 0..line)));
+    }
+    if form.is_some_and(plain::Form::is_over_time) && source.problems.is_empty() {
         source.detail = Some("poses over time: no transform of the platform".to_owned());
     }
     facts
@@ -140,6 +148,11 @@ fn read_text(
         facts.origins.extend(origins::collect(root, source.id));
         facts.ousters.extend(ouster::collect(root, source.id));
         facts.projections.extend(projections::collect(root, source.id));
+        let launched = launch::collect_yaml(root, text, source.id);
+        facts.claims.extend(launched.claims);
+        facts.frames.extend(launched.frames);
+        facts.publishers.extend(launched.publishers);
+        facts.localizations.extend(launched.localizations);
     }
     let reached = documents.fault.as_ref().map_or(text.len(), |fault| fault.at);
     source.examined.bytes = reached as u64;

@@ -4,6 +4,7 @@
 
 mod blocks;
 mod lines;
+mod records;
 
 use super::document::{Documents, Kind, Node};
 use crate::source::Span;
@@ -23,6 +24,23 @@ pub(crate) enum Form {
     Lua,
     /// Poses over time, one a line.
     Trajectory,
+    /// A line of names and a transform in each row (CSV; what a feather table becomes).
+    Table,
+    /// The same with a time in each row: poses over time.
+    Moments,
+    /// States of OpenVINS over time.
+    States,
+    /// Images of COLMAP.
+    Colmap,
+    /// Blocks of numbers under titles (M2DGR).
+    Titled,
+}
+
+impl Form {
+    /// Whether it holds poses over time, and no transform of the platform.
+    pub(super) fn is_over_time(self) -> bool {
+        matches!(self, Self::Trajectory | Self::Moments | Self::States)
+    }
 }
 
 /// Bytes of a file that tell its form; what stands behind them is held to it.
@@ -43,10 +61,17 @@ pub(crate) fn form(ending: &str, text: &str) -> Option<Form> {
         return words.iter().any(|word| head.contains(word)).then_some(*form);
     }
     match ending {
-        "txt" => lines::form(head),
+        "txt" => records::titled_form(head).or_else(|| lines::form(head)),
+        "csv" | "feather" => records::table_form(head),
         "tum" => Some(Form::Trajectory),
         _ => None,
     }
+}
+
+/// Whether a text is YAML though its name does not say so (M2DGR-plus).
+pub(crate) fn is_yaml(ending: &str, head: &str) -> bool {
+    let has = |start: &str| head.lines().any(|line| line.trim_start().starts_with(start));
+    ending == "txt" && has("rows:") && has("data:") && !head.contains("%%")
 }
 
 /// The document of a text. `stem` is the name of the file without its ending: some formats say nothing else of what a file holds.
@@ -55,11 +80,15 @@ pub(super) fn build(form: Form, text: &str, stem: &str) -> Documents {
         Form::Keyed => lines::keyed(text),
         Form::Matrix => lines::matrix(text),
         Form::Trajectory => lines::trajectory(text),
+        Form::Table => records::table(text),
+        Form::Moments | Form::States => (lines::mapping(text, Vec::new()), None),
+        Form::Colmap => records::colmap(text),
+        Form::Titled => records::titled(text),
         Form::Ini => blocks::ini(text),
         Form::Info => blocks::info(text),
         Form::Lua => blocks::lua(text),
     };
-    let root = if matches!(form, Form::Keyed | Form::Matrix) {
+    let root = if matches!(form, Form::Keyed | Form::Matrix | Form::Table) {
         let first = root.pairs().first().map_or(root.span.start, |(key, _)| key.span.start);
         let name = scalar(stem, Span::new(first, first));
         Node::new(root.span, Kind::Mapping(vec![(name, root)]))

@@ -113,6 +113,19 @@ fn blank(c: char, out: &mut String) {
     }
 }
 
+/// Turns the full-width commas of Chinese keyboards into commas, each with the blanks that keep offsets; says in which lines.
+pub(super) fn without_wide_commas(text: &str) -> (String, Vec<(usize, &'static str)>) {
+    const WIDE: char = '\u{ff0c}';
+    let lines = text.lines().enumerate().filter(|(_, line)| {
+        let code = line.split('#').next().unwrap_or_default();
+        code.contains(WIDE)
+    });
+    let notes = lines
+        .map(|(index, _)| (index + 1, "its commas are full-width"))
+        .collect();
+    (text.replace(WIDE, ",  "), notes)
+}
+
 /// Whether a text has tabs in its indentation.
 pub(super) fn has_leading_tabs(text: &str) -> bool {
     text.lines().any(|line| line.trim_start_matches(' ').starts_with('\t'))

@@ -149,13 +149,20 @@ impl<'a> Walk<'a> {
         self.said(key).filter(|said| said.names(key))
     }
 
+    /// Why the dialect's word on a statement is in doubt.
+    fn doubt(&self, label: &str, by: Option<&Node>) -> Option<String> {
+        let said = dialect::said(self.dialect?, label).or_else(|| self.said(by?.text()?))?;
+        said.keyed.doubt.clone()
+    }
+
     /// The frames that the dialect gives a statement.
     fn named_by_dialect(&self, label: &str, by: Option<&Node>, span: Span) -> Option<Named> {
         let row = self.dialect?;
         let said = dialect::said(row, label).or_else(|| self.said(by?.text()?))?;
         let sibling = |key: &str| {
             let mut mappings = self.path.iter().rev().map(|step| step.node);
-            let text = mappings.find_map(|node| node.get(key)?.text())?.trim();
+            let under = |node: &'a Node| key.split('/').try_fold(node, |node, part| node.get(part))?.text();
+            let text = mappings.find_map(under)?.trim();
             (!text.is_empty()).then(|| text.to_owned())
         };
         let place = by.map_or(span, |key| key.span);
@@ -163,7 +170,11 @@ impl<'a> Walk<'a> {
             frames: said.frames(sibling)?,
             places: (place, place),
             reading: dialect::reading(row, said.keyed),
-            role: FrameRole::CalibrationLabel,
+            role: if said.keyed.stated {
+                FrameRole::Calibration
+            } else {
+                FrameRole::CalibrationLabel
+            },
         })
     }
 
@@ -252,6 +263,7 @@ impl<'a> Walk<'a> {
             ));
             return;
         }
+        let doubt = self.doubt(&label, by);
         let (named, roles) = settled(named, self.named_by_dialect(&label, by, draft.span));
         let named = named.as_ref();
         let mut reading = named.map_or(Confidence::Hint, |n| n.reading);
@@ -299,6 +311,7 @@ impl<'a> Walk<'a> {
                     roles,
                 },
                 reading: if named.is_some() { reading } else { Confidence::Hint },
+                doubt,
                 place: place(span),
                 target_place: named.map(|n| place(n.places.0)),
                 source_place: named.map(|n| place(n.places.1)),
@@ -338,6 +351,7 @@ impl<'a> Walk<'a> {
                 .collect(),
             result: parsed.result.map(|(name, range)| (name, span(range))).or_else(named),
             not_understood: parsed.not_understood,
+            is_loose: false,
         });
     }
 
@@ -403,7 +417,10 @@ fn settled(named: Option<&Named>, by_dialect: Option<Named>) -> (Option<Named>, 
             let named = named.clone();
             (Some(Named { reading, ..named }), false)
         }
-        (_, Some(dialect)) => (Some(dialect), true),
+        (_, Some(dialect)) => {
+            let is_stated = dialect.role == FrameRole::Calibration;
+            (Some(dialect), !is_stated)
+        }
         (named, None) => (named.cloned(), false),
     }
 }

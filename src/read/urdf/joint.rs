@@ -127,6 +127,7 @@ impl Reader<'_> {
                 has_origin: origin.is_some(),
             },
             reading: Confidence::Certain,
+            doubt: None,
             place: origin.map_or_else(|| joint.place.clone(), |origin| origin.place.clone()),
             target_place: Some(parent.place.clone()),
             source_place: Some(child.place.clone()),

@@ -143,7 +143,7 @@ Named by messages, not in the tree
   gps  a.mcap /fix (message header)
 
 Named by files, not in the tree
-  cam  a.mcap (calibration)
+  cam  a.mcap (named in a file)
 "
     );
 }

@@ -7,6 +7,7 @@ pub mod extrinsic_consistency;
 pub mod extrinsic_direction;
 pub mod extrinsic_relation;
 mod fold;
+pub mod frame_aliases;
 pub mod hand_eye;
 pub(crate) mod statements;
 pub mod urdf_tf_topology;

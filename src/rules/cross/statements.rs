@@ -226,6 +226,9 @@ fn comparable(world: &World, a: &Statement, b: &Statement) -> Option<Comparable>
         (Rank::File, Rank::File) if a.roles.is_some() && a.roles == b.roles => None,
         // Frames of one letter (`T_BS`) mean "the sensor of this file".
         (Rank::File, Rank::File) if is_letter(&a.target) || is_letter(&a.source_frame) => None,
+        // Two launch files are two ways to start.
+        (Rank::File, Rank::File) if is_launched(world, a) && is_launched(world, b) => None,
+        (Rank::File, Rank::File) if is_launched(world, a) || is_launched(world, b) => Some(Comparable::Same),
         (Rank::File, Rank::File) => {
             let folder = |id: SourceId| Path::new(world.path(id)).parent().map(Path::to_path_buf);
             if folder(a.place.source) != folder(b.place.source) {
@@ -239,6 +242,12 @@ fn comparable(world: &World, a: &Statement, b: &Statement) -> Option<Comparable>
         }
         _ => Some(Comparable::Same),
     }
+}
+
+/// Whether a launch file or a script publishes it.
+fn is_launched(world: &World, statement: &Statement) -> bool {
+    let source = world.source(statement.place.source);
+    source.is_some_and(|source| source.kind == SourceKind::Launch)
 }
 
 fn is_letter(frame: &FrameId) -> bool {
@@ -272,7 +281,45 @@ pub(crate) fn statements(world: &World) -> Vec<Statement> {
             roles: None,
         })
     });
-    files.chain(tf).collect()
+    let mut statements: Vec<Statement> = files.chain(tf).collect();
+    join_halves(&mut statements);
+    statements
+}
+
+/// A rotation and a translation of one pair that a source states apart, perhaps one of them the other way round, speak as one statement.
+fn join_halves(statements: &mut Vec<Statement>) {
+    let mut index = 0;
+    while let Some(turn) = statements.get(index) {
+        if !turn.has_rotation || turn.has_translation {
+            index += 1;
+            continue;
+        }
+        let is_other_half = |other: &Statement| {
+            let same = other.target == turn.target && other.source_frame == turn.source_frame;
+            let turned = other.target == turn.source_frame && other.source_frame == turn.target;
+            let is_shift = other.has_translation && !other.has_rotation;
+            is_shift && (same || turned) && other.place.source == turn.place.source
+        };
+        let Some(at) = statements.iter().position(is_other_half) else {
+            index += 1;
+            continue;
+        };
+        let shift = statements.remove(at);
+        if at < index {
+            index -= 1;
+        }
+        let Some(turn) = statements.get_mut(index) else { return };
+        // The translation is the origin of one frame in the frame that it is stated for.
+        turn.pose = if shift.target == turn.target {
+            Isometry3::from_parts(shift.pose.translation, turn.pose.rotation)
+        } else {
+            Isometry3::from_parts(shift.pose.translation, turn.pose.rotation.inverse()).inverse()
+        };
+        turn.has_translation = true;
+        turn.reading = turn.reading.min(shift.reading);
+        turn.who = format!("{} with {}", turn.who, shift.who);
+        index += 1;
+    }
 }
 
 fn is_tiny(extreme: &(crate::world::bag::TfSample, f64, f64)) -> bool {

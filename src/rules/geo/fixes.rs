@@ -21,6 +21,13 @@ pub(super) fn middle(fixes: &FixEvidence) -> Option<Position> {
     Some((of(|fix| fix.latitude_deg)?, of(|fix| fix.longitude_deg)?))
 }
 
+/// A median position, degrees, of some stream of fixes.
+pub(crate) fn some_position(world: &World) -> Option<Position> {
+    let topics = world.bags.iter().flat_map(|bag| bag.topics.values());
+    let mut said = topics.flat_map(TopicEvidence::said).filter(|said| !said.guessed);
+    said.find_map(|said| middle(said.content.fixes.as_ref()?))
+}
+
 /// Whether two positions are within some degrees of each other.
 fn near(a: Position, b: Position, degrees: f64) -> bool {
     (a.0 - b.0).abs() <= degrees && (a.1 - b.1).abs() <= degrees

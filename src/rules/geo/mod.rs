@@ -22,4 +22,5 @@ mod own_origin;
 mod plane;
 pub mod tangent_plane_range;
 
+pub(crate) use fixes::some_position;
 pub(crate) use kinds::is_earth_centred;

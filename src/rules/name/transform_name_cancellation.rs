@@ -1,12 +1,12 @@
 //! NAME08: declared products of transforms whose inner frames do not cancel.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::rules::{Judge, Need, NoLimits, Rule, names};
-use crate::source::{Confidence, Place, Span};
+use crate::source::{Confidence, Place, SourceId, SourceKind, Span};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::transform_name::{self, NameStyle, TransformName};
-use crate::world::{ClaimKind, DeclaredChain, FrameId, World};
+use crate::world::{ClaimKind, DeclaredChain, FrameId, Spelling, World};
 
 /// NAME08.
 pub struct TransformNameCancellation;
@@ -17,16 +17,77 @@ impl Rule for TransformNameCancellation {
     type Limits = NoLimits;
 
     fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+        let backwards = read_from_the_right(world);
         for chain in &world.chains {
-            judge_chain(chain, out);
+            let is_backwards = backwards.contains(&chain.place.source);
+            judge_chain(&with_aliases(world, chain), is_backwards, out);
         }
         judge_keys(world, out);
+        judge_doubts(world, out);
     }
 }
 
 /// A frame's name as it stands in a formula: `base` and `base_link` are one there.
 fn label(name: &str) -> String {
     names::without_ending(FrameId::new(name).tokens()).concat()
+}
+
+/// Whether two names mean one frame. `c`, `c0` and `cam`, `I` and `Ik`, `body`, `bodyMatch` and `last_body` do: the longer says which one, or when.
+fn is_same(a: &str, b: &str) -> bool {
+    if label(a) == label(b) {
+        return true;
+    }
+    let words = |name: &str| names::without_ending(FrameId::new(name).tokens());
+    let (a, b) = (words(a), words(b));
+    let (short, long) = if a.len() <= b.len() { (&a, &b) } else { (&b, &a) };
+    match (short.as_slice(), long.as_slice()) {
+        ([one], [other]) => is_one_of(one, other) || is_one_of(other, one),
+        (short, [first, ..]) => {
+            long.starts_with(short) || long.ends_with(short) || matches!(short, [one] if is_one_of(one, first))
+        }
+        _ => false,
+    }
+}
+
+/// Whether `long` is what the letter `short` stands for (`c` and `cam`), or `short` with a counter behind it: digits, or behind one letter `k`, `kp1`.
+fn is_one_of(short: &str, long: &str) -> bool {
+    if short.len() == 1 && long.len() > 2 && long.starts_with(short) {
+        return true;
+    }
+    let Some(rest) = long.strip_prefix(short).filter(|rest| !rest.is_empty()) else {
+        return false;
+    };
+    let is_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
+    let steps = ["", "p", "m", "plus", "minus"];
+    let behind_letter = rest
+        .strip_prefix(['i', 'j', 'k', 'n'])
+        .is_some_and(|rest| steps.iter().any(|step| rest.strip_prefix(step).is_some_and(is_digits)));
+    is_digits(rest) || short.len() == 1 && behind_letter
+}
+
+/// Files of source code that use `T_a_b` for what takes points of `a` to `b`: their products fit from right to left, several of them, and none the
+/// other way alone. With a mark between the frames (`a_T_b`) or with `from`, nobody does.
+fn read_from_the_right(world: &World) -> BTreeSet<SourceId> {
+    let mut votes: BTreeMap<SourceId, (usize, usize)> = BTreeMap::new();
+    for chain in &world.chains {
+        let is_code = world
+            .source(chain.place.source)
+            .is_some_and(|source| source.kind == SourceKind::Code);
+        let mut styles = chain.factors.iter().map(|(name, _)| name.style);
+        let is_open = styles.all(|style| matches!(style, NameStyle::Prefix | NameStyle::Letters));
+        if !is_code || !is_open || chain.factors.len() < 2 {
+            continue;
+        }
+        let fits = gaps(chain.factors.iter()).is_empty();
+        let fits_turned = gaps(chain.factors.iter().rev()).is_empty();
+        let (usual, turned) = votes.entry(chain.place.source).or_default();
+        *usual += usize::from(fits && !fits_turned);
+        *turned += usize::from(fits_turned && !fits);
+    }
+    let of_one_mind = votes
+        .into_iter()
+        .filter(|(_, (usual, turned))| *usual == 0 && *turned >= 2);
+    of_one_mind.map(|(source, _)| source).collect()
 }
 
 /// Two neighbours that do not fit: what the left one ends in, what the right one begins with, and where.
@@ -40,7 +101,7 @@ fn gaps<'a>(factors: impl Iterator<Item = &'a (TransformName, Span)> + Clone) ->
     factors
         .clone()
         .zip(factors.skip(1))
-        .filter(|((left, _), (right, _))| label(&left.source) != label(&right.target))
+        .filter(|((left, _), (right, _))| !is_same(&left.source, &right.target))
         .map(|((left, left_at), (right, right_at))| Gap {
             left: left.source.clone(),
             right: right.target.clone(),
@@ -49,8 +110,46 @@ fn gaps<'a>(factors: impl Iterator<Item = &'a (TransformName, Span)> + Clone) ->
         .collect()
 }
 
-fn judge_chain(chain: &DeclaredChain, out: &mut Judge) {
+/// The chain with the platform's names in the place of aliases that the user confirms.
+fn with_aliases(world: &World, chain: &DeclaredChain) -> DeclaredChain {
+    let mut chain = chain.clone();
+    for (name, _) in chain.factors.iter_mut().chain(&mut chain.result) {
+        for frame in [&mut name.target, &mut name.source] {
+            if let Some(known) = world.conventions.frame_of(&FrameId::new(frame.as_str())) {
+                known.as_str().clone_into(frame);
+            }
+        }
+    }
+    chain
+}
+
+/// Whether the result is one of the factors: `T_a_b = T_x * T_a_b`, `T_a_b = T_a_b.inverse()`.
+fn is_updated(chain: &DeclaredChain) -> bool {
+    chain.result.as_ref().is_some_and(|(result, _)| {
+        chain.factors.iter().any(|(factor, _)| {
+            let is_it = |one: &TransformName| one.target == result.target && one.source == result.source;
+            is_it(factor) || is_it(&factor.clone().inverse())
+        })
+    })
+}
+
+/// Whether a product is `A X A^-1`, with an `X` that does not fit between them.
+fn is_change_of_basis(chain: &DeclaredChain) -> bool {
+    let [(first, _), between @ .., (last, _)] = chain.factors.as_slice() else {
+        return false;
+    };
+    let are_inverses = first.target == last.source && first.source == last.target;
+    are_inverses && !between.is_empty() && !gaps(chain.factors.iter()).is_empty()
+}
+
+fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
     let subject = format!("`{}`", chain.text.trim());
+    if is_backwards && chain.factors.len() > 1 {
+        let why =
+            "all products of this file fit from right to left: it reads `T_a_b` as what takes points of `a` to `b`";
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return;
+    }
     if let Some(unknown) = &chain.not_understood {
         let reason = format!("`{unknown}` is no name of a transform between two frames");
         out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
@@ -60,11 +159,19 @@ fn judge_chain(chain: &DeclaredChain, out: &mut Judge) {
         return;
     };
     let all = || chain.factors.iter().chain(&chain.result);
-    let ceiling = if all().any(|(name, _)| name.ambiguous) {
+    let is_ambiguous = all().any(|(name, _)| name.ambiguous);
+    let ceiling = if is_ambiguous && (chain.is_loose || is_updated(chain)) {
+        Confidence::Hint
+    } else if is_ambiguous {
         Confidence::Likely
     } else {
         Confidence::Certain
     };
+    if is_change_of_basis(chain) {
+        let why = "a change of basis: the first factor and the last are inverses, and what is between them is a motion";
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return;
+    }
     let places = |span: Span| Place::text(chain.place.source, span);
     let inner = gaps(chain.factors.iter());
     let joints = Measured::count("neighbours that do not cancel", inner.len()).limit(0.0);
@@ -88,8 +195,12 @@ fn judge_chain(chain: &DeclaredChain, out: &mut Judge) {
     }
     let outer = Measured::count("outer frames that differ", 0).limit(0.0);
     match &chain.result {
+        // `a.T_world_sensor().inverse() * b.T_world_sensor()`: from one sensor to another, whose names are not told.
+        Some(_) if inner.is_empty() && chain.factors.len() > 1 && is_same(&first.target, &last.source) => {
+            out.pass(subject, [joints]);
+        }
         Some((result, at)) if inner.is_empty() => {
-            let same = label(&result.target) == label(&first.target) && label(&result.source) == label(&last.source);
+            let same = is_same(&result.target, &first.target) && is_same(&result.source, &last.source);
             if same {
                 out.pass(subject, [joints, outer]);
                 return;
@@ -98,7 +209,9 @@ fn judge_chain(chain: &DeclaredChain, out: &mut Judge) {
                 "the product takes `{}` to `{}`, and is declared to take `{}` to `{}`",
                 last.source, first.target, result.source, result.target
             );
-            let inverse = label(&result.source) == label(&first.target) && label(&result.target) == label(&last.source);
+            let inverse = is_same(&result.source, &first.target) && is_same(&result.target, &last.source);
+            // From then on the name says something else, and its author knows.
+            let ceiling = if is_updated(chain) { Confidence::Hint } else { ceiling };
             let finding = Finding::error(subject, message, places(*at))
                 .confidence(ceiling)
                 .help(if inverse {
@@ -111,6 +224,36 @@ fn judge_chain(chain: &DeclaredChain, out: &mut Judge) {
         }
         _ if inner.is_empty() => out.pass(subject, [joints]),
         _ => {}
+    }
+}
+
+/// Statements of known dialects whose direction is in doubt: one hint a file. Quaternions are QUAT05's.
+fn judge_doubts(world: &World, out: &mut Judge) {
+    let mut seen = BTreeSet::new();
+    for claim in &world.claims {
+        let is_quaternion = matches!(claim.spelling, Spelling::Quaternion { .. });
+        let (Some(doubt), Some((target, source)), false) = (&claim.doubt, &claim.frames, is_quaternion) else {
+            continue;
+        };
+        if !seen.insert(claim.place.source) {
+            continue;
+        }
+        let path = world.path(claim.place.source);
+        let message = format!(
+            "`{}` is read as `{target}` from `{source}`, and that is in doubt: {doubt}",
+            claim.label
+        );
+        let finding = Finding::note(
+            format!("direction of `{}` of {path}", claim.label),
+            message,
+            claim.place.clone(),
+        )
+        .hint()
+        .help(format!(
+            "say it in frames-lint.yaml: transforms: [{{file: {path}, key: '{}', is: {target} from {source}}}]",
+            claim.label
+        ));
+        out.fail(finding.measured(Measured::count("readings", 2).limit(1.0)));
     }
 }
 

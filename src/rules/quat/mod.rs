@@ -5,6 +5,7 @@ pub mod euler_sequence;
 pub(crate) mod level_order;
 mod listed;
 
+pub mod jpl_provenance;
 pub mod left_vs_right_multiplication;
 mod oriented;
 pub mod quaternion_convention;

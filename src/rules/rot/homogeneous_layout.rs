@@ -1,5 +1,8 @@
 //! ROT03: a 4x4 matrix whose bottom row is not 0 0 0 1.
 
+use nalgebra::Matrix3;
+
+use crate::math::rotation::orthogonality_error;
 use crate::rules::literal::{rewrite, with_fix};
 use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, NoLimits, Rule};
@@ -19,6 +22,10 @@ impl Rule for HomogeneousLayout {
     fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
         let mut right = Tally::new("4x4 matrices");
         for parts in Parts::all(world) {
+            if parts.by_columns {
+                out.fail(by_columns(world, &parts));
+                continue;
+            }
             let Some(row) = parts.bottom_row() else {
                 out.not_evaluated(
                     parts.subject(world),
@@ -69,6 +76,46 @@ fn transposed(world: &World, parts: &Parts, measured: Measured) -> Finding {
         "transpose the matrix",
         Safety::Safe,
         transposing_edits(world, parts),
+    )
+}
+
+/// A 3x4 whose twelve numbers are a rotation and a translation column by column.
+fn by_columns(world: &World, parts: &Parts) -> Finding {
+    let message = format!(
+        "the 3x4 matrix `{}` is stored column by column: row by row its first three columns are no rotation, column by column they are",
+        parts.claim.label
+    );
+    let error = orthogonality_error(&Matrix3::from_fn(|row, col| {
+        parts.values.get(row * 4 + col).copied().unwrap_or(f64::NAN)
+    }));
+    let finding = Finding::error(parts.subject(world), message, parts.claim.place.clone())
+        .likely()
+        .label("column-major")
+        .help("write it row by row, as KITTI, OpenCV and NumPy read it; Eigen's data() and OpenGL give columns")
+        .measured(Measured::new(
+            "orthogonality error row by row (Frobenius norm of R^T R - I)",
+            error,
+            "1",
+        ))
+        .relation("transposed");
+    let edits = || {
+        let mut edits = Vec::new();
+        for row in 0..3 {
+            for col in 0..4 {
+                let from = col * 3 + row;
+                let (here, there) = (parts.literal(row, col)?, parts.literal(from / 4, from % 4)?);
+                if here.text != there.text {
+                    edits.push(rewrite(world, parts.source(), here, there.text.clone())?);
+                }
+            }
+        }
+        Some(edits)
+    };
+    with_fix(
+        finding,
+        "write the matrix row by row",
+        Safety::ChangesBehaviour,
+        edits(),
     )
 }
 

@@ -3,6 +3,7 @@
 
 use nalgebra::Matrix3;
 
+use crate::math::rotation::orthogonality_error;
 use crate::source::SourceId;
 use crate::verdict::Edit;
 use crate::world::{Claim, Literal, World};
@@ -11,6 +12,11 @@ use crate::rules::literal::{rewrite, spell};
 
 /// How far an entry of a bottom row may be from 0 or 1 and still be that number.
 const EXACT: f64 = 1e-9;
+
+/// A matrix that is further from a rotation is none (Frobenius norm of `R^T R - I`).
+const FAR: f64 = 1e-2;
+/// A matrix that is nearer is one, to a few printed digits.
+const NEAR: f64 = 1e-3;
 
 /// A matrix taken apart.
 #[derive(Debug)]
@@ -25,6 +31,8 @@ pub(super) struct Parts<'a> {
     pub rotation: Matrix3<f64>,
     /// Whether the translation stands in the bottom row.
     pub transposed: bool,
+    /// Whether it is a 3x4 that is a rotation only when it is read column by column.
+    pub by_columns: bool,
 }
 
 impl<'a> Parts<'a> {
@@ -44,13 +52,20 @@ impl<'a> Parts<'a> {
         let transposed = rows == 4
             && !is_unit([at(3, 0), at(3, 1), at(3, 2), at(3, 3)])
             && is_unit([at(0, 3), at(1, 3), at(2, 3), at(3, 3)]);
-        let rotation = Matrix3::from_fn(|row, col| if transposed { at(col, row) } else { at(row, col) });
+        let as_written = Matrix3::from_fn(|row, col| if transposed { at(col, row) } else { at(row, col) });
+        let columns = Matrix3::from_fn(|row, col| values.get(col * 3 + row).copied().unwrap_or(f64::NAN));
+        let by_columns = (rows, cols) == (3, 4)
+            && orthogonality_error(&as_written) > FAR
+            && orthogonality_error(&columns) <= NEAR
+            && columns.determinant() > 0.0;
+        let rotation = if by_columns { columns } else { as_written };
         Some(Self {
             claim,
             cols,
             values,
             rotation,
             transposed,
+            by_columns,
         })
     }
 
@@ -98,7 +113,14 @@ impl<'a> Parts<'a> {
         let mut edits = Vec::new();
         for row in 0..3 {
             for col in 0..3 {
-                let (r, c) = if self.transposed { (col, row) } else { (row, col) };
+                let (r, c) = if self.transposed {
+                    (col, row)
+                } else if self.by_columns {
+                    let at = col * 3 + row;
+                    (at / 4, at % 4)
+                } else {
+                    (row, col)
+                };
                 let literal = self.literal(r, c)?;
                 let value = *rotation.get((row, col))?;
                 edits.push(rewrite(world, self.source(), literal, spell(value))?);

@@ -261,6 +261,27 @@ fn files() -> Vec<Said> {
                 t.x, t.y, t.z
             ),
         ),
+        yaml(
+            "hilti",
+            "!lidar0<-imu0",
+            format!("lidar0:\n  T_here_imu0: {}\n", nested(&sensor_from_body)),
+        ),
+        yaml(
+            "easy-handeye",
+            "tool0<-camera_optical",
+            format!(
+                "parameters: {{eye_on_hand: true, robot_effector_frame: tool0, robot_base_frame: base, tracking_base_frame: camera_optical}}\ntransformation: {{x: {:?}, y: {:?}, z: {:?}, qx: {qx:?}, qy: {qy:?}, qz: {qz:?}, qw: {qw:?}}}\n",
+                t.x, t.y, t.z
+            ),
+        ),
+        yaml(
+            "easy-handeye",
+            "base<-camera_optical",
+            format!(
+                "parameters: {{calibration_type: eye_on_base, robot_effector_frame: tool0, robot_base_frame: base, tracking_base_frame: camera_optical}}\ntransform:\n  translation: {{x: {:?}, y: {:?}, z: {:?}}}\n  rotation: {{x: {qx:?}, y: {qy:?}, z: {qz:?}, w: {qw:?}}}\n",
+                t.x, t.y, t.z
+            ),
+        ),
         json(
             "ouster",
             "sensor<-lidar",
@@ -366,6 +387,11 @@ fn every_dialect_of_transforms_is_tried() {
         "boreas",
         "mrpt",
         "rovio",
+        "argoverse2",
+        "colmap",
+        "m2dgr",
+        "m2dgr-plus",
+        "urbannav",
     ];
     for row in Tables::default().dialects().iter() {
         let name = row.name.as_str();

@@ -172,3 +172,79 @@ fn broken_texts_say_where() {
     let deep = format!("qCM_x 1\n{}", "a\n{\n".repeat(5000));
     assert_ne!(plain("a.info", &deep).0.status, ReadStatus::Read);
 }
+
+#[test]
+fn tables_have_a_transform_in_each_row() {
+    let text = "sensor_name,qw,qx,qy,qz,tx_m,ty_m,tz_m\nring_front_center,0.5,-0.5,0.5,-0.5,1.6,0.0,1.4\nup_lidar,1,0,0,0,1.35,0,1.64\n";
+    assert_eq!(
+        said("egovehicle_SE3_sensor.csv", text),
+        pairs(&[
+            ("egovehicle_SE3_sensor/0", "egovehicle<-ring_front_center"),
+            ("egovehicle_SE3_sensor/1", "egovehicle<-up_lidar"),
+        ])
+    );
+    let (source, facts) = plain("egovehicle_SE3_sensor.csv", text);
+    assert_eq!(source.detail.as_deref(), Some("extrinsics of Argoverse 2"));
+    // The camera looks along x: its z is the vehicle's x.
+    let camera = facts.claims[0].pose.unwrap().isometry();
+    let ahead = camera * nalgebra::Point3::new(0.0, 0.0, 2.0);
+    assert!((ahead - nalgebra::Point3::new(3.6, 0.0, 1.4)).norm() < 1e-12, "{ahead}");
+    // Semicolons and quotes; a time in each row makes it a drive.
+    let other = "\"x\";\"y\";\"z\";\"roll\";\"pitch\";\"yaw\"\n1;2;3;0;0;1.5\n";
+    assert_eq!(said("c.csv", other), pairs(&[("c/0", "-")]));
+    assert_eq!(
+        form("csv", "timestamp,tx,ty,tz,qx,qy,qz,qw\n1,0,0,0,0,0,0,1\n"),
+        Some(Form::Moments)
+    );
+    assert_eq!(form("csv", "roll_offset_degree,roll_offset_rad\n1,2\n"), None);
+    let (source, facts) = plain("c.csv", "x,y,z,roll,pitch,yaw\n1,2,3,0,0,1.5\n1,2,3\n");
+    assert_eq!((source.status, facts.claims.len()), (ReadStatus::Partial, 1));
+    assert!(
+        source.problems[0].message.contains("3 fields under 6 names"),
+        "{:?}",
+        source.problems
+    );
+}
+
+#[test]
+fn images_of_colmap_take_the_world_to_the_camera() {
+    let head = "# Image list with two lines of data per image:\n#   IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n#   POINTS2D[] as (X, Y, POINT3D_ID)\n";
+    let text = format!("{head}1 0.8 0 0 0.6 1 2 3 1 a.jpg\n10.5 20.5 -1 30.5 40.5 7\n2 1 0 0 0 4 5 6 1 b.jpg\n\n");
+    assert_eq!(
+        said("images.txt", &text),
+        pairs(&[("images/0", "a.jpg<-world"), ("images/1", "b.jpg<-world")])
+    );
+    let (_, facts) = plain("images.txt", &text);
+    let Spelling::Quaternion { xyz, xyzw, order_known } = facts.claims[0].spelling else {
+        panic!("{:?}", facts.claims[0])
+    };
+    assert_eq!((xyz, xyzw, order_known), ([1.0, 2.0, 3.0], [0.0, 0.0, 0.6, 0.8], true));
+    let (source, _) = plain("images.txt", &format!("{head}1 0.8 0 zero 0.6 1 2 3 1 a.jpg\n"));
+    assert!(
+        source.problems[0].message.contains("`zero` is no number"),
+        "{:?}",
+        source.problems
+    );
+}
+
+#[test]
+fn blocks_under_titles_belong_to_their_sensor() {
+    let text = "%% Dataset Calibration\n\n%% Cam-left 8823\n% Extrinsic  [to LIDAR], [opencv-matrix]\n%to be changed\ndata: [ 0., 0., 1., 0.24,\n        -1., 0., 0., 0.16,\n        0., -1., 0., -0.17,\n        0., 0., 0., 1. ]\n% Intrinsic, [opencv-matrix]\ndata: [ 540.6, 0., 626.4, \n 0., 539.8, 523.9, \n 0., 0., 1. ]\n";
+    let (source, facts) = plain("calibration_results.txt", text);
+    assert_eq!(source.detail.as_deref(), Some("a calibration of M2DGR"));
+    let [claim] = &facts.claims[..] else {
+        panic!("{:?}", facts.claims)
+    };
+    literals_stand_where_they_say(text, claim);
+    assert_eq!(frames(claim), "lidar<-Cam-left");
+    assert_eq!(claim.label, "Cam-left/Extrinsic [to LIDAR]");
+    let (source, _) = plain(
+        "calibration_results.txt",
+        "%% A b\n% Extrinsic [to LIDAR]\ndata: [1, 2\n",
+    );
+    assert!(
+        source.problems[0].message.contains("not closed"),
+        "{:?}",
+        source.problems
+    );
+}

@@ -247,3 +247,20 @@ fn empty_binary_and_huge_files_are_named() {
         let _ = (yaml(text), json(text));
     }
 }
+
+#[test]
+fn full_width_commas_are_commas_and_places_stay() {
+    let text = "rsimu2wheel:\n  rows: 4\n  cols: 4\n  dt: d\n  data: [1 ，0，0，0.5,\n 0，1，0，0.25，\n 0，0，1，0，\n 0，0，0，1，]\n";
+    let (source, facts) = yaml(text);
+    let [claim] = &facts.claims[..] else {
+        panic!("{:?} {:?}", source.problems, facts.claims)
+    };
+    literals_stand_where_they_say(text, claim);
+    assert_eq!(format!("{:?}", claim.pose.unwrap().translation_m), "[0.5, 0.25, 0.0]");
+    assert!(
+        source
+            .detail
+            .unwrap()
+            .contains("line 5: its commas are full-width (and 3 more lines)")
+    );
+}

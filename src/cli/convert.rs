@@ -1,0 +1,62 @@
+//! `frames-lint convert`.
+
+use std::io::Read;
+
+use crate::convert::{self, Wish};
+use crate::engine;
+use crate::report::{Style, terminal};
+use crate::tables::Tables;
+
+use super::args::Convert;
+use super::{Answer, Failure, Surroundings, paths};
+
+/// Writes what was asked for, and says on standard error how it came about.
+pub(super) fn run(asked: Convert, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
+    let run = engine::read(&engine::Options {
+        extent: asked.input.reading.extent(),
+        paths: paths(asked.input.paths, stdin)?,
+        xacro_args: asked.input.reading.xacro_args,
+        msg_paths: asked.input.reading.msg_paths,
+        config: asked.config,
+        progress: surroundings.progress,
+        ..engine::Options::default()
+    })?;
+    let mut frames = asked.frames.into_iter();
+    let wish = Wish {
+        to: asked.to,
+        frames: frames.next().zip(frames.next()),
+        key: asked.key,
+        is: asked.is,
+    };
+    let own = run.worlds.first().map_or_else(
+        || Tables::default().into(),
+        |world| std::sync::Arc::clone(&world.tables),
+    );
+    let style = Style {
+        color: false,
+        ..surroundings.style
+    };
+    let unread = terminal::render_unread(&run, style);
+    let converted =
+        convert::convert(&run, own.dialects(), &wish).map_err(|why| Failure::Usage(format!("{unread}{why}")))?;
+    let mut answer = Answer {
+        err: unread + &converted.notes,
+        code: run.exit_code_of_reading(),
+        ..Answer::default()
+    };
+    let Some(file) = asked.output else {
+        answer.out = converted.text;
+        return Ok(answer);
+    };
+    let is_feather = file
+        .extension()
+        .is_some_and(|ending| ending.eq_ignore_ascii_case("feather"));
+    let bytes = if is_feather && converted.is_table {
+        convert::feather_from_csv(&converted.text).map_err(Failure::Ours)?
+    } else {
+        converted.text.into_bytes()
+    };
+    std::fs::write(&file, bytes)
+        .map_err(|error| Failure::Usage(format!("cannot write `{}`: {error}", file.display())))?;
+    Ok(answer)
+}

@@ -1,0 +1,191 @@
+//! The reader of launch files and scripts: the static transforms that they publish, and the settings of localisation nodes.
+//!
+//! Owns the entry point and what a call is. `xml`, `python` and `shell` find calls in their grammar, `command` reads the arguments of one,
+//! `traced` keeps the place of every letter through substitutions, `settings` knows which settings are kept.
+
+mod command;
+mod python;
+mod settings;
+mod shell;
+#[cfg(test)]
+mod tests;
+mod traced;
+mod xml;
+mod yaml;
+
+use std::path::Path;
+
+use crate::source::{Place, ReadStatus, Source, SourceId, Span};
+use crate::world::{Facts, FrameRole, FrameUse};
+
+use super::discover::ending;
+
+pub(crate) use yaml::collect as collect_yaml;
+
+/// The program whose calls are read.
+const PROGRAM: &str = "static_transform_publisher";
+
+/// The grammar of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Grammar {
+    Xml,
+    Python,
+    Shell,
+}
+
+/// The grammar of a launch file or script by the ending of its name, in lower case, and its first bytes; `None` where it is neither.
+fn grammar(ending: &str, head: &str) -> Option<Grammar> {
+    let publishes = || head.contains(PROGRAM);
+    match ending {
+        "launch" | "launch.xml" => Some(Grammar::Xml),
+        "xml" if head.contains("<launch") => Some(Grammar::Xml),
+        "launch.py" => Some(Grammar::Python),
+        "py" if publishes() || head.contains("LaunchDescription") => Some(Grammar::Python),
+        "sh" | "bash" | "zsh" if publishes() => Some(Grammar::Shell),
+        _ if head.starts_with("#!") && publishes() => {
+            let line = head.lines().next().unwrap_or_default();
+            if line.contains("python") {
+                Some(Grammar::Python)
+            } else {
+                line.ends_with("sh").then_some(Grammar::Shell)
+            }
+        }
+        _ => None,
+    }
+}
+
+/// Whether a file is a launch file or a script that publishes transforms.
+pub(crate) fn is_launch(ending: &str, head: &str) -> bool {
+    grammar(ending, head).is_some()
+}
+
+/// Reads a launch file or script (`source.text`). Sets status, detail and problems.
+pub fn read(source: &mut Source) -> Facts {
+    let text = std::mem::take(&mut source.text);
+    let mut found = Found::new(source.id);
+    match grammar(&ending(Path::new(&source.path)), &text) {
+        Some(Grammar::Python) => python::read(&text, &mut found),
+        Some(Grammar::Shell) => shell::read(&text, &mut found),
+        Some(Grammar::Xml) | None => xml::read(&text, &mut found),
+    }
+    source.text = text;
+    finish(found, source)
+}
+
+/// Puts what was found into facts, and what was not into words on the source.
+fn finish(found: Found, source: &mut Source) -> Facts {
+    let Found { facts, faults, off, .. } = found;
+    for (span, message) in faults {
+        let status = if facts.publishers.is_empty() {
+            ReadStatus::Unreadable
+        } else {
+            ReadStatus::Partial
+        };
+        source.problem(status, Place::text(source.id, span), message);
+    }
+    let open = facts.publishers.iter().filter(|call| call.unread.is_some()).count();
+    let mut notes = Vec::new();
+    if facts.publishers.is_empty() && facts.localizations.is_empty() {
+        notes.push("no transforms found".to_owned());
+    }
+    if open > 0 {
+        notes.push(format!(
+            "{open} static transform(s) with arguments that are not known here"
+        ));
+    }
+    if off > 0 {
+        notes.push(format!(
+            "{off} static transform(s) under a condition that is false by default"
+        ));
+    }
+    if source.detail.is_none() && !notes.is_empty() {
+        source.detail = Some(notes.join("; "));
+    }
+    facts
+}
+
+/// One argument of a call and where it stands.
+#[derive(Clone, Debug, PartialEq)]
+struct Word {
+    text: String,
+    span: Span,
+    /// Whether a part of it is not known: a substitution that cannot be resolved here.
+    is_open: bool,
+    /// Whether it comes from a default that somebody may override.
+    is_default: bool,
+}
+
+/// Whether a call is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum When {
+    /// In every case.
+    Always,
+    /// Under a condition that holds by default.
+    ByDefault,
+    /// Under a condition that is not known.
+    Perhaps,
+    /// Not by default.
+    Off,
+}
+
+/// A call of `static_transform_publisher`.
+struct Call {
+    name: Option<String>,
+    package: Option<String>,
+    is_ros2: Option<bool>,
+    when: When,
+    words: Vec<Word>,
+    /// The whole call.
+    span: Span,
+}
+
+/// What was found in a file.
+struct Found {
+    source: SourceId,
+    facts: Facts,
+    faults: Vec<(Span, String)>,
+    /// Calls that are not made by default.
+    off: usize,
+}
+
+impl Found {
+    fn new(source: SourceId) -> Self {
+        Self {
+            source,
+            facts: Facts::default(),
+            faults: Vec::new(),
+            off: 0,
+        }
+    }
+
+    fn call(&mut self, call: &Call) {
+        if call.when == When::Off {
+            self.off += 1;
+            return;
+        }
+        let ordinal = self.facts.publishers.len() + 1;
+        let (publisher, claim) = command::read(call, self.source, ordinal);
+        if let Some(claim) = &claim
+            && let Some((parent, child)) = &claim.frames
+        {
+            for (frame, place) in [(parent, &claim.target_place), (child, &claim.source_place)] {
+                let known = self
+                    .facts
+                    .frames
+                    .iter_mut()
+                    .find(|used| used.frame == *frame && used.role == FrameRole::Calibration);
+                match known {
+                    Some(used) => used.count += 1,
+                    None => self.facts.frames.push(FrameUse {
+                        frame: frame.clone(),
+                        role: FrameRole::Calibration,
+                        place: place.clone().unwrap_or_else(|| claim.place.clone()),
+                        count: 1,
+                    }),
+                }
+            }
+        }
+        self.facts.claims.extend(claim);
+        self.facts.publishers.push(publisher);
+    }
+}

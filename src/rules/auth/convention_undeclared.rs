@@ -1,0 +1,102 @@
+//! AUTH04: topics with orientations or positions that the configuration leaves out.
+
+use std::collections::BTreeSet;
+
+use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::bag::TopicEvidence;
+use crate::world::{BagEvidence, FrameId, World};
+
+/// AUTH04.
+pub struct ConventionUndeclared;
+
+/// Topics that are named in a finding.
+const NAMED: usize = 8;
+
+impl Rule for ConventionUndeclared {
+    const PAGE: &'static str = include_str!("../../../rules/auth/convention-undeclared.md");
+    const NEEDS: &'static [Need] = &[Need::Bag];
+    type Limits = NoLimits;
+
+    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+        for bag in &world.bags {
+            judge_bag(world, bag, out);
+        }
+    }
+}
+
+fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
+    let subject = format!("conventions of the topics of {}", world.path(bag.source));
+    let told: Vec<(&str, bool, &'static str)> = bag
+        .topics
+        .values()
+        .filter_map(|topic| told(world, bag, topic))
+        .collect();
+    if told.is_empty() {
+        out.not_evaluated(
+            subject,
+            NotEvaluated::MissingInput,
+            "no topic with orientations or positions",
+        );
+        return;
+    }
+    if world.conventions.is_empty() {
+        let why = "nothing is declared: `conventions:` in frames-lint.yaml says what each topic is told in";
+        out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return;
+    }
+    let open: Vec<&(&str, bool, &str)> = told.iter().filter(|(_, is_declared, _)| !is_declared).collect();
+    let measured = Measured::count("topics without a declaration", open.len())
+        .limit(0.0)
+        .samples(told.len() as u64);
+    if open.is_empty() {
+        out.pass(subject, [measured]);
+        return;
+    }
+    let names: Vec<String> = open
+        .iter()
+        .take(NAMED)
+        .map(|(topic, ..)| format!("`{topic}`"))
+        .collect();
+    let more = match open.len().saturating_sub(NAMED) {
+        0 => String::new(),
+        more => format!(" and {more} more"),
+    };
+    let lines: Vec<String> = open
+        .iter()
+        .take(NAMED)
+        .map(|(topic, _, line)| format!("- {{topic: {topic}, {line}}}"))
+        .collect();
+    let message = format!(
+        "the configuration declares what some topics are told in, and leaves out {}{more}",
+        names.join(", ")
+    );
+    let help = format!(
+        "if they are as ROS has them, say so under `conventions:`:\n{}",
+        lines.join("\n")
+    );
+    let finding = Finding::note(subject, message, Place::whole(bag.source))
+        .hint()
+        .help(help);
+    out.fail(finding.measured(measured));
+}
+
+/// A topic that is told in axes of the world or of a body: whether it is declared, and the line that would declare it as usual.
+fn told<'w>(world: &World, bag: &BagEvidence, topic: &'w TopicEvidence) -> Option<(&'w str, bool, &'static str)> {
+    let said: Vec<_> = topic.said().filter(|said| !said.guessed).collect();
+    let has = |test: fn(&crate::world::content::ContentEvidence) -> bool| said.iter().any(|said| test(said.content));
+    let line = if has(|content| content.odometry.is_some()) {
+        "world: ENU, body: FLU"
+    } else if has(|content| content.imu.is_some()) {
+        "world: ENU, body: FLU, quaternion: {order: xyzw, algebra: hamilton}"
+    } else if has(|content| content.fixes.is_some()) {
+        "time: utc"
+    } else {
+        return None;
+    };
+    let frames: BTreeSet<&FrameId> = topic.header_frames.keys().collect();
+    let frames: Vec<&FrameId> = frames.into_iter().collect();
+    let is_declared = world.declared(bag.source, &topic.topic, &frames).is_some();
+    Some((topic.topic.as_str(), is_declared, line))
+}

@@ -1,0 +1,123 @@
+//! CONFIG03: frames of `robot_localization` that its filters refuse, or with which they publish nothing.
+
+use std::collections::BTreeMap;
+
+use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::source::{Place, SourceId};
+use crate::verdict::{Finding, Measured};
+use crate::world::World;
+use crate::world::launch::LocalizationSettings;
+
+/// CONFIG03.
+pub struct LocalizationFrames;
+
+impl Rule for LocalizationFrames {
+    const PAGE: &'static str = include_str!("../../../rules/config/localization-frames.md");
+    const NEEDS: &'static [Need] = &[];
+    type Limits = NoLimits;
+
+    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+        let mut publishers: BTreeMap<(SourceId, String, String), (&str, Place)> = BTreeMap::new();
+        for settings in &world.localizations {
+            let Some(frames) = Frames::of(settings) else { continue };
+            let source = frames.place.source;
+            let subject = format!("frames of `{}` of {}", settings.node, world.path(source));
+            if let Some(finding) = frames.fault(settings, &subject) {
+                out.fail(finding.measured(Measured::count("settings that exclude each other", 1).limit(0.0)));
+                continue;
+            }
+            let is_off = settings.text("publish_tf").is_some_and(|value| value.value == "false");
+            let edge = (source, frames.world.clone(), frames.published_child().to_owned());
+            let before = publishers.get(&edge).filter(|_| !is_off);
+            if let Some((other, place)) = before {
+                let message = format!(
+                    "`{other}` and `{}` both publish `{}` to `{}`: one transform, two estimates in turn",
+                    settings.node, edge.1, edge.2
+                );
+                let finding = Finding::error(subject, message, frames.place.clone())
+                    .likely()
+                    .related(place.clone(), "the other")
+                    .help("of two filters one has `world_frame: odom`, the other `world_frame: map`; or set `publish_tf: false` for one");
+                out.fail(finding.measured(Measured::count("filters for one transform", 2).limit(1.0)));
+                continue;
+            }
+            if !is_off {
+                publishers.insert(edge, (&settings.node, frames.place.clone()));
+            }
+            out.pass(
+                subject,
+                [Measured::count("settings that exclude each other", 0).limit(0.0)],
+            );
+        }
+    }
+}
+
+/// The frames of a filter, defaults put in.
+struct Frames {
+    map: String,
+    odom: String,
+    base: String,
+    world: String,
+    place: Place,
+}
+
+impl Frames {
+    /// `None` where no frame is set: then it is no filter, or wholly by default.
+    fn of(settings: &LocalizationSettings) -> Option<Self> {
+        let keys = ["world_frame", "map_frame", "odom_frame", "base_link_frame"];
+        let place = keys.iter().find_map(|key| Some(settings.text(key)?.place.clone()))?;
+        let or = |key: &str, default: &str| {
+            let set = settings
+                .text(key)
+                .map(|value| value.value.trim_start_matches('/').to_owned());
+            set.unwrap_or_else(|| default.to_owned())
+        };
+        let odom = or("odom_frame", "odom");
+        Some(Self {
+            map: or("map_frame", "map"),
+            base: or("base_link_frame", "base_link"),
+            world: or("world_frame", &odom),
+            odom,
+            place,
+        })
+    }
+
+    /// The frame that the filter publishes below its world frame.
+    fn published_child(&self) -> &str {
+        if self.world == self.map { &self.odom } else { &self.base }
+    }
+
+    fn fault(&self, settings: &LocalizationSettings, subject: &str) -> Option<Finding> {
+        let place = |key: &str| {
+            settings
+                .text(key)
+                .map_or_else(|| self.place.clone(), |value| value.place.clone())
+        };
+        let pairs = [
+            ("map_frame", &self.map, "odom_frame", &self.odom),
+            ("odom_frame", &self.odom, "base_link_frame", &self.base),
+            ("map_frame", &self.map, "base_link_frame", &self.base),
+        ];
+        if let Some((one, frame, other, _)) = pairs.iter().find(|(_, a, _, b)| a == b) {
+            let message = format!(
+                "`{one}` and `{other}` of `{}` are both `{frame}`: the filter refuses to start",
+                settings.node
+            );
+            return Some(
+                Finding::error(subject, message, place(other))
+                    .help("map, odom and base_link are three frames (REP-105): name each"),
+            );
+        }
+        if self.world != self.map && self.world != self.odom {
+            let message = format!(
+                "`world_frame` of `{}` is `{}`, neither its map frame `{}` nor its odom frame `{}`: the filter publishes no transform",
+                settings.node, self.world, self.map, self.odom
+            );
+            return Some(Finding::error(subject, message, place("world_frame")).help(format!(
+                "set it to `{}` for a filter of continuous odometry, to `{}` for one with absolute positions",
+                self.odom, self.map
+            )));
+        }
+        None
+    }
+}

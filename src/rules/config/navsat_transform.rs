@@ -1,0 +1,189 @@
+//! CONFIG02: headings of `navsat_transform_node` in degrees, or with the sign of the declination the wrong way round.
+
+use serde::Deserialize;
+
+use crate::math::magnetism::declination_deg;
+use crate::rules::{Judge, Need, Rule, geo};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::World;
+use crate::world::launch::LocalizationSettings;
+
+/// CONFIG02.
+pub struct NavsatTransform;
+
+/// Limits of CONFIG02.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    max_declination_rad: f64,
+    least_deg: f64,
+    agree_deg: f64,
+    year: i32,
+    quarter_deg: f64,
+}
+
+const DECLINATION: &str = "magnetic_declination_radians";
+const OFFSET: &str = "yaw_offset";
+
+impl Rule for NavsatTransform {
+    const PAGE: &'static str = include_str!("../../../rules/config/navsat-transform.md");
+    const NEEDS: &'static [Need] = &[];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for settings in &world.localizations {
+            let first = [DECLINATION, OFFSET, "datum"]
+                .iter()
+                .find_map(|key| settings.values.get(*key));
+            let Some(first) = first else { continue };
+            let of = format!("`{}` of {}", settings.node, world.path(first.place.source));
+            judge_datum(settings, &of, out);
+            judge_offset(settings, &of, limits, out);
+            judge_declination(world, settings, &of, limits, out);
+        }
+    }
+}
+
+/// A latitude and longitude, and a heading in radians.
+fn judge_datum(settings: &LocalizationSettings, of: &str, out: &mut Judge) {
+    let Some(written) = settings.values.get("datum") else {
+        return;
+    };
+    let subject = format!("datum of {of}");
+    let numbers: Option<Vec<f64>> = written.value.split_whitespace().map(|word| word.parse().ok()).collect();
+    let Some([latitude, longitude, rest @ ..]) = numbers.as_deref() else {
+        out.not_evaluated(subject, NotEvaluated::MissingInput, "the datum is no list of numbers");
+        return;
+    };
+    let heading = rest.first().copied().unwrap_or(0.0);
+    let measured = Measured::new("heading of the datum", heading, "rad").limit(std::f64::consts::TAU);
+    if latitude.abs() > 90.0 {
+        let message = format!("the latitude of the datum is {latitude}: the order is latitude, longitude, heading");
+        let latitude = Measured::new("latitude", *latitude, "deg").limit(90.0);
+        let finding = Finding::error(subject, message, written.place.clone());
+        out.fail(
+            finding
+                .help(format!("is {longitude} {} meant?", latitude.value))
+                .measured(latitude),
+        );
+    } else if heading.abs() > std::f64::consts::TAU {
+        let message = format!("the heading of the datum is {heading}, over a full turn: it is read in radians");
+        let finding = Finding::error(subject, message, written.place.clone())
+            .likely()
+            .relation("degrees");
+        out.fail(
+            finding
+                .help(format!("write {:.7}", heading.to_radians()))
+                .measured(measured),
+        );
+    } else {
+        out.pass(subject, [measured]);
+    }
+}
+
+fn judge_offset(settings: &LocalizationSettings, of: &str, limits: &Limits, out: &mut Judge) {
+    let Some((offset, place)) = settings.number(OFFSET) else {
+        return;
+    };
+    let subject = format!("yaw offset of {of}");
+    let measured = Measured::new("yaw_offset", offset, "rad").limit(std::f64::consts::TAU);
+    if offset.abs() > std::f64::consts::TAU {
+        let message = format!("`yaw_offset` is {offset}, over a full turn: it is read in radians");
+        let finding = Finding::error(subject, message, place.clone())
+            .likely()
+            .relation("degrees");
+        out.fail(
+            finding
+                .help(format!("write {:.7}", offset.to_radians()))
+                .measured(measured),
+        );
+    } else if (offset.to_degrees() + 90.0).abs() <= limits.quarter_deg {
+        let message = "`yaw_offset` is a quarter turn clockwise: an IMU that reads 0 facing north and turns counter-clockwise needs \
+                       +1.5707963, and one that turns clockwise cannot be mended by an offset";
+        let finding = Finding::warning(subject, message, place.clone()).hint();
+        out.fail(
+            finding
+                .help("write 1.5707963, or correct the driver's convention (AXES04 measures it)")
+                .measured(measured),
+        );
+    } else {
+        out.pass(subject, [measured]);
+    }
+}
+
+fn judge_declination(world: &World, settings: &LocalizationSettings, of: &str, limits: &Limits, out: &mut Judge) {
+    let Some((written, place)) = settings.number(DECLINATION) else {
+        return;
+    };
+    let subject = format!("declination of {of}");
+    let written_deg = written.to_degrees();
+    let size = Measured::new(DECLINATION, written, "rad").limit(limits.max_declination_rad);
+    if written.abs() > limits.max_declination_rad {
+        let message = format!("`{DECLINATION}` is {written}: that is {written_deg:.0} deg, and degrees were meant");
+        let finding = Finding::error(subject, message, place.clone())
+            .likely()
+            .relation("degrees");
+        let help = format!("write {:.7}, and mind the sign: west is positive", written.to_radians());
+        out.fail(finding.help(help).measured(size));
+        return;
+    }
+    if written_deg.abs() < limits.least_deg {
+        out.pass(subject, [size]);
+        return;
+    }
+    let Some((position, source)) = position(world, settings) else {
+        let why = "nothing says where on the Earth this is used: no datum, and no recording with positions";
+        out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return;
+    };
+    let Some(declination) = declination_deg(position.0, position.1, limits.year) else {
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, "no declination there");
+        return;
+    };
+    let east_or_west = if declination > 0.0 { "east" } else { "west" };
+    // The node adds the value to a yaw that turns counter-clockwise; magnetic north in the east makes that yaw too large.
+    let needed = -declination;
+    let measured = Measured::new("yaw to add by the world magnetic model", needed, "deg").limit(written_deg);
+    let near = |value: f64| (written_deg - value).abs() <= limits.agree_deg;
+    if !near(needed) && near(-needed) && declination.abs() >= limits.least_deg {
+        let message = format!(
+            "`{DECLINATION}` is {written_deg:+.1} deg, and the yaw needs {needed:+.1} deg: at {:.3}, {:.3} the declination is {:.1} deg {east_or_west}, and the node adds its value to a yaw that turns counter-clockwise",
+            position.0,
+            position.1,
+            declination.abs(),
+        );
+        let finding = Finding::warning(subject, message, place.clone())
+            .likely()
+            .relation("sign")
+            .help(format!(
+                "write {:.7}: a declination to the east is negative here",
+                -written
+            ));
+        let finding = finding.measured(measured);
+        out.fail(match source {
+            Some(source) => finding.related(source, "the position"),
+            None => finding,
+        });
+    } else {
+        out.pass(subject, [measured]);
+    }
+}
+
+/// Where the robot is: the datum of these settings, another file's origin, or what a receiver says.
+fn position(world: &World, settings: &LocalizationSettings) -> Option<((f64, f64), Option<Place>)> {
+    let datum = settings.values.get("datum").and_then(|datum| {
+        let mut numbers = datum.value.split_whitespace().map(|word| word.parse::<f64>().ok());
+        Some(((numbers.next()??, numbers.next()??), Some(datum.place.clone())))
+    });
+    let origin = || {
+        let mut origins = world.origins.iter();
+        origins.find_map(|origin| {
+            let [latitude, longitude] = origin.latitude_longitude_deg?;
+            Some(((latitude, longitude), Some(origin.place.clone())))
+        })
+    };
+    datum
+        .or_else(origin)
+        .or_else(|| geo::some_position(world).map(|position| (position, None)))
+}

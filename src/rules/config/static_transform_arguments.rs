@@ -1,0 +1,157 @@
+//! CONFIG01: arguments that `static_transform_publisher` refuses, or reads as something else than was meant.
+
+use serde::Deserialize;
+
+use crate::rules::{Judge, Need, Rule, names};
+use crate::source::Place;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::launch::{ArgumentForm, StaticPublisher, Unread};
+use crate::world::{Claim, Spelling, World};
+
+/// CONFIG01.
+pub struct StaticTransformArguments;
+
+/// Limits of CONFIG01.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    quarter_deg: f64,
+    zero_deg: f64,
+    unit: f64,
+}
+
+/// Frames for which half a turn about x is their very meaning.
+const TURNED_OVER: [&str; 4] = ["ned", "frd", "nwu", "flu"];
+
+impl Rule for StaticTransformArguments {
+    const PAGE: &'static str = include_str!("../../../rules/config/static-transform-arguments.md");
+    const NEEDS: &'static [Need] = &[];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        for publisher in &world.publishers {
+            let subject = format!(
+                "arguments of `{}` of {}",
+                publisher.label,
+                world.path(publisher.place.source)
+            );
+            match refused(publisher) {
+                Some((message, help)) => {
+                    let count = Measured::count("arguments", publisher.arguments as usize);
+                    let finding = Finding::error(subject, message, publisher.place.clone());
+                    out.fail(finding.help(help).measured(count));
+                }
+                None => judge_read(world, publisher, subject, limits, out),
+            }
+        }
+    }
+}
+
+/// Why the program ends, or reads nonsense, with what to do.
+fn refused(publisher: &StaticPublisher) -> Option<(String, &'static str)> {
+    let name = &publisher.label;
+    if let Some(Unread::Misread(why)) = &publisher.unread {
+        let message = format!("static_transform_publisher cannot use the arguments of `{name}`: {why}");
+        return Some((
+            message,
+            "give x y z yaw pitch roll parent child, or x y z qx qy qz qw parent child (and with the package tf the period in milliseconds)",
+        ));
+    }
+    publisher.form.filter(|form| *form != ArgumentForm::Flags)?;
+    match (publisher.package.as_deref(), publisher.has_period) {
+        (Some("tf"), false) => Some((
+            format!(
+                "`{name}` ends at once: static_transform_publisher of the package tf asks for a period behind the frames"
+            ),
+            "add the period in milliseconds (100), or use the package tf2_ros",
+        )),
+        (Some("tf2_ros"), true) => Some((
+            format!(
+                "`{name}` ends at once: static_transform_publisher of the package tf2_ros takes no period behind the frames"
+            ),
+            "remove the last number: a latched transform has no period",
+        )),
+        _ => None,
+    }
+}
+
+fn judge_read(world: &World, publisher: &StaticPublisher, subject: String, limits: &Limits, out: &mut Judge) {
+    match &publisher.unread {
+        Some(Unread::Open(what)) => {
+            let why = format!("`{what}` is filled in when the file is run");
+            out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+            return;
+        }
+        Some(Unread::Parameter(name)) => {
+            let why = format!("the transform stands in the parameter `{name}`");
+            out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+            return;
+        }
+        Some(Unread::Misread(_)) | None => {}
+    }
+    let is_its = |claim: &&Claim| claim.place == publisher.place && claim.label == publisher.label;
+    let Some(claim) = world.claims.iter().find(is_its) else {
+        return;
+    };
+    let place = claim
+        .rotation_literals
+        .iter()
+        .map(|literal| literal.span)
+        .reduce(crate::source::Span::cover)
+        .map_or_else(
+            || publisher.place.clone(),
+            |span| Place::text(publisher.place.source, span),
+        );
+    let suspect = match (publisher.form, &claim.spelling) {
+        (Some(ArgumentForm::Angles), Spelling::Rpy { rpy, .. }) => rolled(claim, *rpy, limits),
+        (Some(ArgumentForm::Quaternion), Spelling::Quaternion { xyzw, .. }) => scalar_first(claim, *xyzw, limits),
+        _ => None,
+    };
+    let count = Measured::count("arguments", publisher.arguments as usize);
+    match suspect {
+        None => out.pass(subject, [count]),
+        Some((message, help, measured, relation)) => {
+            let finding = Finding::warning(subject, message, place).hint().relation(relation);
+            out.fail(finding.help(help).measured(measured));
+        }
+    }
+}
+
+type Suspect = (String, String, Measured, &'static str);
+
+/// A sensor that is rolled by a quarter turn and not turned otherwise: the last angle is roll, and yaw is the first.
+fn rolled(claim: &Claim, [roll, pitch, yaw]: [f64; 3], limits: &Limits) -> Option<Suspect> {
+    let (parent, child) = claim.frames.as_ref()?;
+    let is_zero = |angle: f64| angle.to_degrees().abs() <= limits.zero_deg;
+    let quarter = (roll.to_degrees().abs() - 90.0).abs() <= limits.quarter_deg;
+    let is_mount = names::is_base(parent) && names::optical_stem(child).is_none();
+    (is_mount && quarter && is_zero(pitch) && is_zero(yaw)).then(|| {
+        (
+            format!(
+                "`{child}` is rolled by {:.1} deg and not turned otherwise: the arguments are yaw pitch roll, and only the last is set",
+                roll.to_degrees()
+            ),
+            "if a turn about z is meant, put the angle first; if the sensor does lie on its side, leave it".to_owned(),
+            Measured::new("roll", roll.to_degrees(), "deg"),
+            "rpy-order",
+        )
+    })
+}
+
+/// An identity with its scalar first is half a turn about x.
+fn scalar_first(claim: &Claim, [x, y, z, w]: [f64; 4], limits: &Limits) -> Option<Suspect> {
+    let (parent, child) = claim.frames.as_ref()?;
+    let is_zero = |value: f64| value.abs() <= limits.unit;
+    let is_first = (x - 1.0).abs() <= limits.unit && is_zero(y) && is_zero(z) && is_zero(w);
+    let is_meant = TURNED_OVER
+        .iter()
+        .any(|word| parent.has_token(word) || child.has_token(word));
+    (is_first && !is_meant).then(|| {
+        (
+            format!("`{child}` is turned over by 180 deg about x: 1 0 0 0 is read as x y z w, and is no rotation only as w x y z"),
+            "write 0 0 0 1 for no rotation".to_owned(),
+            Measured::new("rotation", 180.0, "deg"),
+            "quaternion-order",
+        )
+    })
+}

@@ -1,0 +1,271 @@
+//! CROSS07: what a calibration calls its sensors, and which frames of the platform these are by their transform.
+
+use nalgebra::Isometry3;
+use serde::Deserialize;
+
+use crate::math::relation::{Relation, Tolerance, classify};
+use crate::rules::names::{self, has_word, has_word_of};
+use crate::rules::{Judge, Need, Rule};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::graph::FrameGraph;
+use crate::world::{Claim, ClaimKind, FrameId, World};
+
+/// CROSS07.
+pub struct FrameAliases;
+
+/// Limits of CROSS07.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Limits {
+    equal_deg: f64,
+    equal_m: f64,
+    plain_deg: f64,
+    plain_m: f64,
+    max_pairs: f64,
+}
+
+impl Rule for FrameAliases {
+    const PAGE: &'static str = include_str!("../../../rules/cross/frame-aliases.md");
+    const NEEDS: &'static [Need] = &[Need::Calibration];
+    type Limits = Limits;
+
+    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+        let graph = world.graph();
+        let aliases = &world.conventions.aliases;
+        for claim in &world.claims {
+            let confirmed = claim.frames.iter().flat_map(|(target, source)| [target, source]);
+            let confirmed = confirmed
+                .filter(|frame| aliases.iter().any(|alias| alias.frame == **frame))
+                .count();
+            if let (ClaimKind::File { roles: false, .. }, 1..) = (&claim.kind, confirmed) {
+                let subject = format!("frames of `{}` of {}", claim.label, world.path(claim.place.source));
+                out.pass(subject, [Measured::count("frames that an alias confirms", confirmed)]);
+                continue;
+            }
+            let (ClaimKind::File { roles: true, dialect }, Some((target, source)), Some(pose)) =
+                (&claim.kind, &claim.frames, &claim.pose)
+            else {
+                continue;
+            };
+            let is_whole = claim.has_rotation && claim.has_translation;
+            let is_known = |frame: &FrameId| graph.frames.contains(&frame.canonical());
+            // Frames of one name are compared by CROSS01 and CROSS02.
+            if !is_whole || is_known(target) && is_known(source) {
+                continue;
+            }
+            judge_claim(world, claim, dialect, (target, source), &pose.isometry(), limits, out);
+        }
+    }
+}
+
+/// A pair of the platform's frames that may be meant.
+struct Candidate<'g> {
+    target: &'g FrameId,
+    source: &'g FrameId,
+    pose: Isometry3<f64>,
+}
+
+fn judge_claim(
+    world: &World,
+    claim: &Claim,
+    dialect: &str,
+    (target, source): (&FrameId, &FrameId),
+    pose: &Isometry3<f64>,
+    limits: &Limits,
+    out: &mut Judge,
+) {
+    let path = world.path(claim.place.source);
+    let subject = format!("`{target}` and `{source}` of `{}` of {path}", claim.label);
+    let candidates = candidates(world.graph(), target, source);
+    if candidates.is_empty() {
+        let why = "no frames of the platform have names of these kinds and a rigid transform between them";
+        out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return;
+    }
+    if candidates.len() as f64 > limits.max_pairs {
+        let why = format!(
+            "{} pairs of frames may be meant: `aliases:` in frames-lint.yaml says which",
+            candidates.len()
+        );
+        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return;
+    }
+    let off = |candidate: &Candidate| {
+        let difference = candidate.pose.inv_mul(pose);
+        (
+            difference.rotation.angle().to_degrees(),
+            difference.translation.vector.norm(),
+        )
+    };
+    let is_plain = |pose: &Isometry3<f64>| {
+        pose.rotation.angle().to_degrees() <= limits.plain_deg && pose.translation.vector.norm() <= limits.plain_m
+    };
+    let equal: Vec<&Candidate> = candidates
+        .iter()
+        .filter(|candidate| {
+            let (deg, m) = off(candidate);
+            deg <= limits.equal_deg && m <= limits.equal_m
+        })
+        .collect();
+    let measured = |(deg, m): (f64, f64)| {
+        [
+            Measured::new("rotation difference", deg, "deg").limit(limits.equal_deg),
+            Measured::new("translation difference", m, "m").limit(limits.equal_m),
+        ]
+    };
+    match (equal.as_slice(), candidates.as_slice()) {
+        ([one], _) if !is_plain(&one.pose) => {
+            let names = (target, source);
+            let [turn, shift] = measured(off(one));
+            let finding = proposal(world, claim, subject, dialect, names, one);
+            out.fail(finding.measured(turn).measured(shift));
+        }
+        ([], [only]) => {
+            let found = classify(&only.pose, pose, &Tolerance::default());
+            let (deg, m) = off(only);
+            let Some(relation) = found.error().filter(|_| !is_plain(&only.pose)) else {
+                let why = format!(
+                    "`{}` from `{}` differs by {deg:.2} deg and {m:.3} m, and no convention error explains that: other frames may be meant",
+                    only.target, only.source
+                );
+                out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+                return;
+            };
+            let names = (target, source);
+            let [turn, shift] = measured((deg, m));
+            let finding = suspicion(world, claim, subject, relation, names, only);
+            out.fail(finding.measured(turn).measured(shift));
+        }
+        ([], _) => {
+            let why = format!(
+                "{} pairs of frames may be meant, and none has this transform: `aliases:` in frames-lint.yaml says which",
+                candidates.len()
+            );
+            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        }
+        _ => {
+            let why = "several frames of the platform fit alike";
+            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        }
+    }
+}
+
+/// The lines that confirm what two names stand for.
+fn aliases((target, source): (&FrameId, &FrameId), candidate: &Candidate<'_>) -> String {
+    let of = |frame: &FrameId, name: &FrameId| (frame != name).then(|| format!("{frame}: [{name}]"));
+    let parts = [of(candidate.target, target), of(candidate.source, source)];
+    parts.into_iter().flatten().collect::<Vec<_>>().join(", ")
+}
+
+fn proposal(
+    world: &World,
+    claim: &Claim,
+    subject: String,
+    dialect: &str,
+    names: (&FrameId, &FrameId),
+    candidate: &Candidate<'_>,
+) -> Finding {
+    let message = format!(
+        "what {} ({dialect}) calls `{}` and `{}` are `{}` and `{}` by their transform",
+        world.path(claim.place.source),
+        names.0,
+        names.1,
+        candidate.target,
+        candidate.source
+    );
+    Finding::note(subject, message, claim.place.clone()).hint().help(format!(
+        "confirm it in frames-lint.yaml, and the file is held against the others with full confidence: aliases: {{{}}}",
+        aliases(names, candidate)
+    ))
+}
+
+fn suspicion(
+    world: &World,
+    claim: &Claim,
+    subject: String,
+    relation: Relation,
+    names: (&FrameId, &FrameId),
+    candidate: &Candidate<'_>,
+) -> Finding {
+    let message = format!(
+        "if `{}` and `{}` of {} are `{}` and `{}`, the file holds their transform with a convention error: {}",
+        names.0,
+        names.1,
+        world.path(claim.place.source),
+        candidate.target,
+        candidate.source,
+        relation.word()
+    );
+    Finding::warning(subject, message, claim.place.clone())
+        .hint()
+        .relation(relation.word())
+        .help(format!(
+            "{} If these are the frames, say so in frames-lint.yaml (aliases: {{{}}}), and CROSS02 judges it",
+            relation.describe(),
+            aliases(names, candidate)
+        ))
+}
+
+/// Every pair of the platform's frames of these kinds with a rigid transform between them.
+fn candidates<'g>(graph: &'g FrameGraph, target: &FrameId, source: &FrameId) -> Vec<Candidate<'g>> {
+    let mut found = Vec::new();
+    for a in meant(graph, target) {
+        for b in meant(graph, source) {
+            if a == b {
+                continue;
+            }
+            if let Some((pose, _)) = graph.chain(a, b, |edge| edge.is_rigid) {
+                found.push(Candidate {
+                    target: a,
+                    source: b,
+                    pose,
+                });
+            }
+        }
+    }
+    found
+}
+
+/// The platform's frames that a program's word for a sensor may mean.
+fn meant<'g>(graph: &'g FrameGraph, role: &FrameId) -> Vec<&'g FrameId> {
+    if let Some(own) = graph.frames.get(&role.canonical()) {
+        return vec![own];
+    }
+    let of = |test: &dyn Fn(&FrameId) -> bool| graph.frames.iter().filter(|frame| test(frame)).collect::<Vec<_>>();
+    let lidars: &[&[&str]] = &[names::LIDARS, names::LIDAR_MAKERS, &["velo", "os", "pandar"]];
+    if has_word(role, names::CAMERAS) {
+        let all = of(&|frame| has_word(frame, names::CAMERAS));
+        // Programs that look through cameras mean the axes of images.
+        let optical: Vec<&FrameId> = all
+            .iter()
+            .copied()
+            .filter(|frame| names::optical_stem(frame).is_some())
+            .collect();
+        let cameras = if optical.is_empty() { all } else { optical };
+        let numbered: Vec<&FrameId> = cameras
+            .iter()
+            .copied()
+            .filter(|frame| number(frame) == number(role))
+            .collect();
+        return if numbered.is_empty() { cameras } else { numbered };
+    }
+    if has_word_of(role, lidars) {
+        return of(&|frame| has_word_of(frame, lidars));
+    }
+    if has_word(role, &["imu", "body"]) {
+        return of(&|frame| has_word(frame, &["imu", "ins"]));
+    }
+    if has_word(role, &["base", "ego", "egovehicle", "vehicle", "robot"]) {
+        return of(&names::is_base);
+    }
+    Vec::new()
+}
+
+/// The number in a name, `0` and none alike.
+fn number(frame: &FrameId) -> u32 {
+    let digits = frame.tokens().into_iter().find_map(|token| {
+        let start = token.find(|letter: char| letter.is_ascii_digit())?;
+        token.get(start..)?.parse().ok()
+    });
+    digits.unwrap_or(0)
+}

@@ -1,0 +1,74 @@
+//! What launch files and scripts hand to programs: static transforms, and the settings of localisation nodes.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+use crate::source::{Place, Placed};
+
+/// How the arguments of a static transform publisher are written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum ArgumentForm {
+    /// x y z yaw pitch roll parent child.
+    Angles,
+    /// x y z qx qy qz qw parent child.
+    Quaternion,
+    /// `--x 1 --yaw 1.57 --frame-id parent --child-frame-id child`.
+    Flags,
+}
+
+/// Why the transform of a call is not known.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Unread {
+    /// An argument that is filled in when the file is run.
+    Open(String),
+    /// The transform stands on the parameter server, under this name.
+    Parameter(String),
+    /// The program itself would not read it, or read something else; in words.
+    Misread(String),
+}
+
+/// A call of `static_transform_publisher`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct StaticPublisher {
+    /// What the call is named in its file; the label of its claim.
+    pub label: String,
+    /// The package of the program (`tf`, `tf2_ros`), where it is told.
+    pub package: Option<String>,
+    /// Whether the file is of ROS 1 or of ROS 2, where it shows.
+    pub is_ros2: Option<bool>,
+    /// How the arguments are written; `None` where they fit no form.
+    pub form: Option<ArgumentForm>,
+    /// How many arguments there are, those of ROS itself left out.
+    pub arguments: u32,
+    /// Whether a number stands behind the frames: the period of `tf`, in milliseconds.
+    pub has_period: bool,
+    /// The arguments.
+    pub place: Place,
+    /// Why the transform is not known, where it is not.
+    pub unread: Option<Unread>,
+}
+
+/// The settings of one node of `robot_localization`.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct LocalizationSettings {
+    /// What the node is called in its file.
+    pub node: String,
+    /// Its settings as written; the items of a list with blanks between them.
+    pub values: BTreeMap<String, Placed<String>>,
+}
+
+impl LocalizationSettings {
+    /// A setting that is one number.
+    pub fn number(&self, key: &str) -> Option<(f64, &Place)> {
+        let value = self.values.get(key)?;
+        Some((value.value.parse().ok()?, &value.place))
+    }
+
+    /// A setting that is a text.
+    pub fn text(&self, key: &str) -> Option<&Placed<String>> {
+        self.values.get(key).filter(|value| !value.value.is_empty())
+    }
+}
