@@ -9,7 +9,8 @@ use super::kinds::Cast;
 
 /// A number as every reader of YAML and JSON takes it: with a point, without an exponent.
 pub(super) fn number(value: f64) -> String {
-    if value == 0.0 {
+    // What floating point leaves of nothing.
+    if value.abs() < 1e-14 {
         return "0.0".to_owned();
     }
     let text = value.to_string();

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use ignore::WalkBuilder;
 
 use crate::read::calibration::plain;
-use crate::read::{code, feather, launch};
+use crate::read::{code, feather, launch, text};
 use crate::source::SourceKind;
 
 use super::bag::metadata;
@@ -340,7 +340,7 @@ fn recognise(path: &Path, head: &[u8]) -> Option<SourceKind> {
     if head.starts_with(b"SQLite format 3\0") && ending(path) == "db3" {
         return Some(SourceKind::Sqlite);
     }
-    let text = String::from_utf8_lossy(head);
+    let text = head_text(head);
     if path.file_name().is_some_and(|name| name == metadata::NAME)
         && text.lines().any(|line| line.starts_with(metadata::ROOT))
     {
@@ -358,6 +358,18 @@ fn recognise(path: &Path, head: &[u8]) -> Option<SourceKind> {
         None if plain::is_yaml(&ending(path), &text) => Some(SourceKind::Yaml),
         None if head.starts_with(feather::MAGIC) => Some(SourceKind::Text),
         None => plain::form(&ending(path), &text).map(|_| SourceKind::Text),
+    }
+}
+
+/// The beginning of a text, whatever its encoding.
+fn head_text(head: &[u8]) -> String {
+    // A letter may be cut off at the end.
+    let even = head.get(..head.len() & !1).unwrap_or_default();
+    let is_wide = matches!(head, [0xFF, 0xFE, ..] | [0xFE, 0xFF, ..]);
+    let decoded = is_wide.then(|| text::decode(even.to_vec()).ok()).flatten();
+    match decoded {
+        Some((text, _)) => text,
+        None => String::from_utf8_lossy(head).trim_start_matches('\u{feff}').to_owned(),
     }
 }
 
@@ -439,6 +451,19 @@ mod tests {
         assert_eq!(kind("model.xml", b"<robot name='x'>"), Some(SourceKind::Urdf));
         assert_eq!(kind("package.xml", b"<package>"), None);
         assert_eq!(kind("Robot.URDF", b"<robot name='x'>"), Some(SourceKind::Urdf));
+    }
+
+    #[test]
+    fn the_encoding_hides_no_content() {
+        let text = "<launch>\n</launch>\n";
+        let mut wide = vec![0xFF, 0xFE];
+        wide.extend(text.encode_utf16().flat_map(u16::to_le_bytes));
+        let marked = [b"\xEF\xBB\xBF".as_slice(), text.as_bytes()].concat();
+        for head in [wide, marked] {
+            assert_eq!(recognise(Path::new("a.xml"), &head), Some(SourceKind::Launch));
+        }
+        let matrix = [b"\xEF\xBB\xBF".as_slice(), b"1 0 0 0\n0 1 0 0\n0 0 1 0\n0 0 0 1\n"].concat();
+        assert_eq!(recognise(Path::new("T_a_b.txt"), &matrix), Some(SourceKind::Text));
     }
 
     #[test]

@@ -9,6 +9,7 @@ use frames_lint::engine;
 use frames_lint::math::relation::{Relation, Tolerance, classify};
 use frames_lint::math::rotation::to_rpy;
 use frames_lint::run::Run;
+use frames_lint::source::Confidence;
 use frames_lint::tables::{Writing, WrittenTransform, writings};
 use frames_lint::verdict::Finding;
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
@@ -125,6 +126,150 @@ fn every_error_in_a_file_of_any_dialect_is_named_or_its_class_is() {
         }
     }
     assert!(wrong.is_empty(), "{} of {count}\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// Files of these hold one pair of sensors under different names.
+const PARTNERS: [&[&str]; 2] = [
+    &[
+        "kalibr",
+        "vins-fusion",
+        "vins-mono",
+        "okvis",
+        "orb-slam3",
+        "r-vio",
+        "airslam",
+        "basalt",
+        "rovio",
+        "r3live",
+    ],
+    &["fast-lio", "lio-sam", "glim", "kitti"],
+];
+
+#[test]
+fn errors_beside_a_healthy_file_of_another_dialect_are_named() {
+    let errors = [
+        None,
+        Some(Relation::Inverse),
+        Some(Relation::Transposed),
+        Some(Relation::Wxyz),
+        Some(Relation::Millimetres),
+        Some(Relation::MirroredY),
+    ];
+    let mut wrong = Vec::new();
+    for group in PARTNERS {
+        let of = |name: &str| {
+            let writing = writings().iter().find(|writing| writing.dialect == name).unwrap();
+            let wanted = if name == "kitti" {
+                "Tr_imu_to_velo"
+            } else {
+                writing.transforms[0].key.as_str()
+            };
+            let transform = writing
+                .transforms
+                .iter()
+                .find(|transform| transform.key == wanted)
+                .unwrap();
+            (writing, transform)
+        };
+        for (index, name) in group.iter().enumerate() {
+            // The next one of the group is healthy.
+            let partner = group[(index + 1) % group.len()];
+            for error in errors {
+                let folder = tempfile::tempdir().unwrap();
+                for (name, error) in [(*name, error), (partner, None)] {
+                    let (writing, transform) = of(name);
+                    // The truth takes points of the sensor to the IMU, whatever the dialect has.
+                    let (target, _) = frames(writing, transform);
+                    let is_turned = ["cam", "camera", "lidar", "velo"]
+                        .iter()
+                        .any(|word| target.starts_with(word));
+                    let truth = if is_turned { truth().inverse() } else { truth() };
+                    let held = error.map_or(truth, |error| error.apply(&truth).unwrap());
+                    let text = converted(writing, transform, held).text;
+                    fs::write(folder.path().join(format!("{name}.{}", writing.ending)), text).unwrap();
+                }
+                let run = engine::check(&engine::Options {
+                    paths: vec![folder.path().to_path_buf()],
+                    select: vec!["CROSS01".to_owned(), "CROSS02".to_owned()],
+                    ..engine::Options::default()
+                })
+                .unwrap();
+                let compared = run
+                    .verdict
+                    .rows
+                    .iter()
+                    .any(|row| row.rule == "CROSS01" && row.subject.contains(partner));
+                // Neither file is the reference: the error may be told of the other one, as its counterpart.
+                let words = match error {
+                    None => vec![""],
+                    Some(Relation::Wxyz) => vec!["wxyz", "xyzw"],
+                    Some(Relation::Millimetres) => vec!["millimetres", "metres"],
+                    Some(error) => vec![error.word()],
+                };
+                let names = |finding: &Finding| words.contains(&finding.relation.as_deref().unwrap_or_default());
+                let is_right = match error {
+                    None => run.verdict.findings.is_empty(),
+                    // Seen from the file with the error, an inverse is one as well.
+                    Some(_) => run.verdict.findings.iter().any(names),
+                };
+                if !compared || !is_right {
+                    wrong.push(format!(
+                        "{name} beside {partner}, {error:?}: compared {compared}, {:?}",
+                        told(&run)
+                    ));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+#[test]
+fn errors_in_the_arguments_of_a_static_transform_publisher_are_named_for_sure() {
+    let healthy = truth();
+    let errors = [
+        Relation::Inverse,
+        Relation::Transposed,
+        Relation::Wxyz,
+        Relation::Xyzw,
+        Relation::Millimetres,
+        Relation::MirroredY,
+    ];
+    for error in [None].into_iter().chain(errors.map(Some)) {
+        let held = error.map_or(healthy, |error| error.apply(&healthy).unwrap());
+        let folder = tempfile::tempdir().unwrap();
+        let (t, q) = (held.translation.vector, held.rotation.coords);
+        let launch = format!(
+            "<launch>\n<node pkg=\"tf2_ros\" type=\"static_transform_publisher\" name=\"n\" args=\"{} {} {} {} {} {} {} base_link lidar\"/>\n</launch>\n",
+            t.x, t.y, t.z, q.x, q.y, q.z, q.w
+        );
+        fs::create_dir(folder.path().join("launch")).unwrap();
+        fs::write(folder.path().join("launch/sensors.launch"), launch).unwrap();
+        let (roll, pitch, yaw) = to_rpy(&healthy.rotation);
+        let h = healthy.translation.vector;
+        let urdf = format!(
+            "<robot name=\"r\">\n<link name=\"base_link\"/>\n<link name=\"lidar\"/>\n<joint name=\"j\" type=\"fixed\">\n<parent link=\"base_link\"/>\n<child link=\"lidar\"/>\n<origin xyz=\"{:?} {:?} {:?}\" rpy=\"{roll:?} {pitch:?} {yaw:?}\"/>\n</joint>\n</robot>\n",
+            h.x, h.y, h.z
+        );
+        fs::write(folder.path().join("robot.urdf"), urdf).unwrap();
+        let run = engine::check(&engine::Options {
+            paths: vec![folder.path().to_path_buf()],
+            select: vec!["cross".to_owned()],
+            ..engine::Options::default()
+        })
+        .unwrap();
+        let found: Vec<(Option<&str>, Confidence)> = run
+            .verdict
+            .findings
+            .iter()
+            .map(|finding| (finding.relation.as_deref(), finding.confidence))
+            .collect();
+        let expected: Vec<_> = error
+            .iter()
+            .map(|error| (Some(error.word()), Confidence::Certain))
+            .collect();
+        assert_eq!(found, expected, "{error:?}: {:?}", told(&run));
+    }
 }
 
 /// What files of a folder of the corpus are known as; the first words of what is said of them.

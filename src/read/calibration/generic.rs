@@ -95,12 +95,16 @@ fn miscounted(node: &Node, count: usize, label: &str, walk: &mut Walk<'_>) {
     let rotation = walk.any_key(|key| {
         names::half(key).is_some_and(|(stem, half)| half == Half::Rotation && names::is_transform(stem))
     });
-    let wrong = (named && matches!(count, 11 | 13..=15 | 17)) || (rotation && matches!(count, 8 | 10));
+    // Halves of transforms have 3, 4 or 9.
+    let known = walk.is_known_by_key() && !matches!(count, 0..=4 | 9 | 16);
+    let wrong = (named && matches!(count, 11 | 13..=15 | 17)) || (rotation && matches!(count, 8 | 10)) || known;
     if wrong {
         let meant = if rotation {
             "a rotation has 9"
-        } else {
+        } else if named || !known {
             "a transform has 7, 12 or 16"
+        } else {
+            "a rotation has 9, a transform 7, 12 or 16"
         };
         walk.problems
             .push((node.span, format!("`{label}` holds {count} numbers; {meant}")));

@@ -144,6 +144,18 @@ impl<'a> Walk<'a> {
         said.map_or(dialect::GENERIC, |said| said.terms())
     }
 
+    /// Whether the dialect names the key of the current value, or the value is the half of something that it names.
+    pub(super) fn is_known_by_key(&self) -> bool {
+        let label = self.label("");
+        let above = label.rsplit_once('/').map(|(above, _)| above);
+        let half = self
+            .dialect
+            .zip(above)
+            .and_then(|(row, above)| dialect::said(row, above));
+        let itself = self.said("").is_some_and(|said| said.names(self.key()));
+        itself || half.is_some() && names::half(self.key()).is_some()
+    }
+
     /// What the dialect says of a key in the current value that it names itself.
     pub(super) fn named_key(&self, key: &str) -> Option<Said<'a>> {
         self.said(key).filter(|said| said.names(key))

@@ -103,7 +103,7 @@ fn finding(subject: String, message: String, place: Place, stand_in: Option<&Cla
 
 fn is_calibration(source: &Source) -> bool {
     let name = source.path.rsplit('/').next().unwrap_or(&source.path);
-    matches!(source.kind, SourceKind::Yaml | SourceKind::Json)
+    matches!(source.kind, SourceKind::Yaml | SourceKind::Json | SourceKind::Text)
         && FrameId::new(name)
             .tokens()
             .iter()

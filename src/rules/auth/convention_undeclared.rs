@@ -1,4 +1,4 @@
-//! AUTH04: topics with orientations or positions that the configuration leaves out.
+//! AUTH04: topics with orientations or velocities that the configuration leaves out.
 
 use std::collections::BTreeSet;
 
@@ -37,7 +37,7 @@ fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
         out.not_evaluated(
             subject,
             NotEvaluated::MissingInput,
-            "no topic with orientations or positions",
+            "no topic with inertial messages or odometry",
         );
         return;
     }
@@ -90,8 +90,6 @@ fn told<'w>(world: &World, bag: &BagEvidence, topic: &'w TopicEvidence) -> Optio
         "world: ENU, body: FLU"
     } else if has(|content| content.imu.is_some()) {
         "world: ENU, body: FLU, quaternion: {order: xyzw, algebra: hamilton}"
-    } else if has(|content| content.fixes.is_some()) {
-        "time: utc"
     } else {
         return None;
     };

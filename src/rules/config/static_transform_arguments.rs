@@ -58,17 +58,28 @@ fn refused(publisher: &StaticPublisher) -> Option<(String, &'static str)> {
         ));
     }
     publisher.form.filter(|form| *form != ArgumentForm::Flags)?;
-    match (publisher.package.as_deref(), publisher.has_period) {
-        (Some("tf"), false) => Some((
+    let is_of_ros1 = publisher.is_ros2 == Some(false);
+    let takes = "static_transform_publisher of the package";
+    match (publisher.package.as_deref(), publisher.has_period, publisher.arguments) {
+        // Nine words are the other form: the programs of ROS 1 count them, and do not look.
+        (Some("tf"), false, 9) => Some((
             format!(
-                "`{name}` ends at once: static_transform_publisher of the package tf asks for a period behind the frames"
+                "`{name}` has no period: {takes} tf then reads the quaternion as three angles, its last number as the parent, and the child as the period"
             ),
             "add the period in milliseconds (100), or use the package tf2_ros",
         )),
-        (Some("tf2_ros"), true) => Some((
+        (Some("tf"), false, _) => Some((
+            format!("`{name}` ends at once: {takes} tf asks for a period behind the frames"),
+            "add the period in milliseconds (100), or use the package tf2_ros",
+        )),
+        (Some("tf2_ros"), true, 9) if is_of_ros1 => Some((
             format!(
-                "`{name}` ends at once: static_transform_publisher of the package tf2_ros takes no period behind the frames"
+                "`{name}` has a period: {takes} tf2_ros takes none, and reads the angles and the parent as a quaternion, the child as the parent, and the period as the child"
             ),
+            "remove the last number: a latched transform has no period",
+        )),
+        (Some("tf2_ros"), true, _) => Some((
+            format!("`{name}` ends at once: {takes} tf2_ros takes no period behind the frames"),
             "remove the last number: a latched transform has no period",
         )),
         _ => None,

@@ -4,7 +4,7 @@
 
 use crate::math::relation::{Classification, EitherWay, Relation, Tolerance, classify, classify_either_way};
 
-use super::statements::{Pair, Statement};
+use super::statements::{Direction, Pair, Statement};
 
 /// Puts the statement that holds the error second, and names the relation from the first to it. The reference is taken
 /// for right unless the numbers, or most of the other sources, say otherwise.
@@ -34,6 +34,18 @@ pub(super) fn blame(pair: &mut Pair, mount_m: f64) -> Classification {
     }
     pair.swap();
     pair.classify()
+}
+
+/// The pair in the direction in which a convention error explains it: an error that was made in one direction may have no name in the other.
+pub(super) fn oriented(pair: Pair) -> Pair {
+    let is_turned = |statement: &Statement| statement.direction == Direction::TurnedRound;
+    if !(is_turned(&pair.reference) || is_turned(&pair.other))
+        || pair.classify().best.is_some()
+        || named(&pair).is_some()
+    {
+        return pair;
+    }
+    pair.turned().filter(|turned| named(turned).is_some()).unwrap_or(pair)
 }
 
 /// Whether more of the other sources agree with the second than with the first.

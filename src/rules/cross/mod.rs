@@ -8,6 +8,8 @@ pub mod extrinsic_direction;
 pub mod extrinsic_relation;
 mod fold;
 pub mod frame_aliases;
+mod halves;
 pub mod hand_eye;
+mod roles;
 pub(crate) mod statements;
 pub mod urdf_tf_topology;

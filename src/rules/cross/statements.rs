@@ -15,7 +15,10 @@ use crate::verdict::Finding;
 use crate::world::graph::{Edge, EdgeOrigin};
 use crate::world::{Claim, ClaimKind, FrameId, Spelling, World};
 
+use super::blame::oriented;
 use super::fold::fold;
+use super::halves::join_halves;
+use super::roles;
 
 /// How far a source is trusted to be the one that is right, when two disagree: descriptions before files.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -114,6 +117,31 @@ impl Pair {
         a.reading.min(b.reading).min(most)
     }
 
+    /// The same pair in the other direction. `None` where one of the two states a half, which cannot be turned.
+    pub(super) fn turned(&self) -> Option<Self> {
+        let turn = |one: &Statement| {
+            (one.has_rotation && one.has_translation).then(|| Statement {
+                target: one.source_frame.clone(),
+                source_frame: one.target.clone(),
+                pose: one.pose.inverse(),
+                direction: match one.direction {
+                    Direction::AsStated => Direction::TurnedRound,
+                    Direction::TurnedRound => Direction::AsStated,
+                },
+                who: match one.who.strip_suffix(TURNED) {
+                    Some(who) => who.to_owned(),
+                    None => format!("{}{TURNED}", one.who),
+                },
+                ..one.clone()
+            })
+        };
+        Some(Self {
+            reference: turn(&self.reference)?,
+            other: turn(&self.other)?,
+            ..self.clone()
+        })
+    }
+
     /// Takes the other statement for the reference.
     pub(crate) fn swap(&mut self) {
         std::mem::swap(&mut self.reference, &mut self.other);
@@ -152,6 +180,9 @@ impl Pair {
     }
 }
 
+/// Behind who states a transform the other way round than it is compared.
+const TURNED: &str = " (the other way round)";
+
 /// All pairs of a world, in a fixed order.
 pub(crate) fn pairs(world: &World) -> Vec<Pair> {
     let mut by_frames: BTreeMap<(FrameId, FrameId), Vec<Statement>> = BTreeMap::new();
@@ -171,7 +202,8 @@ pub(crate) fn pairs(world: &World) -> Vec<Pair> {
         let from = pairs.len();
         for (index, reference) in statements.iter().enumerate() {
             for other in statements.iter().skip(index + 1) {
-                if let Some(mut pair) = pair(world, reference, other) {
+                if let Some(pair) = pair(world, reference, other) {
+                    let mut pair = oriented(pair);
                     fold(world, &mut pair, pairs.get_mut(from..).unwrap_or_default());
                     pairs.push(pair);
                 }
@@ -197,7 +229,9 @@ fn pair(world: &World, reference: &Statement, other: &Statement) -> Option<Pair>
     if turned {
         other.pose = other.pose.inverse();
         other.direction = Direction::TurnedRound;
-        other.who.push_str(" (the other way round)");
+        other.who.push_str(TURNED);
+        other.target.clone_from(&reference.target);
+        other.source_frame.clone_from(&reference.source_frame);
     }
     Some(Pair {
         reference: reference.clone(),
@@ -286,58 +320,36 @@ pub(crate) fn statements(world: &World) -> Vec<Statement> {
     statements
 }
 
-/// A rotation and a translation of one pair that a source states apart, perhaps one of them the other way round, speak as one statement.
-fn join_halves(statements: &mut Vec<Statement>) {
-    let mut index = 0;
-    while let Some(turn) = statements.get(index) {
-        if !turn.has_rotation || turn.has_translation {
-            index += 1;
-            continue;
-        }
-        let is_other_half = |other: &Statement| {
-            let same = other.target == turn.target && other.source_frame == turn.source_frame;
-            let turned = other.target == turn.source_frame && other.source_frame == turn.target;
-            let is_shift = other.has_translation && !other.has_rotation;
-            is_shift && (same || turned) && other.place.source == turn.place.source
-        };
-        let Some(at) = statements.iter().position(is_other_half) else {
-            index += 1;
-            continue;
-        };
-        let shift = statements.remove(at);
-        if at < index {
-            index -= 1;
-        }
-        let Some(turn) = statements.get_mut(index) else { return };
-        // The translation is the origin of one frame in the frame that it is stated for.
-        turn.pose = if shift.target == turn.target {
-            Isometry3::from_parts(shift.pose.translation, turn.pose.rotation)
-        } else {
-            Isometry3::from_parts(shift.pose.translation, turn.pose.rotation.inverse()).inverse()
-        };
-        turn.has_translation = true;
-        turn.reading = turn.reading.min(shift.reading);
-        turn.who = format!("{} with {}", turn.who, shift.who);
-        index += 1;
-    }
-}
-
 fn is_tiny(extreme: &(crate::world::bag::TfSample, f64, f64)) -> bool {
     extreme.1 < 1e-9 && extreme.2 < 1e-9
 }
 
 fn from_claim(world: &World, claim: &Claim) -> Option<Statement> {
-    let (target, source_frame) = claim.frames.clone()?;
+    let (target, source_frame) = claim.frames.as_ref()?;
     if !claim.is_rigid() {
         return None;
     }
+    let path = world.path(claim.place.source);
+    let stated = (target.canonical(), source_frame.canonical());
+    let (target, source_frame) = match &claim.kind {
+        ClaimKind::File { dialect, .. } => (
+            roles::role(world, dialect, path, target),
+            roles::role(world, dialect, path, source_frame),
+        ),
+        ClaimKind::Joint { .. } => stated.clone(),
+    };
+    if target == source_frame {
+        return None;
+    }
+    // A name that was brought to another word is as much a guess as a role.
+    let is_guessed = (&target, &source_frame) != (&stated.0, &stated.1);
     let (rank, who) = match &claim.kind {
         ClaimKind::Joint { joint, .. } => (joint_rank(world, claim.place.source), format!("joint `{joint}`")),
         ClaimKind::File { .. } => (Rank::File, format!("`{}`", claim.label)),
     };
     Some(Statement {
-        target: target.canonical(),
-        source_frame: source_frame.canonical(),
+        target,
+        source_frame,
         pose: claim.pose?.isometry(),
         has_rotation: claim.has_rotation,
         has_translation: claim.has_translation,
@@ -353,7 +365,7 @@ fn from_claim(world: &World, claim: &Claim) -> Option<Statement> {
         rank,
         bare_quaternion: matches!(claim.spelling, Spelling::Quaternion { .. }),
         roles: match &claim.kind {
-            ClaimKind::File { dialect, roles: true } => Some(dialect.clone()),
+            ClaimKind::File { dialect, roles } if *roles || is_guessed => Some(dialect.clone()),
             _ => None,
         },
     })

@@ -1,5 +1,6 @@
 //! NAME: what frames are called.
 
+mod alike;
 mod cameras;
 pub mod flu_frd_suffix;
 pub mod frame_case_mismatch;

@@ -2,11 +2,13 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::rules::{Judge, Need, NoLimits, Rule, names};
+use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::source::{Confidence, Place, SourceId, SourceKind, Span};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::transform_name::{self, NameStyle, TransformName};
 use crate::world::{ClaimKind, DeclaredChain, FrameId, Spelling, World};
+
+use super::alike::is_same;
 
 /// NAME08.
 pub struct TransformNameCancellation;
@@ -25,44 +27,6 @@ impl Rule for TransformNameCancellation {
         judge_keys(world, out);
         judge_doubts(world, out);
     }
-}
-
-/// A frame's name as it stands in a formula: `base` and `base_link` are one there.
-fn label(name: &str) -> String {
-    names::without_ending(FrameId::new(name).tokens()).concat()
-}
-
-/// Whether two names mean one frame. `c`, `c0` and `cam`, `I` and `Ik`, `body`, `bodyMatch` and `last_body` do: the longer says which one, or when.
-fn is_same(a: &str, b: &str) -> bool {
-    if label(a) == label(b) {
-        return true;
-    }
-    let words = |name: &str| names::without_ending(FrameId::new(name).tokens());
-    let (a, b) = (words(a), words(b));
-    let (short, long) = if a.len() <= b.len() { (&a, &b) } else { (&b, &a) };
-    match (short.as_slice(), long.as_slice()) {
-        ([one], [other]) => is_one_of(one, other) || is_one_of(other, one),
-        (short, [first, ..]) => {
-            long.starts_with(short) || long.ends_with(short) || matches!(short, [one] if is_one_of(one, first))
-        }
-        _ => false,
-    }
-}
-
-/// Whether `long` is what the letter `short` stands for (`c` and `cam`), or `short` with a counter behind it: digits, or behind one letter `k`, `kp1`.
-fn is_one_of(short: &str, long: &str) -> bool {
-    if short.len() == 1 && long.len() > 2 && long.starts_with(short) {
-        return true;
-    }
-    let Some(rest) = long.strip_prefix(short).filter(|rest| !rest.is_empty()) else {
-        return false;
-    };
-    let is_digits = |text: &str| text.bytes().all(|byte| byte.is_ascii_digit());
-    let steps = ["", "p", "m", "plus", "minus"];
-    let behind_letter = rest
-        .strip_prefix(['i', 'j', 'k', 'n'])
-        .is_some_and(|rest| steps.iter().any(|step| rest.strip_prefix(step).is_some_and(is_digits)));
-    is_digits(rest) || short.len() == 1 && behind_letter
 }
 
 /// Files of source code that use `T_a_b` for what takes points of `a` to `b`: their products fit from right to left, several of them, and none the

@@ -7,6 +7,17 @@ use crate::source::Span;
 
 /// Numbers of a line of poses: TUM's time, place and quaternion; KITTI's 3x4.
 const POSE_COLUMNS: [usize; 2] = [8, 12];
+/// Keys of KITTI: a file with them is its, also where numbers are missing.
+const KITTI: [&str; 8] = [
+    "calib_time",
+    "Tr_velo_to_cam",
+    "Tr_velo_cam",
+    "Tr_imu_to_velo",
+    "Tr_imu_velo",
+    "R0_rect",
+    "R_rect",
+    "P_rect_00",
+];
 /// Lines that must agree before a text is taken for poses over time.
 const MIN_POSES: usize = 2;
 
@@ -41,10 +52,10 @@ pub(super) fn form(head: &str) -> Option<Form> {
         .iter()
         .map(|line| key_of(line).map(|(_, rest)| count(rest)))
         .collect();
-    keyed?
-        .into_iter()
-        .any(|count| matches!(count, 9 | 12 | 16))
-        .then_some(Form::Keyed)
+    let keys = || whole.iter().filter_map(|line| key_of(line)).map(|(key, _)| key);
+    let is_kittis = keys().any(|key| KITTI.contains(&key));
+    let has_matrices = keyed?.into_iter().any(|count| matches!(count, 9 | 12 | 16));
+    (has_matrices || is_kittis).then_some(Form::Keyed)
 }
 
 /// How many numbers a text is; zero where something else stands among them.

@@ -248,3 +248,17 @@ fn blocks_under_titles_belong_to_their_sensor() {
         source.problems
     );
 }
+
+#[test]
+fn numbers_that_are_missing_are_told_with_their_place() {
+    let text = "calib_time: 09-Jan-2012 13:57:47\nR: 0 -1 0 1 0 0 0 0\nT: 0.1 0.2 0.3\n";
+    let (source, _) = plain("calib_velo_to_cam.txt", text);
+    assert_eq!(source.status, ReadStatus::Partial);
+    let problem = &source.problems[0];
+    assert_eq!(
+        problem.message,
+        "`calib_velo_to_cam/R` holds 8 numbers; a rotation has 9, a transform 7, 12 or 16"
+    );
+    let span = problem.place.span().unwrap();
+    assert_eq!(&text[span.start..span.end], "0 -1 0 1 0 0 0 0");
+}
