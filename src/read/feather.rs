@@ -106,15 +106,26 @@ fn bounded(bytes: &[u8]) -> Result<(), String> {
         let head = usize::try_from(block.metaDataLength()).map_err(|_| broken())?;
         let body = start.checked_add(head).ok_or_else(broken)?;
         let message = bytes.get(start..body).ok_or_else(broken)?;
+        // The decoder makes room for as much as a block says that it has.
+        let size = usize::try_from(block.bodyLength()).map_err(|_| broken())?;
+        if body.checked_add(size).is_none_or(|end| end > bytes.len()) {
+            return Err(broken());
+        }
         // A message has its length before it, since version 4 behind a mark.
         let skip = if message.starts_with(&[0xff; 4]) { 8 } else { 4 };
         let message = arrow_ipc::root_as_message(message.get(skip..).ok_or_else(broken)?).map_err(|_| broken())?;
         let batch = message
             .header_as_record_batch()
             .or_else(|| message.header_as_dictionary_batch()?.data());
-        let Some(batch) = batch.filter(|batch| batch.compression().is_some()) else {
+        let Some(batch) = batch else { continue };
+        let nodes = batch.nodes().into_iter().flat_map(|nodes| nodes.iter()).map(arrow_ipc::FieldNode::length);
+        let is_long = |rows: i64| usize::try_from(rows).is_ok_and(|rows| rows > MAX_ROWS);
+        if nodes.chain([batch.length()]).any(is_long) {
+            return Err(format!("the table has more than {MAX_ROWS} rows"));
+        }
+        if batch.compression().is_none() {
             continue;
-        };
+        }
         for buffer in batch.buffers().into_iter().flat_map(|buffers| buffers.iter()) {
             let at = usize::try_from(buffer.offset())
                 .ok()
