@@ -118,7 +118,11 @@ fn bounded(bytes: &[u8]) -> Result<(), String> {
             .header_as_record_batch()
             .or_else(|| message.header_as_dictionary_batch()?.data());
         let Some(batch) = batch else { continue };
-        let nodes = batch.nodes().into_iter().flat_map(|nodes| nodes.iter()).map(arrow_ipc::FieldNode::length);
+        let nodes = batch
+            .nodes()
+            .into_iter()
+            .flat_map(|nodes| nodes.iter())
+            .map(arrow_ipc::FieldNode::length);
         let is_long = |rows: i64| usize::try_from(rows).is_ok_and(|rows| rows > MAX_ROWS);
         if nodes.chain([batch.length()]).any(is_long) {
             return Err(format!("the table has more than {MAX_ROWS} rows"));

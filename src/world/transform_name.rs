@@ -99,6 +99,11 @@ const GLUED: &[&str] = &[
     "center",
     "top",
 ];
+/// Whether a word is no frame by itself and belongs to the word before it (`base_link`, `camera_left`).
+pub(crate) fn is_glued(word: &str) -> bool {
+    GLUED.contains(&word)
+}
+
 /// Three-letter words that only look like `Tbc` or `TAB`.
 #[rustfmt::skip]
 const WORDS: &[&str] = &[

@@ -104,21 +104,11 @@ pub(super) fn named(spelled: &str) -> Option<TransformName> {
 
 /// Whether a word behind a frame's first belongs to it: `base_link`, `camera_left`, `body_k`.
 fn belongs(word: &str) -> bool {
-    const WITH_FRAMES: [&str; 12] = [
-        "link",
-        "frame",
-        "optical",
-        "footprint",
-        "left",
-        "right",
-        "front",
-        "rear",
-        "center",
-        "top",
-        "prev",
-        "curr",
-    ];
-    is_counter(word) || WITH_FRAMES.contains(&word) || VALUES.contains(&word) || matches!(word, "inv" | "inverse")
+    is_counter(word)
+        || transform_name::is_glued(word)
+        || matches!(word, "prev" | "curr")
+        || VALUES.contains(&word)
+        || matches!(word, "inv" | "inverse")
 }
 
 /// Whether the last word counts which one this is: `T_WS_k`, `T_w_c_i`, `map_T_odom_1`.
