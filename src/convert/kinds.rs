@@ -201,7 +201,9 @@ fn fitting<'t>(
             casts.push(Cast {
                 transform,
                 name: named(&a, &b, target, source),
-                doubt: keyed.as_ref().and_then(|keyed| keyed.doubt.clone()),
+                doubt: keyed
+                    .as_ref()
+                    .and_then(|keyed| keyed.doubt.clone().or_else(|| keyed.algebra_doubt.clone())),
                 keyed: keyed.clone(),
                 target: target.to_owned(),
                 source: source.to_owned(),

@@ -54,6 +54,9 @@ pub struct Keyed {
     /// Why the direction is a hint.
     #[serde(default)]
     pub doubt: Option<String>,
+    /// Why the algebra of a quaternion is not told by the file.
+    #[serde(default)]
+    pub algebra_doubt: Option<String>,
 }
 
 /// A unit of lengths.

@@ -135,6 +135,16 @@ pub enum ClaimKind {
     },
 }
 
+/// What a dialect leaves open, and why.
+#[derive(Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Doubt {
+    /// The direction.
+    Direction(String),
+    /// The algebra of a quaternion.
+    Algebra(String),
+}
+
 /// One source's statement of a transform between two frames.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Claim {
@@ -159,9 +169,9 @@ pub struct Claim {
     pub kind: ClaimKind,
     /// How sure the reading of frames and direction is.
     pub reading: Confidence,
-    /// Why its direction or algebra is in doubt, where its dialect is ambiguous and the user does not say.
+    /// What is in doubt, where its dialect is ambiguous and the user does not say.
     #[serde(default)]
-    pub doubt: Option<String>,
+    pub doubt: Option<Doubt>,
     /// Where the statement stands.
     pub place: Place,
     /// Where the target (parent) frame is named, if it is.
@@ -198,7 +208,7 @@ impl Claim {
     pub(super) fn declare_frames(&mut self, target: &FrameId, source: &FrameId) {
         self.frames = Some((target.clone(), source.clone()));
         self.reading = Confidence::Certain;
-        if !matches!(self.spelling, Spelling::Quaternion { .. }) {
+        if matches!(self.doubt, Some(Doubt::Direction(_))) {
             self.doubt = None;
         }
         if let ClaimKind::File { roles, .. } = &mut self.kind {

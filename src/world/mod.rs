@@ -41,7 +41,7 @@ use launch::{LocalizationSettings, StaticPublisher};
 
 pub use bag::BagEvidence;
 pub use chain::DeclaredChain;
-pub use claim::{Claim, ClaimKind, Literal, Pose, Spelling};
+pub use claim::{Claim, ClaimKind, Doubt, Literal, Pose, Spelling};
 pub use conventions::{Conventions, Declared};
 pub use frame::{FrameId, FrameRole, FrameUse};
 pub use graph::FrameGraph;

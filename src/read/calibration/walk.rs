@@ -7,7 +7,7 @@ use std::collections::BTreeMap;
 use crate::source::{Confidence, Place, SourceId, Span};
 use crate::tables::Dialect;
 use crate::world::transform_name::{self, NameStyle, TransformName};
-use crate::world::{Claim, ClaimKind, DeclaredChain, Facts, FrameId, FrameRole, FrameUse};
+use crate::world::{Claim, ClaimKind, DeclaredChain, Doubt, Facts, FrameId, FrameRole, FrameUse};
 
 use super::dialect::{self, By, Said, Terms};
 use super::document::{Kind, Node};
@@ -162,9 +162,10 @@ impl<'a> Walk<'a> {
     }
 
     /// Why the dialect's word on a statement is in doubt.
-    fn doubt(&self, label: &str, by: Option<&Node>) -> Option<String> {
+    fn doubt(&self, label: &str, by: Option<&Node>) -> Option<Doubt> {
         let said = dialect::said(self.dialect?, label).or_else(|| self.said(by?.text()?))?;
-        said.keyed.doubt.clone()
+        let algebra = said.keyed.algebra_doubt.clone().map(Doubt::Algebra);
+        algebra.or_else(|| said.keyed.doubt.clone().map(Doubt::Direction))
     }
 
     /// The frames that the dialect gives a statement.

@@ -1,6 +1,6 @@
 //! CROSS03: transforms of one calibration that do not close a loop.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Isometry3;
 use serde::Deserialize;
@@ -11,7 +11,7 @@ use crate::source::SourceId;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{FrameId, World};
 
-use super::statements::{Statement, statements};
+use super::statements::{Statement, are_of_one_platform, described, statements};
 
 /// CROSS03.
 pub struct CalibrationLoop;
@@ -46,16 +46,62 @@ impl Rule for CalibrationLoop {
                 by_source.entry(statement.place.source).or_default().push(statement);
             }
         }
-        for (source, statements) in by_source {
-            let (loops, are_more) = loops(&statements);
+        for (source, statements) in &by_source {
+            let source = *source;
+            let (loops, are_more) = loops(statements);
             for one in loops {
-                one.judge(world, source, limits, out);
+                one.judge(world.path(source), limits, out);
             }
             if are_more {
                 let why = format!("it has more than {MAX_LOOPS} loops of three frames; the others were left out");
                 let subject = format!("more loops in {}", world.path(source));
                 out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
             }
+        }
+        judge_across(world, by_source.values().flatten().copied().collect(), limits, out);
+    }
+}
+
+/// Frames of files that are tied to each other through a description.
+const MAX_FRAMES: usize = 32;
+
+/// Loops whose transforms several sources state: of files, and of what a description or TF says between their frames.
+fn judge_across(world: &World, files: Vec<&Statement>, limits: &Limits, out: &mut Judge) {
+    let is_named = |frame: &FrameId| frame.as_str().chars().count() > 1;
+    let files: Vec<&Statement> = files
+        .into_iter()
+        .filter(|one| is_named(&one.target) && is_named(&one.source_frame))
+        .collect();
+    let known = &world.graph().frames;
+    let frames = files.iter().flat_map(|one| [&one.target, &one.source_frame]);
+    let frames: Vec<&FrameId> = frames
+        .filter(|frame| known.contains(*frame))
+        .collect::<BTreeSet<_>>()
+        .into_iter()
+        .collect();
+    let frames = frames.get(..MAX_FRAMES.min(frames.len())).unwrap_or_default();
+    let pairs = frames
+        .iter()
+        .enumerate()
+        .flat_map(|(index, a)| frames.iter().skip(index + 1).map(move |b| (*a, *b)));
+    let described: Vec<Statement> = pairs.filter_map(|(a, b)| described(world, a, b)).collect();
+    let all: Vec<&Statement> = files.into_iter().chain(&described).collect();
+    let (loops, _) = loops(&all);
+    for one in loops {
+        let [a, b, c] = one.edges.each_ref().map(|(_, statement)| *statement);
+        let several = a.place.source != b.place.source || b.place.source != c.place.source;
+        let of_files = [a, b, c].iter().filter(|one| one.is_of_a_file()).count();
+        let fit = [(a, b), (b, c), (a, c)];
+        // With one of a file alone it is a pair that CROSS01 composes.
+        if several
+            && of_files >= 2
+            && fit
+                .into_iter()
+                .all(|(one, other)| are_of_one_platform(world, one, other))
+        {
+            let paths: BTreeSet<&str> = [a, b, c].map(|one| world.path(one.place.source)).into_iter().collect();
+            let paths: Vec<&str> = paths.into_iter().collect();
+            one.judge(&paths.join(" and "), limits, out);
         }
     }
 }
@@ -106,9 +152,9 @@ impl Loop<'_> {
         (next.unwrap_or_default() * last.unwrap_or_default()).inverse()
     }
 
-    fn judge(&self, world: &World, source: SourceId, limits: &Limits, out: &mut Judge) {
+    fn judge(&self, whose: &str, limits: &Limits, out: &mut Judge) {
         let [a, b, c] = self.frames;
-        let subject = format!("loop of `{a}`, `{b}` and `{c}` in {}", world.path(source));
+        let subject = format!("loop of `{a}`, `{b}` and `{c}` in {whose}");
         let closure = self.edges.iter().fold(Isometry3::identity(), |sum, edge| sum * edge.0);
         let (angle_deg, distance_m) = (closure.rotation.angle().to_degrees(), closure.translation.vector.norm());
         let sigmas = (angle_deg / limits.edge_deg).max(distance_m / limits.edge_m) / 3_f64.sqrt();
@@ -167,6 +213,12 @@ impl Loop<'_> {
             .help("of three transforms that were calibrated one by one one is wrong: calibrate it again, or calibrate all of them together");
         if let Some(reading) = reading {
             finding = finding.confidence(reading);
+        }
+        // That files mean one sensor by `lidar` is a guess; within one file it is none.
+        let first = first.place.source;
+        let is_of_several = self.edges.iter().any(|(_, one)| one.place.source != first);
+        if is_of_several && self.edges.iter().any(|(_, one)| one.is_guess()) {
+            finding = finding.hint();
         }
         if let Some(relation) = relation {
             finding = finding.relation(relation);

@@ -75,6 +75,11 @@ impl Statement {
         self.bare_quaternion
     }
 
+    /// Whether its frames are a program's words for its sensors.
+    pub(crate) fn is_guess(&self) -> bool {
+        self.roles.is_some()
+    }
+
     /// Whether a calibration file states it.
     pub(crate) fn is_of_a_file(&self) -> bool {
         self.rank == Rank::File
@@ -385,6 +390,20 @@ fn add_chains(world: &World, (a, b): &(FrameId, FrameId), statements: &mut Vec<S
     };
     let (target, source_frame) = (first.target.clone(), first.source_frame.clone());
     debug_assert!(&target == a || &target == b);
+    for rank in [Rank::Urdf, Rank::Description, Rank::Tf] {
+        if !statements.iter().any(|statement| statement.rank == rank) {
+            statements.extend(chain_of(world, rank, &target, &source_frame));
+        }
+    }
+}
+
+/// What a description, or TF, says of two frames over any others.
+pub(super) fn described(world: &World, target: &FrameId, source_frame: &FrameId) -> Option<Statement> {
+    let mut ranks = [Rank::Urdf, Rank::Description, Rank::Tf].into_iter();
+    ranks.find_map(|rank| chain_of(world, rank, target, source_frame))
+}
+
+fn chain_of(world: &World, rank: Rank, target: &FrameId, source_frame: &FrameId) -> Option<Statement> {
     let graph = world.graph();
     let rank_of = |edge: &Edge| match edge.origin {
         EdgeOrigin::Joint(index) => world
@@ -393,35 +412,35 @@ fn add_chains(world: &World, (a, b): &(FrameId, FrameId), statements: &mut Vec<S
             .map_or(Rank::Urdf, |claim| joint_rank(world, claim.place.source)),
         EdgeOrigin::Tf(..) => Rank::Tf,
     };
-    for rank in [Rank::Urdf, Rank::Description, Rank::Tf] {
-        if statements.iter().any(|statement| statement.rank == rank) {
-            continue;
-        }
-        let chain = graph.chain(&target, &source_frame, |edge| edge.is_rigid && rank_of(edge) == rank);
-        let Some((pose, steps)) = chain else { continue };
-        let Some(place) = steps
-            .last()
-            .and_then(|step| graph.edges.get(step.edge))
-            .and_then(|edge| place_of(world, edge))
-        else {
-            continue;
-        };
-        statements.push(Statement {
-            target: target.clone(),
-            source_frame: source_frame.clone(),
-            pose,
-            has_rotation: true,
-            has_translation: true,
-            who: format!("the chain of {} transforms", steps.len()),
-            place,
-            reading: Confidence::Certain,
-            label: "chain".to_owned(),
-            rpy: None,
-            direction: Direction::AsStated,
-            rank,
-            bare_quaternion: false,
-            roles: None,
-        });
+    let (pose, steps) = graph.chain(target, source_frame, |edge| edge.is_rigid && rank_of(edge) == rank)?;
+    let last = steps.last().and_then(|step| graph.edges.get(step.edge))?;
+    Some(Statement {
+        target: target.clone(),
+        source_frame: source_frame.clone(),
+        pose,
+        has_rotation: true,
+        has_translation: true,
+        who: format!("the chain of {} transforms", steps.len()),
+        place: place_of(world, last)?,
+        reading: Confidence::Certain,
+        label: "chain".to_owned(),
+        rpy: None,
+        direction: Direction::AsStated,
+        rank,
+        bare_quaternion: false,
+        roles: None,
+    })
+}
+
+/// Whether two statements on different frames may be of one platform, so that one may be composed with the other.
+pub(super) fn are_of_one_platform(world: &World, a: &Statement, b: &Statement) -> bool {
+    if a.place.source == b.place.source {
+        return true;
+    }
+    let is_file = |one: &Statement| one.rank == Rank::File;
+    match (is_file(a), is_file(b)) {
+        (false, false) => a.rank == b.rank,
+        _ => comparable(world, a, b) == Some(Comparable::Same),
     }
 }
 

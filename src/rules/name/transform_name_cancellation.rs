@@ -6,7 +6,7 @@ use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::source::{Confidence, Place, SourceId, SourceKind, Span};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::transform_name::{self, NameStyle, TransformName};
-use crate::world::{ClaimKind, DeclaredChain, FrameId, Spelling, World};
+use crate::world::{ClaimKind, DeclaredChain, Doubt, FrameId, World};
 
 use super::alike::is_same;
 
@@ -191,12 +191,11 @@ fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
     }
 }
 
-/// Statements of known dialects whose direction is in doubt: one hint a file. Quaternions are QUAT05's.
+/// Statements of known dialects whose direction is in doubt: one hint a file. That of algebras is QUAT05's.
 fn judge_doubts(world: &World, out: &mut Judge) {
     let mut seen = BTreeSet::new();
     for claim in &world.claims {
-        let is_quaternion = matches!(claim.spelling, Spelling::Quaternion { .. });
-        let (Some(doubt), Some((target, source)), false) = (&claim.doubt, &claim.frames, is_quaternion) else {
+        let (Some(Doubt::Direction(doubt)), Some((target, source))) = (&claim.doubt, &claim.frames) else {
             continue;
         };
         if !seen.insert(claim.place.source) {

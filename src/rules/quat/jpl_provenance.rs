@@ -4,7 +4,7 @@ use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured};
 use crate::world::conventions::Subject;
-use crate::world::{Spelling, World};
+use crate::world::{Doubt, World};
 
 /// QUAT05.
 pub struct JplProvenance;
@@ -16,8 +16,7 @@ impl Rule for JplProvenance {
 
     fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
         for claim in &world.claims {
-            let is_quaternion = matches!(claim.spelling, Spelling::Quaternion { .. });
-            if let (true, Some(doubt)) = (is_quaternion, &claim.doubt) {
+            if let Some(Doubt::Algebra(doubt)) = &claim.doubt {
                 let subject = format!("`{}` of {}", claim.label, world.path(claim.place.source));
                 judge_one(world, subject, doubt, &claim.place, out);
             }
