@@ -110,8 +110,20 @@ fn filled(template: &str, values: &[(&str, String)]) -> String {
     out
 }
 
-/// The file around its transforms.
+/// The file around its transforms; those that begin with the same key are put together under it.
 pub(super) fn file(writing: &Writing, items: &[String]) -> String {
-    let all = items.join(writing.join.as_deref().unwrap_or("\n"));
+    let mut grouped: Vec<String> = Vec::new();
+    for item in items {
+        let (key, rest) = item.split_once('\n').unwrap_or((item, ""));
+        let known = grouped.iter_mut().find(|group| group.lines().next() == Some(key));
+        match known.filter(|_| key.ends_with(':')) {
+            Some(group) => {
+                group.push('\n');
+                group.push_str(rest);
+            }
+            None => grouped.push(item.clone()),
+        }
+    }
+    let all = grouped.join(writing.join.as_deref().unwrap_or("\n"));
     filled(&writing.file, &[("{items}", all)])
 }

@@ -95,7 +95,8 @@ fn every_dialect_is_read_again_as_it_was_written() {
 #[test]
 fn a_dialect_is_recognised_by_what_is_written() {
     // Without intrinsics a camchain is a chain of OpenVINS, which means the same; so are an IMU's and a camera's file of others.
-    let known = ["kalibr"];
+    // Autoware's is told by its nesting, and has no words of its own.
+    let known = ["kalibr", "autoware"];
     let mut wrong: Vec<String> = Vec::new();
     for writing in writings()
         .iter()
@@ -277,6 +278,30 @@ fn a_table_of_argoverse_becomes_a_feather_file() {
     )
     .unwrap();
     assert_near(&pose_of(&back.text), &pose, "feather");
+}
+
+#[test]
+fn transforms_under_one_key_are_put_together() {
+    let folder = tempfile::tempdir().unwrap();
+    let [a, b, _] = poses();
+    let links = [("base_link", "lidar", a), ("base_link", "camera", b)];
+    let run = read(&plain(folder.path(), &links));
+    let wish = |to: &str| Wish {
+        to: to.to_owned(),
+        ..Wish::default()
+    };
+    let text = to(&run, &wish("autoware")).unwrap().text;
+    assert_eq!(text.matches("base_link:").count(), 1, "{text}");
+    let path = folder.path().join("sensor_kit_calibration.yaml");
+    fs::write(&path, text).unwrap();
+    let run = read(&path);
+    for (target, source, pose) in links {
+        let asked = Wish {
+            frames: Some((target.to_owned(), source.to_owned())),
+            ..wish("quaternion")
+        };
+        assert_near(&pose_of(&to(&run, &asked).unwrap().text), &pose, source);
+    }
 }
 
 #[test]

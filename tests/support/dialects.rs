@@ -59,7 +59,13 @@ pub fn frames(writing: &Writing, transform: &WrittenTransform) -> (String, Strin
             word.replace("#-1", "0").replace("#2", first).replace('#', first)
         }
     };
-    (frame(target, "reference"), frame(source, "sensor_a"))
+    // Autoware's parents are known by their names.
+    let reference = if writing.dialect == "autoware" {
+        "base_link"
+    } else {
+        "reference"
+    };
+    (frame(target, reference), frame(source, "sensor_a"))
 }
 
 /// What one transform is in the dialect.
