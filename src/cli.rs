@@ -14,7 +14,7 @@ use std::ffi::OsString;
 use std::fmt::Write;
 use std::io::{IsTerminal, Read};
 use std::mem::ManuallyDrop;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::{CommandFactory, Parser};
 
@@ -215,8 +215,7 @@ fn tell(run: &Run, reporting: Reporting, surroundings: Surroundings) -> Result<A
             ..Answer::default()
         });
     };
-    std::fs::write(&file, report)
-        .map_err(|error| Failure::Usage(format!("cannot write `{}`: {error}", file.display())))?;
+    save(&file, report)?;
     // The file has the report; whoever waits at the terminal still learns how it ended.
     let style = Style {
         color: false,
@@ -227,6 +226,11 @@ fn tell(run: &Run, reporting: Reporting, surroundings: Surroundings) -> Result<A
         code,
         ..Answer::default()
     })
+}
+
+/// Writes what a command made to the file that the user named.
+fn save(file: &Path, made: impl AsRef<[u8]>) -> Result<(), Failure> {
+    std::fs::write(file, made).map_err(|error| Failure::Usage(format!("cannot write `{}`: {error}", file.display())))
 }
 
 fn run_collect(collect: Collect, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
@@ -240,8 +244,7 @@ fn run_collect(collect: Collect, stdin: &mut dyn Read, surroundings: Surrounding
     })?;
     let mut out = evidence::write(&run)?;
     if let Some(file) = collect.output {
-        std::fs::write(&file, std::mem::take(&mut out))
-            .map_err(|error| Failure::Usage(format!("cannot write `{}`: {error}", file.display())))?;
+        save(&file, std::mem::take(&mut out))?;
     }
     let style = Style {
         color: false,

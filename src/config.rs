@@ -25,6 +25,7 @@
 //!     range_image: {width: 1024, height: 64, fov_up_deg: 22.5, fov_down_deg: -22.5}
 //! ```
 
+mod frames;
 mod projections;
 mod tables;
 
@@ -45,7 +46,7 @@ use crate::world::conventions::{
     Alias, BodyAxes, Convention, Declaration, DeclaredTransform, Fields, QuaternionAlgebra, QuaternionOrder, Scope,
     TimeScale, WorldAxes,
 };
-use crate::world::{Conventions, FrameId, NamedDataset, Projection};
+use crate::world::{Conventions, NamedDataset, Projection};
 
 /// Bound on its size, bytes.
 const MAX_BYTES: u64 = 1 << 20;
@@ -278,69 +279,6 @@ impl Reader<'_> {
         Ok((NamedDataset { row, place: None }, node.span))
     }
 
-    /// `velodyne: [lidar, velo]`.
-    fn aliases(&self, root: &Node) -> Result<Vec<Alias>, ConfigError> {
-        let Some(map) = root.get("aliases") else {
-            return Ok(Vec::new());
-        };
-        if !map.is_mapping() {
-            let what = "`aliases` has the platform's frames for keys, and behind each the names that files use: `velodyne: [lidar, velo]`";
-            return Err(self.error(map.span.start, what));
-        }
-        let mut aliases: Vec<Alias> = Vec::new();
-        for (key, value) in map.pairs() {
-            let frame = FrameId::new(key.text().unwrap_or_default()).canonical();
-            let names: Vec<&Node> = value
-                .items()
-                .map_or_else(|| vec![value], |items| items.iter().collect());
-            for node in names {
-                let text = node.text().filter(|text| !text.is_empty());
-                let text = text.ok_or_else(|| self.error(node.span.start, "a name of a frame is expected"))?;
-                let name = FrameId::new(text).canonical();
-                if let Some(other) = aliases.iter().find(|other| other.name == name) {
-                    let what = format!("`{name}` already stands for `{}`", other.frame);
-                    return Err(self.error(node.span.start, &what));
-                }
-                aliases.push(Alias {
-                    name,
-                    frame: frame.clone(),
-                });
-            }
-        }
-        Ok(aliases)
-    }
-
-    /// `- {file: a.yaml, key: extrinsic, is: imu from lidar}`.
-    fn transforms(&self, root: &Node) -> Result<Vec<DeclaredTransform>, ConfigError> {
-        let Some(list) = root.get("transforms") else {
-            return Ok(Vec::new());
-        };
-        let what = "`transforms` is a list: `- {file: a.yaml, key: extrinsic, is: imu from lidar}`";
-        let items = list.items().ok_or_else(|| self.error(list.span.start, what))?;
-        let one = |item: &Node| {
-            self.keys(item, &["file", "key", "is"])?;
-            let key = self.glob(item, "key")?;
-            let is = item
-                .get("is")
-                .and_then(Node::text)
-                .and_then(|text| text.split_once(" from "));
-            match (key, is) {
-                (Some(key), Some((target, source))) => Ok(DeclaredTransform {
-                    file: self.glob(item, "file")?,
-                    key,
-                    target: FrameId::new(target.trim()).canonical(),
-                    source: FrameId::new(source.trim()).canonical(),
-                }),
-                (None, _) => Err(self.error(
-                    item.span.start,
-                    "`key` is missing: the key that the numbers stand under",
-                )),
-                (_, None) => Err(self.error(item.span.start, "`is: TARGET from SOURCE` is missing")),
-            }
-        };
-        items.iter().map(one).collect()
-    }
-
     fn conventions(&self, root: &Node) -> Result<Vec<(Declaration, Span)>, ConfigError> {
         let Some(list) = root.get("conventions") else {
             return Ok(Vec::new());
@@ -473,24 +411,6 @@ mod tests {
         assert!(odom.scope.frame.as_ref().unwrap().is_match("odom"));
         let span = odom.place.as_ref().unwrap().span().unwrap();
         assert!(text[span.start..span.end].starts_with("{frame: /odom"));
-    }
-
-    #[test]
-    fn aliases_and_transforms_are_read() {
-        let text = "aliases:\n  velodyne: [lidar, /velo]\n  imu_link: imu\ntransforms:\n  - {file: '*.yaml', key: 'a/*', is: imu from lidar}\n";
-        let config = parse("c.yaml", text.to_owned(), Path::new("")).unwrap();
-        let conventions = config.conventions(None);
-        let frame = |name: &str| conventions.frame_of(&FrameId::new(name)).map(ToString::to_string);
-        assert_eq!(frame("velo").as_deref(), Some("velodyne"));
-        assert_eq!(frame("/imu").as_deref(), Some("imu_link"));
-        assert_eq!(frame("velodyne"), None);
-        let told = conventions.transform_of("robot/fast.yaml", "a/extrinsic").unwrap();
-        assert_eq!((told.0.as_str(), told.1.as_str()), ("imu", "lidar"));
-        assert!(conventions.transform_of("robot/fast.yaml", "b/extrinsic").is_none());
-        assert!(fault("aliases: [a]\n").contains("has the platform's frames for keys"));
-        assert!(fault("aliases: {a: [c], b: [c]}\n").contains("`c` already stands for `a`"));
-        assert!(fault("transforms: [{key: a, is: b}]\n").contains("TARGET from SOURCE"));
-        assert!(fault("transforms: [{is: b from c}]\n").contains("`key` is missing"));
     }
 
     #[test]

@@ -1,8 +1,10 @@
 //! The arguments, as clap reads them. Help texts live here.
 
+use std::ffi::OsStr;
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Arg, Args, Command, Parser, Subcommand, ValueEnum, ValueHint};
 
 use crate::engine::Extent;
 use crate::run::FailOn;
@@ -163,7 +165,7 @@ pub(super) struct Convert {
     #[command(flatten)]
     pub(super) input: Input,
     /// The form (urdf, tf, matrix, quaternion, rpy) or the dialect (kalibr, vins-fusion, fast-lio, nuscenes, ...)
-    #[arg(long, value_name = "FORM", value_parser = target())]
+    #[arg(long, value_name = "FORM", value_parser = Targets)]
     pub(super) to: String,
     /// The transform that takes points of SOURCE to TARGET, over any chain; all that were read without it
     #[arg(long, num_args = 2, value_names = ["TARGET", "SOURCE"])]
@@ -182,9 +184,20 @@ pub(super) struct Convert {
     pub(super) output: Option<PathBuf>,
 }
 
-/// The forms and dialects that are written.
-fn target() -> clap::builder::PossibleValuesParser {
-    clap::builder::PossibleValuesParser::new(crate::convert::targets())
+/// The forms and dialects that are written. They stand in a table, which is read only where somebody asks for them.
+#[derive(Clone)]
+struct Targets;
+
+impl TypedValueParser for Targets {
+    type Value = String;
+
+    fn parse_ref(&self, cmd: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<String, clap::Error> {
+        PossibleValuesParser::new(crate::convert::targets()).parse_ref(cmd, arg, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(crate::convert::targets().into_iter().map(PossibleValue::new)))
+    }
 }
 
 /// `TARGET from SOURCE`.

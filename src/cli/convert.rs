@@ -8,7 +8,7 @@ use crate::report::{Style, terminal};
 use crate::tables::Tables;
 
 use super::args::Convert;
-use super::{Answer, Failure, Surroundings, paths};
+use super::{Answer, Failure, Surroundings, paths, save};
 
 /// Writes what was asked for, and says on standard error how it came about.
 pub(super) fn run(asked: Convert, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
@@ -56,7 +56,6 @@ pub(super) fn run(asked: Convert, stdin: &mut dyn Read, surroundings: Surroundin
     } else {
         converted.text.into_bytes()
     };
-    std::fs::write(&file, bytes)
-        .map_err(|error| Failure::Usage(format!("cannot write `{}`: {error}", file.display())))?;
+    save(&file, bytes)?;
     Ok(answer)
 }

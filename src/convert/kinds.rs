@@ -152,10 +152,17 @@ fn named(a: &Part, b: &Part, target: &str, source: &str) -> String {
     }
 }
 
-/// The transforms that a dialect can hold, with what each is.
-fn parts<'t>(writing: &'t Writing, dialects: &Rows<Dialect>) -> Vec<(&'t WrittenTransform, Option<Keyed>, Part, Part)> {
+/// The transforms that a dialect can hold, with what each is; with a key, those under it.
+fn parts<'t>(
+    writing: &'t Writing,
+    dialects: &Rows<Dialect>,
+    key: Option<&str>,
+) -> Vec<(&'t WrittenTransform, Option<Keyed>, Part, Part)> {
     let mut all = Vec::new();
-    for transform in &writing.transforms {
+    let is_under =
+        |transform: &WrittenTransform, key: &str| key == transform.key || transform.key.ends_with(&format!("/{key}"));
+    let asked = |transform: &&WrittenTransform| key.is_none_or(|key| is_under(transform, key));
+    for transform in writing.transforms.iter().filter(asked) {
         let rows = dialects.iter().filter(|row| row.name == writing.dialect);
         let keyed = rows
             .flat_map(|row| &row.transforms)
@@ -184,10 +191,7 @@ fn fitting<'t>(
     first: Camera,
 ) -> Vec<Cast<'t>> {
     let mut casts = Vec::new();
-    for (transform, keyed, a, b) in parts(writing, dialects) {
-        if key.is_some_and(|key| key != transform.key && !transform.key.ends_with(&format!("/{key}"))) {
-            continue;
-        }
+    for (transform, keyed, a, b) in parts(writing, dialects, key) {
         for (target, source, is_turned) in [(target, source, false), (source, target, true)] {
             let (Some(of_target), Some(of_source)) = (a.fits(target, writing, first), b.fits(source, writing, first))
             else {
@@ -228,10 +232,7 @@ pub(super) fn cast_one<'t>(
     let mut fits = fitting(writing, dialects, target, source, key, first);
     if fits.is_empty() {
         // Names that say no kind: taken in the order that they were given, where there is one place for them.
-        let mut all = parts(writing, dialects);
-        all.retain(|(transform, ..)| {
-            key.is_none_or(|key| key == transform.key || transform.key.ends_with(&format!("/{key}")))
-        });
+        let all = parts(writing, dialects, key);
         let count = all.len();
         if let (Some((transform, keyed, a, b)), 1) = (all.into_iter().next(), count) {
             fits.push(Cast {

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use nalgebra::Isometry3;
 
+use crate::math::rotation;
 use crate::run::Run;
 use crate::source::{At, Confidence, LineIndex, Place};
 use crate::world::{Claim, World};
@@ -162,12 +163,7 @@ fn joined(run: &Run, halves: &[(&Claim, (String, String))]) -> Vec<Link> {
         let Some(shift) = other.pose.map(|pose| pose.isometry().translation) else {
             continue;
         };
-        // The translation is the origin of one frame in the frame that it is stated for.
-        let pose = if a == target {
-            Isometry3::from_parts(shift, turn)
-        } else {
-            Isometry3::from_parts(shift, turn.inverse()).inverse()
-        };
+        let pose = rotation::pose_of_halves(turn, shift, a != target);
         let mut whole = link(run, claim, (target.clone(), source.clone()), pose);
         whole.label = format!("{}` and `{}", claim.label, other.label);
         whole.reading = claim.reading.min(other.reading);

@@ -47,7 +47,7 @@ pub(super) fn item(cast: &Cast<'_>, target_from_source: &Isometry3<f64>) -> Resu
         .map(|row| format!("- [{}]", joined(row.iter().copied(), ", ")))
         .collect();
     let lines: Vec<String> = rows.iter().map(|row| joined(row.iter().copied(), " ")).collect();
-    let values: [(&str, String); 27] = [
+    let values: [(&str, String); 26] = [
         ("{tx}", number(t.x)),
         ("{ty}", number(t.y)),
         ("{tz}", number(t.z)),
@@ -74,7 +74,6 @@ pub(super) fn item(cast: &Cast<'_>, target_from_source: &Isometry3<f64>) -> Resu
         ("{n}", cast.number.to_string()),
         ("{name}", spelled(&cast.name)?),
         ("{target}", spelled(&cast.target)?),
-        ("{items}", String::new()),
     ];
     Ok(filled(&cast.transform.write, &values))
 }

@@ -1,11 +1,11 @@
 //! Rotation forms and the health of a matrix that says it is a rotation.
 //!
-//! Owns: fixed-axis rpy, the angle between rotations, the diagnosis of a raw 3x3 (determinant, orthogonality, nearest
+//! Owns: fixed-axis rpy, a pose of its two halves, the angle between rotations, the diagnosis of a raw 3x3 (determinant, orthogonality, nearest
 //! rotation, mirror, scale) and how much of an error its printed digits explain. Must not know where the numbers came
 //! from or how bad is bad: severities are a rule's business. Nothing here assumes that its input is a rotation unless
 //! the type says so.
 
-use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 
 /// URDF `rpy` (radians, about the fixed axes x, then y, then z of the parent) to `parent_from_child`:
 /// `R = Rz(yaw) * Ry(pitch) * Rx(roll)` (URDF specification, `origin` element; the same as tf2 `setRPY`).
@@ -27,6 +27,20 @@ pub fn to_rpy(rotation: &UnitQuaternion<f64>) -> (f64, f64, f64) {
         return ((-m.m23).atan2(m.m22), pitch, 0.0);
     }
     (m.m32.atan2(m.m33), pitch, m.m21.atan2(m.m11))
+}
+
+/// `target_from_source` of its rotation and of a translation (metres) that is stated apart: the origin of the source in the
+/// target, or, with `is_inverse`, the origin of the target in the source.
+pub fn pose_of_halves(
+    rotation: UnitQuaternion<f64>,
+    translation: Translation3<f64>,
+    is_inverse: bool,
+) -> Isometry3<f64> {
+    if is_inverse {
+        Isometry3::from_parts(translation, rotation.inverse()).inverse()
+    } else {
+        Isometry3::from_parts(translation, rotation)
+    }
 }
 
 /// The angle in radians, 0..=pi, of the rotation that takes `a` to `b`.

@@ -4,7 +4,7 @@
 
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_3, PI};
 
-use nalgebra::{Matrix3, Matrix4, Quaternion, Rotation3, UnitQuaternion, Vector3};
+use nalgebra::{Matrix3, Matrix4, Point3, Quaternion, Rotation3, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 
 use super::rotation::*;
@@ -243,4 +243,19 @@ proptest! {
         prop_assert!(orthogonality_error(&m) <= expected_rounding_error(u32::try_from(decimals).unwrap()) * 1.001);
         prop_assert_eq!(diagnose(&m, allowed_orthogonality_error(&m), &Rotation3::identity()), Diagnosis::Proper);
     }
+}
+
+#[test]
+fn a_translation_stated_apart_is_the_origin_of_one_frame_in_the_other() {
+    // A quarter turn about z takes x to y.
+    let rotation = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), FRAC_PI_2);
+    let translation = Translation3::new(1.0, 2.0, 3.0);
+    let near = |a: Point3<f64>, b: Point3<f64>| assert!((a - b).norm() < 1e-12, "{a} {b}");
+    let straight = pose_of_halves(rotation, translation, false);
+    near(straight * Point3::origin(), Point3::new(1.0, 2.0, 3.0));
+    near(straight * Point3::new(1.0, 0.0, 0.0), Point3::new(1.0, 3.0, 3.0));
+    // The target's origin lies at (1, 2, 3) of the source; seen from the target, the source's lies at -R (1, 2, 3).
+    let turned = pose_of_halves(rotation, translation, true);
+    near(turned * Point3::new(1.0, 2.0, 3.0), Point3::origin());
+    near(turned * Point3::origin(), Point3::new(2.0, -1.0, -3.0));
 }

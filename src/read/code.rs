@@ -63,6 +63,7 @@ const SAME: [&str; 30] = [
 ];
 /// Calls that multiply.
 const PRODUCTS: [&str; 6] = ["compose", "dot", "matmul", "multiply", "mul", "Compose"];
+
 /// The grammar of a file by the ending of its name, in lower case.
 fn language(ending: &str) -> Option<Language> {
     match ending {
@@ -194,10 +195,8 @@ impl<'t> Reader<'t> {
         let factors = self.factors(value, 0);
         if let ([Some(only)], Some(result)) = (factors.as_slice(), result) {
             // A copy under another name says nothing; an inverse, or a copy under the inverse's name, does.
-            let is_plain = !self.inverts(value);
             let is_swapped = only.name.target == result.name.source && only.name.source == result.name.target;
-            let speaks = is_swapped || !is_plain;
-            if !speaks {
+            if !is_swapped && !self.inverts(value) {
                 return Vec::new();
             }
         }

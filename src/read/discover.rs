@@ -125,17 +125,8 @@ const LOOSE: usize = 0;
 
 /// A file the user named: whatever it is, the report says what became of it.
 fn named_file(path: &Path, wanted: Wanted) -> Input {
-    let root = path.parent().unwrap_or(Path::new("")).to_path_buf();
-    let mut input = Input {
-        path: path.to_path_buf(),
-        display: display(path),
-        kind: SourceKind::Unsupported,
-        parts: Vec::new(),
-        refusal: None,
-        group: LOOSE,
-        root,
-        required: true,
-    };
+    let root = path.parent().unwrap_or(Path::new(""));
+    let mut input = met(path, root, LOOSE, SourceKind::Unsupported);
     match first_bytes(path) {
         Err(error) => {
             input.kind = kind_of_name(path).unwrap_or(SourceKind::Unsupported);

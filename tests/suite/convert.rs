@@ -27,9 +27,14 @@ fn poses() -> [Isometry3<f64>; 3] {
 }
 
 /// What the first line of numbers of `--to quaternion` is.
-fn pose_of(text: &str) -> Isometry3<f64> {
+/// The numbers of the first line that is no comment.
+fn numbers_of(text: &str) -> Vec<f64> {
     let line = text.lines().find(|line| !line.starts_with('#')).unwrap();
-    let v: Vec<f64> = line.split(' ').map(|word| word.parse().unwrap()).collect();
+    line.split(' ').map(|word| word.parse().unwrap()).collect()
+}
+
+fn pose_of(text: &str) -> Isometry3<f64> {
+    let v = numbers_of(text);
     Isometry3::from_parts(
         Translation3::new(v[0], v[1], v[2]),
         UnitQuaternion::from_quaternion(Quaternion::new(v[6], v[3], v[4], v[5])),
@@ -230,23 +235,11 @@ fn chains_lead_over_several_files_and_are_printed() {
         assert_near(&pose_of(&back.text), &expected, &path.display().to_string());
     }
     let matrix = to(&run, &wish("matrix")).unwrap().text;
-    let first: Vec<f64> = matrix
-        .lines()
-        .nth(1)
-        .unwrap()
-        .split(' ')
-        .map(|word| word.parse().unwrap())
-        .collect();
+    let first = numbers_of(&matrix);
     let row = expected.to_homogeneous().row(0).iter().copied().collect::<Vec<f64>>();
     assert!(first.iter().zip(row).all(|(a, b)| (a - b).abs() < 1e-12), "{matrix}");
     let rpy = to(&run, &wish("rpy")).unwrap().text;
-    let numbers: Vec<f64> = rpy
-        .lines()
-        .nth(1)
-        .unwrap()
-        .split(' ')
-        .map(|word| word.parse().unwrap())
-        .collect();
+    let numbers = numbers_of(&rpy);
     let rotation = UnitQuaternion::from_euler_angles(numbers[3], numbers[4], numbers[5]);
     assert!(rotation.angle_to(&expected.rotation) < 1e-9, "{rpy}");
 }

@@ -52,6 +52,12 @@ impl Node {
         }
     }
 
+    /// Where the letters of a scalar begin in the source's text, behind its quote. `None` where escapes or folded lines move them.
+    pub(crate) fn text_start(&self, source: &str) -> Option<usize> {
+        let text = self.text()?;
+        (self.span.start..=self.span.start + 1).find(|start| source.get(*start..*start + text.len()) == Some(text))
+    }
+
     /// The items of a list.
     pub(crate) fn items(&self) -> Option<&[Node]> {
         match &self.kind {

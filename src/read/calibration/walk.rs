@@ -347,8 +347,7 @@ impl<'a> Walk<'a> {
             return;
         };
         // Escapes and folded lines move the parts: then the whole text is their place.
-        let inner = (node.span.start..=node.span.start + 1)
-            .find(|start| self.text.get(*start..*start + text.len()) == Some(text));
+        let inner = node.text_start(self.text);
         let span = |range: std::ops::Range<usize>| match inner {
             Some(start) => Span::new(start + range.start, start + range.end),
             None => node.span,

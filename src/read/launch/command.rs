@@ -40,17 +40,12 @@ pub(super) fn read(call: &Call, source: SourceId, ordinal: usize) -> (StaticPubl
         place: Place::text(source, span),
         unread: None,
     };
-    match arguments(&words) {
-        Ok(arguments) => {
-            publisher.form = Some(arguments.form);
-            match claim(&arguments, call, &publisher, source) {
-                Ok(claim) => (publisher, Some(claim)),
-                Err(why) => {
-                    publisher.unread = Some(why);
-                    (publisher, None)
-                }
-            }
-        }
+    let claimed = arguments(&words).and_then(|arguments| {
+        publisher.form = Some(arguments.form);
+        claim(&arguments, call, &publisher, source)
+    });
+    match claimed {
+        Ok(claim) => (publisher, Some(claim)),
         Err(why) => {
             publisher.unread = Some(why);
             (publisher, None)
@@ -151,7 +146,7 @@ fn arguments<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, Unread> {
     })
 }
 
-/// `--x 1 --frame-id a`, `--x=1`.
+/// `--x 1 --frame-id a`; the programs know no `--x=1`.
 fn flagged<'w>(words: &[&'w Word]) -> Result<Arguments<'w>, Unread> {
     const TRANSLATION: [&str; 3] = ["--x", "--y", "--z"];
     const ANGLES: [&str; 3] = ["--roll", "--pitch", "--yaw"];

@@ -20,8 +20,6 @@ const MAX_SITES: usize = 256;
 
 struct Script<'t> {
     source: &'t str,
-    /// Functions by name; `None` where a name stands for several.
-    functions: BTreeMap<&'t str, Option<Node<'t>>>,
     /// What is assigned to names, wherever it is; `None` where it is more than one thing.
     assigned: BTreeMap<&'t str, Option<Node<'t>>>,
     /// Defaults of launch arguments.
@@ -36,29 +34,17 @@ pub(super) fn read(source: &str, found: &mut Found) {
     let calls: Vec<Node<'_>> = all.iter().copied().filter(|node| node.kind() == "call").collect();
     let mut script = Script {
         source,
-        functions: BTreeMap::new(),
         assigned: BTreeMap::new(),
         declared: BTreeMap::new(),
     };
     for node in &all {
-        match node.kind() {
-            "function_definition" => {
-                if let Some(name) = node.child_by_field_name("name") {
-                    let known = script.functions.entry(text(name, source));
-                    known.and_modify(|function| *function = None).or_insert(Some(*node));
-                }
-            }
-            "assignment" => {
-                if let Some(left) = node
-                    .child_by_field_name("left")
-                    .filter(|left| left.kind() == "identifier")
-                {
-                    let right = node.child_by_field_name("right");
-                    let known = script.assigned.entry(text(left, source));
-                    known.and_modify(|value| *value = None).or_insert(right);
-                }
-            }
-            _ => {}
+        if node.kind() == "assignment"
+            && let Some(name) = node.child_by_field_name("left")
+            && name.kind() == "identifier"
+        {
+            let right = node.child_by_field_name("right");
+            let known = script.assigned.entry(text(name, source));
+            known.and_modify(|value| *value = None).or_insert(right);
         }
     }
     for call in &calls {

@@ -40,9 +40,7 @@ fn launched(item: &Node, text: &str, found: &mut Found) {
     let of = |key: &str| Some(node.get(key)?.text()?.to_owned());
     let words = node.get("args").map_or_else(Vec::new, |args| {
         let written = args.text().unwrap_or_default();
-        let inner = (args.span.start..=args.span.start + 1)
-            .find(|start| text.get(*start..*start + written.len()) == Some(written));
-        let start = inner.unwrap_or(args.span.start);
+        let start = args.text_start(text).unwrap_or(args.span.start);
         let traced = Traced::new(written, Span::new(start, args.span.end.max(start)));
         let mut words = traced.words();
         for word in &mut words {

@@ -1,6 +1,6 @@
 //! Rotations and translations that a source states apart.
 
-use nalgebra::Isometry3;
+use crate::math::rotation;
 
 use super::statements::Statement;
 
@@ -27,12 +27,8 @@ pub(super) fn join_halves(statements: &mut Vec<Statement>) {
             index -= 1;
         }
         let Some(turn) = statements.get_mut(index) else { return };
-        // The translation is the origin of one frame in the frame that it is stated for.
-        turn.pose = if shift.target == turn.target {
-            Isometry3::from_parts(shift.pose.translation, turn.pose.rotation)
-        } else {
-            Isometry3::from_parts(shift.pose.translation, turn.pose.rotation.inverse()).inverse()
-        };
+        let is_inverse = shift.target != turn.target;
+        turn.pose = rotation::pose_of_halves(turn.pose.rotation, shift.pose.translation, is_inverse);
         turn.has_translation = true;
         turn.reading = turn.reading.min(shift.reading);
         turn.who = format!("{} with {}", turn.who, shift.who);

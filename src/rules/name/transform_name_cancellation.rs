@@ -97,13 +97,13 @@ fn is_updated(chain: &DeclaredChain) -> bool {
     })
 }
 
-/// Whether a product is `A X A^-1`, with an `X` that does not fit between them.
-fn is_change_of_basis(chain: &DeclaredChain) -> bool {
+/// Whether a product is `A X A^-1`.
+fn is_conjugation(chain: &DeclaredChain) -> bool {
     let [(first, _), between @ .., (last, _)] = chain.factors.as_slice() else {
         return false;
     };
     let are_inverses = first.target == last.source && first.source == last.target;
-    are_inverses && !between.is_empty() && !gaps(chain.factors.iter()).is_empty()
+    are_inverses && !between.is_empty()
 }
 
 fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
@@ -124,20 +124,22 @@ fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
     };
     let all = || chain.factors.iter().chain(&chain.result);
     let is_ambiguous = all().any(|(name, _)| name.ambiguous);
-    let ceiling = if is_ambiguous && (chain.is_loose || is_updated(chain)) {
+    let is_updated = is_updated(chain);
+    let ceiling = if is_ambiguous && (chain.is_loose || is_updated) {
         Confidence::Hint
     } else if is_ambiguous {
         Confidence::Likely
     } else {
         Confidence::Certain
     };
-    if is_change_of_basis(chain) {
+    let inner = gaps(chain.factors.iter());
+    // With an X that does not fit between them.
+    if is_conjugation(chain) && !inner.is_empty() {
         let why = "a change of basis: the first factor and the last are inverses, and what is between them is a motion";
         out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         return;
     }
     let places = |span: Span| Place::text(chain.place.source, span);
-    let inner = gaps(chain.factors.iter());
     let joints = Measured::count("neighbours that do not cancel", inner.len()).limit(0.0);
     let joints = joints.samples(chain.factors.len().saturating_sub(1) as u64);
     let turned = !inner.is_empty() && gaps(chain.factors.iter().rev()).is_empty();
@@ -175,7 +177,7 @@ fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
             );
             let inverse = is_same(&result.source, &first.target) && is_same(&result.target, &last.source);
             // From then on the name says something else, and its author knows.
-            let ceiling = if is_updated(chain) { Confidence::Hint } else { ceiling };
+            let ceiling = if is_updated { Confidence::Hint } else { ceiling };
             let finding = Finding::error(subject, message, places(*at))
                 .confidence(ceiling)
                 .help(if inverse {
