@@ -82,11 +82,17 @@ pub(crate) fn is_code(ending: &str) -> bool {
 /// Reads a file of source code (`source.text`). Sets status and detail.
 pub fn read(source: &mut Source) -> Facts {
     let ending = super::discover::ending(std::path::Path::new(&source.path));
-    let tree = language(&ending).and_then(|language| parse(&source.text, &language));
-    let Some(tree) = tree else {
+    let Some(language) = language(&ending) else {
         let place = Place::whole(source.id);
         source.problem(ReadStatus::Unreadable, place, "not C++, Python or Rust");
         return Facts::default();
+    };
+    let tree = match parse(&source.text, &language) {
+        Ok(tree) => tree,
+        Err((span, message)) => {
+            source.problem(ReadStatus::Unreadable, Place::text(source.id, span), message);
+            return Facts::default();
+        }
     };
     let reader = Reader { text: &source.text };
     let mut facts = Facts::default();

@@ -127,3 +127,22 @@ fn broken_code_and_deep_code_are_read_as_far_as_they_go() {
     let long = format!("x = T_a_b{}\n", " @ T_a_b".repeat(5000));
     let _ = chains("a.py", &long);
 }
+
+/// Found by the fuzzer: the Rust grammar follows the ways in which this may go on without an end.
+#[test]
+fn a_text_whose_parse_has_no_end_is_given_up_with_its_place() {
+    let text = "vo= S1ophus::SE3T_base_[->T_wc_ _= Sophus::\u{d3}E3d(T_w_b.matrix(\t.cast<double>()ase = map_); }\n";
+    let mut source = Source::new(SourceId(0), "a.rs", SourceKind::Code);
+    source.text = text.to_owned();
+    let facts = read(&mut source);
+    assert!(facts.chains.is_empty());
+    assert_eq!(source.status, ReadStatus::Unreadable);
+    let problem = &source.problems[0];
+    assert!(problem.message.contains("too broken"), "{}", problem.message);
+    assert!(
+        problem
+            .place
+            .span()
+            .is_some_and(|span| span.start > 0 && span.end <= text.len())
+    );
+}

@@ -27,8 +27,9 @@ struct Script<'t> {
 }
 
 pub(super) fn read(source: &str, found: &mut Found) {
-    let Some(tree) = parse(source, &tree_sitter_python::LANGUAGE.into()) else {
-        return;
+    let tree = match parse(source, &tree_sitter_python::LANGUAGE.into()) {
+        Ok(tree) => tree,
+        Err(fault) => return found.faults.push(fault),
     };
     let all = nodes(tree.root_node());
     let calls: Vec<Node<'_>> = all.iter().copied().filter(|node| node.kind() == "call").collect();

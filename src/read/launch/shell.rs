@@ -9,8 +9,9 @@ use crate::read::syntax::{children, nodes, parse, span, text};
 use super::{Call, Found, PROGRAM, When, Word};
 
 pub(super) fn read(source: &str, found: &mut Found) {
-    let Some(tree) = parse(source, &tree_sitter_bash::LANGUAGE.into()) else {
-        return;
+    let tree = match parse(source, &tree_sitter_bash::LANGUAGE.into()) {
+        Ok(tree) => tree,
+        Err(fault) => return found.faults.push(fault),
     };
     let all = nodes(tree.root_node());
     let mut variables: BTreeMap<&str, Option<Word>> = BTreeMap::new();
