@@ -20,11 +20,12 @@ use clap::{CommandFactory, Parser};
 
 use crate::engine::{self, UsageError, evidence};
 use crate::page::{Front, PageError};
-use crate::report::{Style, explain, json, rules_table, terminal};
+use crate::report::{self, Format, ReportError, Style, explain, plural, rules_table, terminal};
 use crate::rules::RULES;
-use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, RuleInfo, Run};
+use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, FailOn, RuleInfo, Run};
+use crate::verdict::waiver::Day;
 
-use args::{Chain, Check, Cli, Collect, Color, Format, Reporting, RulesFormat, Verb};
+use args::{Chain, Check, Cli, Collect, Color, Reporting, RulesFormat, Verb};
 
 /// What the program answers: texts for standard output and standard error, and the exit code.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -83,6 +84,12 @@ impl From<UsageError> for Failure {
 
 impl From<PageError> for Failure {
     fn from(error: PageError) -> Self {
+        Self::Ours(error.to_string())
+    }
+}
+
+impl From<ReportError> for Failure {
+    fn from(error: ReportError) -> Self {
         Self::Ours(error.to_string())
     }
 }
@@ -153,7 +160,7 @@ fn refuse(error: &clap::Error, arguments: &[OsString], surroundings: Surrounding
 
 fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
     // The program ends with the report: freeing every name one by one first would be time for nothing.
-    let run = ManuallyDrop::new(engine::check(&engine::Options {
+    let mut run = ManuallyDrop::new(engine::check(&engine::Options {
         extent: check.reading.extent(),
         paths: if check.paths.is_empty() {
             Vec::new()
@@ -162,6 +169,9 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
         },
         evidence: check.evidence,
         config: check.config,
+        profile: check.profile,
+        baseline: check.baseline,
+        today: today()?,
         wanted: engine::Wanted::Facts,
         select: check.select,
         ignore: check.ignore,
@@ -169,7 +179,33 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
         msg_paths: check.reading.msg_paths,
         progress: surroundings.progress,
     })?);
-    tell(&run, check.reporting, surroundings)
+    let written = check
+        .write_baseline
+        .map(|path| engine::write_baseline(&mut run, &path).map(|count| (path, count)))
+        .transpose()?;
+    let mut answer = tell(&run, &check.reporting, surroundings)?;
+    if let Some((path, count)) = written {
+        let count = plural(count, "finding");
+        let _ = writeln!(
+            answer.err,
+            "{count} written to {}; --baseline accepts them",
+            path.display()
+        );
+    }
+    Ok(answer)
+}
+
+/// The day that `SOURCE_DATE_EPOCH` names, where it is set: reports can be made again as they were.
+fn today() -> Result<Option<Day>, Failure> {
+    let Some(text) = std::env::var_os("SOURCE_DATE_EPOCH").filter(|text| !text.is_empty()) else {
+        return Ok(None);
+    };
+    let moment = text
+        .to_str()
+        .and_then(|text| text.parse::<u64>().ok())
+        .and_then(|seconds| std::time::SystemTime::UNIX_EPOCH.checked_add(std::time::Duration::from_secs(seconds)));
+    let moment = moment.ok_or_else(|| Failure::Usage("SOURCE_DATE_EPOCH is no number of seconds".to_owned()))?;
+    Ok(Some(Day::of(moment)))
 }
 
 /// The products of transforms in source code, judged by the one rule that speaks of them.
@@ -181,51 +217,51 @@ fn run_chain(chain: Chain, stdin: &mut dyn Read, surroundings: Surroundings) -> 
         progress: surroundings.progress,
         ..engine::Options::default()
     })?;
-    tell(&run, chain.reporting, surroundings)
+    tell(&run, &chain.reporting, surroundings)
 }
 
-/// The report of a run where it is wanted, and the exit code.
-fn tell(run: &Run, reporting: Reporting, surroundings: Surroundings) -> Result<Answer, Failure> {
-    let fail_on = reporting.fail_on.into();
-    let mut style = if reporting.output.is_some() {
-        Style::PLAIN
-    } else {
-        surroundings.style
+/// The reports of a run where they are wanted, and the exit code.
+fn tell(run: &Run, reporting: &Reporting, surroundings: Surroundings) -> Result<Answer, Failure> {
+    let fail_on = reporting.fail_on.map(FailOn::from).or(run.fail_on).unwrap_or_default();
+    let options = |style: Style| {
+        let color = match reporting.color {
+            Color::Auto => style.color,
+            Color::Always => true,
+            Color::Never => false,
+        };
+        terminal::Options {
+            style: Style { color, ..style },
+            fail_on,
+            verbose: reporting.verbose,
+            all: reporting.all,
+        }
     };
-    match reporting.color {
-        Color::Auto => {}
-        Color::Always => style.color = true,
-        Color::Never => style.color = false,
-    }
-    let options = terminal::Options {
-        style,
-        fail_on,
-        verbose: reporting.verbose,
-        all: reporting.all,
-    };
-    let report = match reporting.format {
-        Format::Human => terminal::render(run, &options),
-        Format::Json => json::render(run, fail_on)?,
-    };
-    let code = run.exit_code(fail_on);
-    let Some(file) = reporting.output else {
-        return Ok(Answer {
-            out: report,
-            code,
-            ..Answer::default()
-        });
-    };
-    save(&file, report)?;
-    // The file has the report; whoever waits at the terminal still learns how it ended.
-    let style = Style {
-        color: false,
-        ..surroundings.style
-    };
-    Ok(Answer {
-        err: terminal::render_ending(run, &terminal::Options { style, ..options }),
-        code,
+    let format = Format::from(reporting.format);
+    let mut answer = Answer {
+        code: run.exit_code(fail_on),
         ..Answer::default()
-    })
+    };
+    for output in &reporting.output {
+        let format = output.format.map_or(format, Format::from);
+        save(&output.file, report::render(run, format, &options(Style::PLAIN))?)?;
+    }
+    if reporting.output.iter().any(|output| output.format.is_none()) {
+        // The file has the report; whoever waits at the terminal still learns how it ended.
+        let style = Style {
+            color: false,
+            ..surroundings.style
+        };
+        answer.err = terminal::render_ending(
+            run,
+            &terminal::Options {
+                style,
+                ..options(style)
+            },
+        );
+    } else {
+        answer.out = report::render(run, format, &options(surroundings.style))?;
+    }
+    Ok(answer)
 }
 
 /// Writes what a command made to the file that the user named.
@@ -299,7 +335,7 @@ fn nearest<'a>(word: &str, known: &'a [String]) -> Option<&'a str> {
 pub fn rules() -> Result<Vec<RuleInfo>, PageError> {
     RULES
         .iter()
-        .map(|entry| Front::parse(entry.page).map(|front| RuleInfo::new(&front)))
+        .map(|entry| Front::parse(entry.page).map(|front| RuleInfo::new(&front, entry.page)))
         .collect()
 }
 

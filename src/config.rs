@@ -1,10 +1,22 @@
-//! The configuration, `frames-lint.yaml`: found, read, and turned into what the world knows of it.
+//! The configuration, `frames-lint.yaml`: found, read, and turned into what the world knows of it and what the gate asks for.
 //!
 //! Owns its keys. Must not judge. A fault in it is a fault of the call, with its place: a gate that runs on half of its
 //! configuration would be green for the wrong reason.
 //!
 //! ```yaml
-//! conventions:
+//! extends: ci                      # a profile of the tool (ci, pre-survey, dataset-acceptance) or a file; a list of them as well
+//! fail-on: warning                 # note, warning, error, never
+//! rules:                           # see `gate`
+//!   ignore: [NAME03]
+//!   severity: {NAME02: error}
+//! limits:
+//!   CROSS02: {rotation_deg: 3 deg}
+//! paths:
+//!   - {file: simulation/**, ignore: [urdf]}
+//! waivers:
+//!   - {rule: CROSS02, subject: '*lidar*', reason: remounted on the 3rd, until: 2027-01-31, by: J. Doe}
+//! require: [TREE01, {rule: AXES03, subject: '*/imu*'}]
+//! conventions:                     # see `declared`
 //!   - topic: /ins/*                # a glob; `frame:` and `file:` as well, and all that are given must hold
 //!     world: NED                   # ENU, NED, NWU
 //!     body: FRD                    # FLU, FRD
@@ -24,9 +36,15 @@
 //!   - topic: /points
 //!     range_image: {width: 1024, height: 64, fov_up_deg: 22.5, fov_down_deg: -22.5}
 //! ```
+//!
+//! What a configuration extends is read before it: lists go on, single values and entries of mappings are overridden.
 
+mod declared;
+mod extends;
 mod frames;
+mod gate;
 mod projections;
+mod reader;
 mod tables;
 
 use std::fs::File;
@@ -34,51 +52,70 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use globset::{GlobBuilder, GlobMatcher};
-
-use crate::read::calibration::document::Node;
-use crate::read::calibration::events;
-use crate::read::calibration::repair::OffsetMap;
+use crate::gate::Policy;
 use crate::read::discover::CONFIGURATION;
-use crate::source::{LineIndex, Place, Source, SourceId, SourceKind, Span};
+use crate::run::FailOn;
+use crate::source::{Place, Source, SourceId, SourceKind, Span};
 use crate::tables::Tables;
-use crate::world::conventions::{
-    Alias, BodyAxes, Convention, Declaration, DeclaredTransform, Fields, QuaternionAlgebra, QuaternionOrder, Scope,
-    TimeScale, WorldAxes,
-};
+use crate::world::conventions::{Alias, Declaration, DeclaredTransform};
 use crate::world::{Conventions, NamedDataset, Projection};
+
+use gate::Asked;
+use reader::Reader;
+
+pub use extends::PROFILES;
+pub use gate::LimitOverride;
 
 /// Bound on its size, bytes.
 const MAX_BYTES: u64 = 1 << 20;
 
-/// A configuration.
+/// A configuration: what it extends, and behind that itself.
 #[derive(Clone, Debug, Default)]
 pub struct Config {
-    /// Where it was read, for messages.
-    pub path: String,
-    /// Its text.
-    pub text: String,
-    /// What it declares; without places until [`Config::source`] gives it an identity.
-    conventions: Vec<(Declaration, Span)>,
+    layers: Vec<Layer>,
     /// What is known of devices, with the user's own rows.
     tables: Arc<Tables>,
+}
+
+/// One file, or a profile of the tool.
+#[derive(Clone, Debug, Default)]
+struct Layer {
+    /// Where it was read, for messages.
+    path: String,
+    text: String,
+    /// What it declares; without places until it is a source.
+    conventions: Vec<(Declaration, Span)>,
     /// The dataset that it names, and where.
     dataset: Option<(NamedDataset, Span)>,
     projections: Vec<projections::Declared>,
     aliases: Vec<Alias>,
     transforms: Vec<DeclaredTransform>,
+    asked: Asked,
 }
 
 /// Why there is no configuration, with the place in words.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConfigError(pub String);
 
-/// The configuration that holds for these inputs: `named` by the user, or the nearest above them. `None` where there is
-/// none.
-pub fn find(named: Option<&Path>, inputs: &[PathBuf]) -> Result<Option<Config>, ConfigError> {
-    if let Some(path) = named {
-        return load(path).map(Some);
+/// The configuration that holds for these inputs: `named` by the user, or the nearest above them, on top of a profile where one is
+/// named. `None` where there is none.
+pub fn find(named: Option<&Path>, profile: Option<&str>, inputs: &[PathBuf]) -> Result<Option<Config>, ConfigError> {
+    let mut config = Config::default();
+    if let Some(profile) = profile {
+        config.add_profile(profile)?;
     }
+    let found = match named {
+        Some(path) => Some(path.to_path_buf()),
+        None => nearest_of(inputs)?,
+    };
+    if let Some(path) = &found {
+        config.add_file(path, &mut Vec::new())?;
+    }
+    Ok((!config.layers.is_empty()).then_some(config))
+}
+
+/// The one configuration that is nearest above all inputs that have one.
+fn nearest_of(inputs: &[PathBuf]) -> Result<Option<PathBuf>, ConfigError> {
     let mut found: Option<PathBuf> = None;
     for input in inputs {
         let above = nearest(input);
@@ -94,7 +131,7 @@ pub fn find(named: Option<&Path>, inputs: &[PathBuf]) -> Result<Option<Config>, 
             _ => {}
         }
     }
-    found.map(|path| load(&path)).transpose()
+    Ok(found)
 }
 
 /// The nearest configuration in the input's own folder or above it.
@@ -107,46 +144,96 @@ fn nearest(input: &Path) -> Option<PathBuf> {
         .find(|path| path.is_file())
 }
 
-/// Reads a configuration.
+/// Reads a configuration and what it extends.
 pub fn load(path: &Path) -> Result<Config, ConfigError> {
-    let here = std::env::current_dir().ok();
-    let shown = here.and_then(|here| path.strip_prefix(here).ok()).unwrap_or(path);
-    let shown = shown.display().to_string();
-    let failed = |error: &dyn std::fmt::Display| ConfigError(format!("`{shown}` cannot be read: {error}"));
-    let mut bytes = Vec::new();
-    let file = File::open(path).map_err(|error| failed(&error))?;
-    file.take(MAX_BYTES + 1)
-        .read_to_end(&mut bytes)
-        .map_err(|error| failed(&error))?;
-    if bytes.len() as u64 > MAX_BYTES {
-        return Err(failed(&format!("it has more than {MAX_BYTES} bytes")));
-    }
-    let text = String::from_utf8(bytes).map_err(|_| failed(&"it is not UTF-8"))?;
-    parse(&shown, text, path.parent().unwrap_or(Path::new("")))
+    let mut config = Config::default();
+    config.add_file(path, &mut Vec::new())?;
+    Ok(config)
 }
 
 /// Reads a configuration from its text; files that it names are looked for from `folder`.
 pub fn parse(path: &str, text: String, folder: &Path) -> Result<Config, ConfigError> {
-    let mut config = {
-        let reader = Reader {
-            path,
-            lines: LineIndex::new(&text),
-            text: &text,
-        };
-        reader.read(folder)?
-    };
-    config.text = text;
+    let mut config = Config::default();
+    config.add(path, text, folder, &mut Vec::new())?;
     Ok(config)
 }
 
+/// A path as it is shown: from the working directory where it lies there.
+fn shown(path: &Path) -> String {
+    let here = std::env::current_dir().ok();
+    let shown = here.and_then(|here| path.strip_prefix(here).ok()).unwrap_or(path);
+    shown.display().to_string()
+}
+
 impl Config {
-    /// The configuration as a source of the run.
-    pub fn source(&self, id: SourceId) -> Source {
-        let mut source = Source::new(id, self.path.clone(), SourceKind::Configuration);
-        source.text.clone_from(&self.text);
-        source.examined.bytes = self.text.len() as u64;
-        source.examined.bytes_total = self.text.len() as u64;
-        source
+    /// Adds a file behind what is known, and what it extends before it. `open` are the files that are being read.
+    fn add_file(&mut self, path: &Path, open: &mut Vec<PathBuf>) -> Result<(), ConfigError> {
+        let shown = shown(path);
+        let failed = |error: &dyn std::fmt::Display| ConfigError(format!("`{shown}` cannot be read: {error}"));
+        let mut bytes = Vec::new();
+        let file = File::open(path).map_err(|error| failed(&error))?;
+        file.take(MAX_BYTES + 1)
+            .read_to_end(&mut bytes)
+            .map_err(|error| failed(&error))?;
+        if bytes.len() as u64 > MAX_BYTES {
+            return Err(failed(&format!("it has more than {MAX_BYTES} bytes")));
+        }
+        let text = String::from_utf8(bytes).map_err(|_| failed(&"it is not UTF-8"))?;
+        open.push(std::fs::canonicalize(path).unwrap_or_else(|_| path.to_path_buf()));
+        self.add(&shown, text, path.parent().unwrap_or(Path::new("")), open)?;
+        open.pop();
+        Ok(())
+    }
+
+    /// Adds a text behind what is known, and what it extends before it.
+    fn add(&mut self, path: &str, text: String, folder: &Path, open: &mut Vec<PathBuf>) -> Result<(), ConfigError> {
+        let reader = Reader::new(path, &text);
+        let root = reader.document()?;
+        let mut layer = Layer {
+            path: path.to_owned(),
+            ..Layer::default()
+        };
+        if let Some(root) = root {
+            reader.keys(&root, KEYS)?;
+            self.extend(&reader, &root, folder, open)?;
+            if let Some(node) = root.get("tables") {
+                let tables = reader.tables(node, folder, (*self.tables).clone())?;
+                self.tables = Arc::new(tables);
+            }
+            layer.conventions = reader.conventions(&root)?;
+            layer.projections = reader.projections(&root)?;
+            layer.aliases = reader.aliases(&root)?;
+            layer.transforms = reader.transforms(&root)?;
+            layer.dataset = root
+                .get("dataset")
+                .map(|node| reader.dataset(node, &self.tables))
+                .transpose()?;
+            layer.asked = reader.asked(&root)?;
+        }
+        layer.text = text;
+        self.layers.push(layer);
+        Ok(())
+    }
+
+    /// The configuration as sources of the run, from this id on.
+    pub fn sources(&self, first: u32) -> Vec<Source> {
+        let source = |(id, layer): (u32, &Layer)| {
+            let mut source = Source::new(SourceId(id), layer.path.clone(), SourceKind::Configuration);
+            source.text.clone_from(&layer.text);
+            source.examined.bytes = layer.text.len() as u64;
+            source.examined.bytes_total = layer.text.len() as u64;
+            source
+        };
+        (first..).zip(&self.layers).map(source).collect()
+    }
+
+    /// The layers with the ids that they have as sources, if they are sources.
+    fn placed(&self, first: Option<u32>) -> impl DoubleEndedIterator<Item = (Option<SourceId>, &Layer)> {
+        let id = move |index: usize| Some(SourceId(first? + u32::try_from(index).ok()?));
+        self.layers
+            .iter()
+            .enumerate()
+            .map(move |(index, layer)| (id(index), layer))
     }
 
     /// What is known of devices, drivers and datasets: the user's rows, and behind them those that come with the program.
@@ -159,230 +246,105 @@ impl Config {
         self.tables.own_time_fields().map(str::to_owned).collect()
     }
 
-    /// The dataset that it names; with a place, where it is a source of the run.
-    pub fn dataset(&self, id: Option<SourceId>) -> Option<NamedDataset> {
-        let (named, span) = self.dataset.as_ref()?;
+    /// The dataset that it names; with a place, where its layers are sources of the run from the id `first` on.
+    pub fn dataset(&self, first: Option<u32>) -> Option<NamedDataset> {
+        let (id, (named, span)) = self
+            .placed(first)
+            .rev()
+            .find_map(|(id, layer)| Some((id, layer.dataset.as_ref()?)))?;
         Some(NamedDataset {
             row: Arc::clone(&named.row),
             place: id.map(|id| Place::text(id, *span)),
         })
     }
 
-    /// What it declares; with places, where it is a source of the run.
-    pub fn conventions(&self, id: Option<SourceId>) -> Conventions {
-        let placed = |(declaration, span): &(Declaration, Span)| Declaration {
-            place: id.map(|id| Place::text(id, *span)),
-            ..declaration.clone()
-        };
-        let projection = |declared: &projections::Declared| {
-            Some(Projection {
-                format: "frames-lint".to_owned(),
-                label: String::new(),
-                topic: declared.topic.clone(),
-                place: Place::text(id?, declared.span),
-                form: declared.form.clone(),
-            })
-        };
-        Conventions {
-            declarations: self.conventions.iter().map(placed).collect(),
-            projections: self.projections.iter().filter_map(projection).collect(),
-            aliases: self.aliases.clone(),
-            transforms: self.transforms.clone(),
+    /// What it declares; with places, where its layers are sources of the run from the id `first` on.
+    pub fn conventions(&self, first: Option<u32>) -> Conventions {
+        let mut known = Conventions::default();
+        for (id, layer) in self.placed(first) {
+            let placed = |(declaration, span): &(Declaration, Span)| Declaration {
+                place: id.map(|id| Place::text(id, *span)),
+                ..declaration.clone()
+            };
+            known.declarations.extend(layer.conventions.iter().map(placed));
+            let projection = |declared: &projections::Declared| {
+                Some(Projection {
+                    format: "frames-lint".to_owned(),
+                    label: String::new(),
+                    topic: declared.topic.clone(),
+                    place: Place::text(id?, declared.span),
+                    form: declared.form.clone(),
+                })
+            };
+            known
+                .projections
+                .extend(layer.projections.iter().filter_map(projection));
+            known
+                .aliases
+                .retain(|old| !layer.aliases.iter().any(|new| new.name == old.name));
+            known.aliases.extend(layer.aliases.iter().cloned());
+            known.transforms.extend(layer.transforms.iter().cloned());
         }
+        known
+    }
+
+    /// What the gate lays over a verdict; `first` is the id that its first layer has as a source.
+    pub fn policy(&self, first: u32) -> Policy {
+        let mut policy = Policy::default();
+        for (id, layer) in self.placed(Some(first)) {
+            policy.weights.extend(layer.asked.weights.iter().cloned());
+            policy
+                .exceptions
+                .extend(id.into_iter().flat_map(|id| layer.asked.exceptions(id)));
+            policy.required.extend(layer.asked.required.iter().cloned());
+        }
+        policy
+    }
+
+    /// The rules that run: the last choice, and everything that is left out. Words, with the places where they stand.
+    pub fn rules(&self) -> (&[(String, String)], impl Iterator<Item = &(String, String)>) {
+        let asked = || self.layers.iter().map(|layer| &layer.asked);
+        let select = asked().rev().find_map(|asked| asked.select.as_deref());
+        (select.unwrap_or_default(), asked().flat_map(|asked| &asked.ignore))
+    }
+
+    /// Every word that names rules, with its place: they are known to the rules only.
+    pub fn named_rules(&self) -> impl Iterator<Item = &(String, String)> {
+        self.layers.iter().flat_map(|layer| &layer.asked.named)
+    }
+
+    /// Limits that are not those of the pages.
+    pub fn limits(&self) -> impl Iterator<Item = &LimitOverride> {
+        self.layers.iter().flat_map(|layer| &layer.asked.limits)
+    }
+
+    /// From which severity on findings fail a run.
+    pub fn fail_on(&self) -> Option<FailOn> {
+        self.layers.iter().rev().find_map(|layer| layer.asked.fail_on)
+    }
+
+    /// The last file, as it is shown.
+    pub fn path(&self) -> &str {
+        self.layers.last().map_or("", |layer| &layer.path)
     }
 }
 
-/// The keys of one declaration.
-const KEYS: &[&str] = &[
-    "topic",
-    "frame",
-    "file",
-    "world",
-    "body",
-    "quaternion",
-    "time",
-    "fields",
+/// The keys of a configuration.
+pub const KEYS: &[&str] = &[
+    "aliases",
+    "conventions",
+    "dataset",
+    "extends",
+    "fail-on",
+    "limits",
+    "paths",
+    "projections",
+    "require",
+    "rules",
+    "tables",
+    "transforms",
+    "waivers",
 ];
-
-struct Reader<'t> {
-    path: &'t str,
-    text: &'t str,
-    lines: LineIndex,
-}
-
-impl Reader<'_> {
-    fn read(&self, folder: &Path) -> Result<Config, ConfigError> {
-        let empty = Config {
-            path: self.path.to_owned(),
-            ..Config::default()
-        };
-        let Some(root) = self.document()? else {
-            return Ok(empty);
-        };
-        self.keys(
-            &root,
-            &[
-                "aliases",
-                "conventions",
-                "dataset",
-                "projections",
-                "tables",
-                "transforms",
-            ],
-        )?;
-        let tables = match root.get("tables") {
-            Some(node) => self.tables(node, folder)?,
-            None => Tables::default(),
-        };
-        Ok(Config {
-            conventions: self.conventions(&root)?,
-            projections: self.projections(&root)?,
-            aliases: self.aliases(&root)?,
-            transforms: self.transforms(&root)?,
-            dataset: root
-                .get("dataset")
-                .map(|node| self.dataset(node, &tables))
-                .transpose()?,
-            tables: Arc::new(tables),
-            ..empty
-        })
-    }
-
-    /// The one document of the text; `None` where there is nothing in it.
-    fn document(&self) -> Result<Option<Node>, ConfigError> {
-        let documents = events::build(self.text, &OffsetMap::default());
-        if let Some(fault) = &documents.fault {
-            return Err(self.error(fault.at, &fault.message));
-        }
-        if let Some((key, span)) = documents.repeated.first() {
-            return Err(self.error(span.start, &format!("`{key}` stands there twice")));
-        }
-        let mut roots = documents.roots.into_iter();
-        let root = roots.next();
-        if let Some(second) = roots.next() {
-            return Err(self.error(second.span.start, "one document is expected"));
-        }
-        let is_nothing = |text: &str| text.is_empty() || text == "~" || text == "null";
-        Ok(root.filter(|root| !root.text().is_some_and(is_nothing)))
-    }
-
-    fn dataset(&self, node: &Node, tables: &Tables) -> Result<(NamedDataset, Span), ConfigError> {
-        let row = node.text().and_then(|text| tables.dataset(text));
-        let row = row.ok_or_else(|| {
-            let names = tables.dataset_names().join(", ");
-            let what = format!(
-                "`dataset` is one of {names}, not `{}`",
-                node.text().unwrap_or("a list or a mapping")
-            );
-            self.error(node.span.start, &what)
-        })?;
-        Ok((NamedDataset { row, place: None }, node.span))
-    }
-
-    fn conventions(&self, root: &Node) -> Result<Vec<(Declaration, Span)>, ConfigError> {
-        let Some(list) = root.get("conventions") else {
-            return Ok(Vec::new());
-        };
-        let items = list.items().ok_or_else(|| {
-            self.error(
-                list.span.start,
-                "`conventions` is a list: `- topic: /imu` on one line, `world: NED` below it",
-            )
-        })?;
-        items.iter().map(|item| self.declaration(item)).collect()
-    }
-
-    fn declaration(&self, item: &Node) -> Result<(Declaration, Span), ConfigError> {
-        self.keys(item, KEYS)?;
-        let scope = Scope {
-            topic: self.glob(item, "topic")?,
-            frame: self.glob(item, "frame")?,
-            file: self.glob(item, "file")?,
-        };
-        if scope.topic.is_none() && scope.frame.is_none() && scope.file.is_none() {
-            return Err(self.error(
-                item.span.start,
-                "this is for nothing: `topic`, `frame` or `file` is missing",
-            ));
-        }
-        let mut convention = Convention {
-            world: self.word(item, "world", WorldAxes::WORDS)?,
-            body: self.word(item, "body", BodyAxes::WORDS)?,
-            time: self.word(item, "time", TimeScale::WORDS)?,
-            fields: self.word(item, "fields", Fields::WORDS)?,
-            ..Convention::default()
-        };
-        if let Some(quaternion) = item.get("quaternion") {
-            self.keys(quaternion, &["order", "algebra"])?;
-            convention.order = self.word(quaternion, "order", QuaternionOrder::WORDS)?;
-            convention.algebra = self.word(quaternion, "algebra", QuaternionAlgebra::WORDS)?;
-        }
-        if convention.is_empty() {
-            let what = "this declares nothing: `world`, `body`, `quaternion`, `time` or `fields` is missing";
-            return Err(self.error(item.span.start, what));
-        }
-        let origin = format!("{}:{}", self.path, self.lines.locate(self.text, item.span.start).line);
-        let declaration = Declaration {
-            scope,
-            convention,
-            origin,
-            place: None,
-        };
-        Ok((declaration, item.span))
-    }
-
-    /// A mapping with known keys only.
-    fn keys(&self, node: &Node, known: &[&str]) -> Result<(), ConfigError> {
-        let words = || format!("known keys: {}", known.join(", "));
-        if !node.is_mapping() {
-            return Err(self.error(
-                node.span.start,
-                &format!("keys with values are expected here; {}", words()),
-            ));
-        }
-        for (key, _) in node.pairs() {
-            let text = key.text().unwrap_or_default();
-            if !known.contains(&text) {
-                return Err(self.error(key.span.start, &format!("unknown key `{text}`; {}", words())));
-            }
-        }
-        Ok(())
-    }
-
-    fn glob(&self, item: &Node, key: &str) -> Result<Option<GlobMatcher>, ConfigError> {
-        let Some(value) = item.get(key) else { return Ok(None) };
-        let text = value.text().filter(|text| !text.is_empty());
-        let text =
-            text.ok_or_else(|| self.error(value.span.start, &format!("`{key}` is a name, or a glob with `*`")))?;
-        // A frame is compared without its slash, as tf2 does.
-        let text = if key == "frame" {
-            text.strip_prefix('/').unwrap_or(text)
-        } else {
-            text
-        };
-        let glob = GlobBuilder::new(text)
-            .literal_separator(false)
-            .build()
-            .map_err(|error| self.error(value.span.start, &format!("`{key}` is no glob: {}", error.kind())))?;
-        Ok(Some(glob.compile_matcher()))
-    }
-
-    fn word<T: Copy>(&self, item: &Node, key: &str, words: &[(&str, T)]) -> Result<Option<T>, ConfigError> {
-        let Some(value) = item.get(key) else { return Ok(None) };
-        let text = value.text().unwrap_or_default();
-        let known = words.iter().find(|(word, _)| word.eq_ignore_ascii_case(text));
-        known.map(|(_, value)| Some(*value)).ok_or_else(|| {
-            let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
-            let what = format!("`{key}` is one of {}, not `{text}`", words.join(", "));
-            self.error(value.span.start, &what)
-        })
-    }
-
-    fn error(&self, at: usize, what: &str) -> ConfigError {
-        let place = self.lines.locate(self.text, at);
-        ConfigError(format!("{}:{}:{}: {what}", self.path, place.line, place.column))
-    }
-}
 
 #[cfg(test)]
 mod tests {
@@ -398,7 +360,7 @@ mod tests {
         let text = "# ours\nconventions:\n  - topic: /ins/*\n    world: ned\n    body: FRD\n    \
                     quaternion: {order: wxyz, algebra: jpl}\n    time: GPS\n  - {frame: /odom, file: '*.mcap', world: ENU}\n";
         let config = parse("c.yaml", text.to_owned(), Path::new("")).unwrap();
-        let conventions = config.conventions(Some(SourceId(3)));
+        let conventions = config.conventions(Some(3));
         let [ins, odom] = &conventions.declarations[..] else {
             panic!("two declarations")
         };
@@ -419,7 +381,7 @@ mod tests {
             assert!(
                 parse("c.yaml", text.to_owned(), Path::new(""))
                     .unwrap()
-                    .conventions
+                    .conventions(None)
                     .is_empty(),
                 "{text:?}"
             );
@@ -429,12 +391,13 @@ mod tests {
     #[test]
     fn faults_have_a_place_and_say_what_is_known() {
         assert_eq!(
-            fault("rules: {}\n"),
-            "c.yaml:1:1: unknown key `rules`; known keys: aliases, conventions, dataset, projections, tables, transforms"
+            fault("rule: {}\n"),
+            "c.yaml:1:1: unknown key `rule`; did you mean `rules`? known keys: aliases, conventions, dataset, extends, fail-on, limits, paths, \
+             projections, require, rules, tables, transforms, waivers"
         );
         assert_eq!(
             fault("conventions:\n  - topic: /imu\n    wrold: NED\n"),
-            "c.yaml:3:5: unknown key `wrold`; known keys: topic, frame, file, world, body, quaternion, time, fields"
+            "c.yaml:3:5: unknown key `wrold`; did you mean `world`? known keys: topic, frame, file, world, body, quaternion, time, fields"
         );
         assert_eq!(
             fault("conventions:\n  - topic: /imu\n    world: NEU\n"),

@@ -64,6 +64,9 @@ pub struct Front {
     pub confidence: Confidence,
     /// What is judged: one outcome row for each.
     pub subject: String,
+    /// What must be at hand, in kinds of `rules/tables/recordings.yaml`.
+    #[serde(default)]
+    pub evidence: Vec<String>,
     /// Limits by name; the rule's Rust has a typed struct of the same names.
     #[serde(default)]
     pub limits: BTreeMap<String, Limit>,
@@ -126,6 +129,7 @@ impl Front {
             severity: word(line("severity")?)?,
             confidence: word(line("confidence")?)?,
             subject: text("subject")?,
+            evidence: Vec::new(),
             limits: BTreeMap::new(),
             references: Vec::new(),
         })
@@ -172,6 +176,14 @@ impl Front {
         serde_yaml::from_value(serde_yaml::Value::Mapping(mapping))
             .map_err(|error| PageError(format!("limits of {}: {error}", self.code)))
     }
+}
+
+/// Whether a word names a rule: its code, its name or its family, in any case.
+pub fn names_rule(word: &str, code: &str, name: &str) -> bool {
+    let family = code.trim_end_matches(|c: char| c.is_ascii_digit());
+    [code, name, family]
+        .iter()
+        .any(|known| known.eq_ignore_ascii_case(word))
 }
 
 /// A fenced block of a page: ```` ```xml robot.urdf ````.

@@ -6,7 +6,8 @@ use std::collections::BTreeMap;
 
 use crate::page::{Front, Status};
 use crate::source::{Confidence, ReadStatus, Source};
-use crate::verdict::{Finding, Outcome, Severity, Verdict};
+use crate::verdict::waiver::FAMILY;
+use crate::verdict::{Finding, Outcome, Severity, Verdict, Waived};
 use crate::world::World;
 
 /// Exit code of a run that found nothing to complain about.
@@ -34,6 +35,31 @@ pub struct Run {
     pub rules: Vec<RuleInfo>,
     /// Files met in folders that no reader exists for: how many, by extension or name.
     pub skipped: BTreeMap<String, usize>,
+    /// Rules that had to judge, and did not.
+    pub unmet: Vec<Unmet>,
+    /// Labels of the platforms, where the subjects open with them.
+    pub platforms: Vec<String>,
+    /// What the configuration says of [`FailOn`].
+    pub fail_on: Option<FailOn>,
+}
+
+/// A rule that had to judge, and did not.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unmet {
+    /// Code of the rule.
+    pub rule: String,
+    /// Its name.
+    pub name: String,
+    /// The subjects that were required, where not any would do.
+    pub subject: Option<String>,
+    /// Why it did not judge.
+    pub why: Vec<String>,
+    /// What to record or to add, so that it can.
+    pub record: Option<String>,
+    /// Where it is required, in words: `frames-lint.yaml:4`.
+    pub origin: String,
+    /// Set where the user accepts that it did not.
+    pub waived: Option<Waived>,
 }
 
 /// What a report needs to know of a rule: the front matter of its page without limits and references.
@@ -57,11 +83,13 @@ pub struct RuleInfo {
     pub subject: String,
     /// Version the rule came with.
     pub since: String,
+    /// Its page, with front matter.
+    pub page: &'static str,
 }
 
 impl RuleInfo {
-    /// From the front matter of its page.
-    pub fn new(front: &Front) -> Self {
+    /// From its page and the front matter of that.
+    pub fn new(front: &Front, page: &'static str) -> Self {
         Self {
             code: front.code.clone(),
             name: front.name.clone(),
@@ -72,6 +100,7 @@ impl RuleInfo {
             status: front.status,
             subject: front.subject.clone(),
             since: front.since.clone(),
+            page,
         }
     }
 }
@@ -109,7 +138,7 @@ impl FailOn {
             Self::Note => Severity::Note,
             Self::Never => return false,
         };
-        finding.severity >= from && finding.confidence > Confidence::Hint
+        finding.severity >= from && finding.confidence > Confidence::Hint && finding.waived.is_none()
     }
 }
 
@@ -148,7 +177,7 @@ pub struct Summary {
     pub passed: usize,
     /// Rows that could not be judged.
     pub not_evaluated: usize,
-    /// Rows judged wrong and accepted by the user.
+    /// Rows judged wrong all of whose findings the user accepts.
     pub waived: usize,
     /// Rules that broke.
     pub crashed: usize,
@@ -207,16 +236,23 @@ impl Run {
             .filter(|source| source.required && source.status != ReadStatus::Read)
     }
 
-    /// Whether any rule came to a judgement. A waived row was judged before it was accepted.
+    /// Rules that had to judge and did not, and nobody accepts that.
+    pub fn lacking(&self) -> impl Iterator<Item = &Unmet> {
+        self.unmet.iter().filter(|unmet| unmet.waived.is_none())
+    }
+
+    /// Whether any rule came to a judgement of the inputs. A waived row was judged before it was accepted; what is said of
+    /// waivers is no judgement of a robot.
     pub fn checked_anything(&self) -> bool {
         self.verdict
             .rows
             .iter()
+            .filter(|row| !row.rule.starts_with(FAMILY))
             .any(|row| matches!(row.outcome, Outcome::Pass | Outcome::Fail | Outcome::Waived))
     }
 
     fn is_incomplete(&self) -> bool {
-        !self.checked_anything() || self.unread().next().is_some()
+        !self.checked_anything() || self.unread().next().is_some() || self.lacking().next().is_some()
     }
 
     fn has_crashed(&self) -> bool {

@@ -8,6 +8,7 @@ mod dataset;
 mod dialects;
 mod named;
 mod ouster;
+pub mod recordings;
 mod rows;
 mod writing;
 

@@ -2,9 +2,13 @@
 //!
 //! Must not know how a verdict is shown, nor which rules exist.
 
+pub mod waiver;
+
 use serde::{Deserialize, Serialize};
 
 use crate::source::{Confidence, Place};
+
+pub use waiver::Waived;
 
 /// How bad a finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
@@ -239,6 +243,9 @@ pub struct Finding {
     pub measured: Vec<Measured>,
     /// A fix, if one is possible.
     pub fix: Option<Fix>,
+    /// Set where the user accepts it: it counts for nothing, and stays in every report.
+    #[serde(default)]
+    pub waived: Option<Waived>,
 }
 
 impl Finding {
@@ -260,6 +267,7 @@ impl Finding {
             }],
             measured: Vec::new(),
             fix: None,
+            waived: None,
         }
     }
 
@@ -397,11 +405,13 @@ impl Verdict {
         self.rows.iter().filter(|row| row.outcome == outcome).count()
     }
 
-    /// How many findings have this severity.
+    /// Findings that nobody has accepted.
+    pub fn open(&self) -> impl Iterator<Item = &Finding> {
+        self.findings.iter().filter(|finding| finding.waived.is_none())
+    }
+
+    /// How many findings that nobody has accepted have this severity.
     pub fn count_findings(&self, severity: Severity) -> usize {
-        self.findings
-            .iter()
-            .filter(|finding| finding.severity == severity)
-            .count()
+        self.open().filter(|finding| finding.severity == severity).count()
     }
 }

@@ -6,7 +6,9 @@ use std::path::PathBuf;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, Args, Command, Parser, Subcommand, ValueEnum, ValueHint};
 
+use crate::config::PROFILES;
 use crate::engine::Extent;
+use crate::report::Format;
 use crate::run::FailOn;
 
 const EXIT_CODES: &str = "\
@@ -14,7 +16,7 @@ Exit codes:
    0  clean: something was checked, and no finding counts
    1  a finding at or above --fail-on; hints never count
    2  the call or the configuration is wrong
-   3  incomplete: an input could not be read in full, or nothing was checked at all
+   3  incomplete: an input could not be read in full, a required rule was not evaluated, or nothing was checked at all
   70  a fault of frames-lint";
 
 /// A linter and acceptance gate for the coordinate frames of robots: reads URDF, xacro, calibration files and recordings
@@ -115,6 +117,15 @@ pub(super) struct Check {
     /// Configuration with the conventions that the files follow; without it the frames-lint.yaml nearest above the inputs
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) config: Option<PathBuf>,
+    /// Profile that the configuration stands on
+    #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(PROFILES.iter().map(|(name, _)| *name)))]
+    pub(super) profile: Option<String>,
+    /// Baseline: the findings in it are accepted, and new ones are not
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(super) baseline: Option<PathBuf>,
+    /// Write the findings of this run to a baseline, and accept them
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(super) write_baseline: Option<PathBuf>,
     #[command(flatten)]
     pub(super) reading: Reading,
     /// Rules to run: codes, names or families, with commas between; all without it
@@ -130,12 +141,12 @@ pub(super) struct Check {
 /// How the verdict is told.
 #[derive(Debug, Args)]
 pub(super) struct Reporting {
-    /// Findings of this severity or worse give exit code 1; hints never do
-    #[arg(long, value_enum, default_value = "error", value_name = "SEVERITY")]
-    pub(super) fail_on: FailOnWord,
+    /// Findings of this severity or worse give exit code 1; hints never do [default: the configuration's `fail-on`, else error]
+    #[arg(long, value_enum, value_name = "SEVERITY")]
+    pub(super) fail_on: Option<FailOnWord>,
     /// Form of the report; json is described by schema/frames-lint-1.json
     #[arg(long, value_enum, default_value = "human")]
-    pub(super) format: Format,
+    pub(super) format: FormatWord,
     /// Colour in the report; auto: on a terminal, unless NO_COLOR is set
     #[arg(long, value_enum, default_value = "auto", value_name = "WHEN")]
     pub(super) color: Color,
@@ -145,9 +156,36 @@ pub(super) struct Reporting {
     /// Show every finding, however many there are
     #[arg(long)]
     pub(super) all: bool,
-    /// Write the report to a file; the counts and the verdict go to standard error
-    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
-    pub(super) output: Option<PathBuf>,
+    /// Write the report to a file; the counts and the verdict go to standard error. With a format before the file, a report of that
+    /// format besides (`--output sarif=frames.sarif --output junit=frames.xml`); may be repeated
+    #[arg(short, long, value_name = "[FORMAT=]FILE", value_parser = output, value_hint = ValueHint::FilePath)]
+    pub(super) output: Vec<Output>,
+}
+
+/// A file that a report goes to.
+#[derive(Clone, Debug)]
+pub(super) struct Output {
+    /// Its form; that of `--format` where `None`.
+    pub(super) format: Option<FormatWord>,
+    pub(super) file: PathBuf,
+}
+
+/// `FILE` or `FORMAT=FILE`. A file whose name has a `=` behind another word is a file.
+#[allow(clippy::unnecessary_wraps)] // clap asks for a result
+fn output(text: &str) -> Result<Output, String> {
+    let known = text
+        .split_once('=')
+        .and_then(|(word, file)| Some((FormatWord::from_str(word, false).ok()?, file)));
+    Ok(match known {
+        Some((format, file)) => Output {
+            format: Some(format),
+            file: PathBuf::from(file),
+        },
+        None => Output {
+            format: None,
+            file: PathBuf::from(text),
+        },
+    })
 }
 
 #[derive(Debug, Args)]
@@ -233,9 +271,32 @@ pub(super) struct Tree {
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
-pub(super) enum Format {
+pub(super) enum FormatWord {
     Human,
+    Concise,
     Json,
+    JsonLines,
+    Sarif,
+    Github,
+    Gitlab,
+    Junit,
+    Markdown,
+}
+
+impl From<FormatWord> for Format {
+    fn from(word: FormatWord) -> Self {
+        match word {
+            FormatWord::Human => Self::Human,
+            FormatWord::Concise => Self::Concise,
+            FormatWord::Json => Self::Json,
+            FormatWord::JsonLines => Self::JsonLines,
+            FormatWord::Sarif => Self::Sarif,
+            FormatWord::Github => Self::Github,
+            FormatWord::Gitlab => Self::Gitlab,
+            FormatWord::Junit => Self::Junit,
+            FormatWord::Markdown => Self::Markdown,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, ValueEnum)]

@@ -4,7 +4,8 @@ use crate::read::calibration::document::Node;
 use crate::world::FrameId;
 use crate::world::conventions::{Alias, DeclaredTransform};
 
-use super::{ConfigError, Reader};
+use super::ConfigError;
+use super::reader::Reader;
 
 impl Reader<'_> {
     /// `velodyne: [lidar, velo]`.

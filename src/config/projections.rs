@@ -29,7 +29,8 @@ use crate::read::calibration::document::Node;
 use crate::source::Span;
 use crate::world::projection::{Axis, Cell, EgoMotion, Form, Grid, Panorama, RangeImage, Seam, Sense};
 
-use super::{ConfigError, Reader};
+use super::ConfigError;
+use super::reader::Reader;
 
 /// A declaration without the identity of its source.
 #[derive(Clone, Debug)]
@@ -172,7 +173,6 @@ mod tests {
     use std::path::Path;
 
     use super::super::parse;
-    use crate::source::SourceId;
     use crate::world::projection::{Axis, Form, Sense};
 
     #[test]
@@ -181,7 +181,7 @@ mod tests {
                     - topic: /bev\n    grid: {frame: base_link, origin: [-50, -50], cell: corner, columns: +x, rows: -y}\n  \
                     - panorama: {width: 2048, height: 1024}\n";
         let config = parse("c.yaml", text.to_owned(), Path::new("")).unwrap();
-        let conventions = config.conventions(Some(SourceId(3)));
+        let conventions = config.conventions(Some(3));
         let [points, bev, panorama] = conventions.projections.as_slice() else {
             panic!()
         };

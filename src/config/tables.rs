@@ -7,19 +7,18 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::read::calibration::document::{Kind, Node};
-use crate::source::LineIndex;
 use crate::tables::{RowFault, Tables};
 
-use super::{ConfigError, MAX_BYTES, Reader};
+use super::reader::Reader;
+use super::{ConfigError, MAX_BYTES};
 
 /// Bound on rows of the user's own.
 const MAX_ROWS: usize = 1000;
 
 impl Reader<'_> {
-    /// The tables with the rows that stand under `tables:`.
-    pub(super) fn tables(&self, node: &Node, folder: &Path) -> Result<Tables, ConfigError> {
+    /// The tables with the rows that stand under `tables:` in front.
+    pub(super) fn tables(&self, node: &Node, folder: &Path, mut tables: Tables) -> Result<Tables, ConfigError> {
         self.keys(node, &Tables::NAMES)?;
-        let mut tables = Tables::default();
         for (key, value) in node.pairs() {
             let table = key.text().unwrap_or_default();
             match value.text() {
@@ -44,11 +43,7 @@ impl Reader<'_> {
         let text = String::from_utf8(bytes).map_err(|_| failed("it is not UTF-8"))?;
         let shown = Path::new(self.path).parent().unwrap_or(Path::new("")).join(path);
         let shown = shown.display().to_string();
-        let inner = Reader {
-            path: &shown,
-            lines: LineIndex::new(&text),
-            text: &text,
-        };
+        let inner = Reader::new(&shown, &text);
         let Some(root) = inner.document()? else {
             return Err(inner.error(0, "rows are expected, and the file is empty"));
         };
@@ -155,7 +150,7 @@ mod tests {
     fn faults_have_a_place() {
         assert_eq!(
             fault("tables:\n  lidars-clouds: []\n"),
-            "c.yaml:2:3: unknown key `lidars-clouds`; known keys: lidar-clouds, lidars, ouster, lidar-imus, driver-frames, ins-drivers, \
+            "c.yaml:2:3: unknown key `lidars-clouds`; did you mean `lidar-clouds`? known keys: lidar-clouds, lidars, ouster, lidar-imus, driver-frames, ins-drivers, \
              simulators, datasets, calibration-dialects"
         );
         let text = "tables:\n  lidar-imus:\n    - name: Ours\n      words: [ours]\n      lever_m: [0, 0, 0]\n";

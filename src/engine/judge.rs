@@ -5,6 +5,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use crate::page::Status;
 use crate::rules::Judge;
 use crate::source::{Confidence, ReadStatus};
+use crate::verdict::waiver::{Applied, Misspelt};
 use crate::verdict::{Finding, Measured, NotEvaluated, Outcome, Row, Verdict};
 use crate::world::{BagEvidence, World};
 
@@ -13,7 +14,10 @@ use super::plan::Enabled;
 /// Judges one world with every enabled rule. `label` is put before each subject when the run has several platforms.
 pub(super) fn judge(world: &World, rules: &[Enabled], label: Option<&str>) -> Verdict {
     let mut verdict = Verdict::default();
-    for rule in rules.iter().filter(|rule| rule.entry.review.is_none()) {
+    for rule in rules
+        .iter()
+        .filter(|rule| rule.entry.review.is_none() && rule.entry.gate.is_none())
+    {
         let mut out = Judge::default();
         let missing: Vec<&str> = rule
             .entry
@@ -33,12 +37,8 @@ pub(super) fn judge(world: &World, rules: &[Enabled], label: Option<&str>) -> Ve
         } else {
             not_asked(world, &missing, &mut out);
         }
-        if out.judged.is_empty() && crash.is_none() {
-            out.not_evaluated(
-                "platform",
-                NotEvaluated::NotApplicable,
-                format!("nothing here to judge ({})", rule.front.subject),
-            );
+        if crash.is_none() {
+            not_silent(rule, &mut out);
         }
         if crash.is_none() {
             crash = unmeasured(&out);
@@ -63,6 +63,35 @@ pub(super) fn judge(world: &World, rules: &[Enabled], label: Option<&str>) -> Ve
         }
     }
     verdict
+}
+
+/// What the rules say of what the user accepts.
+pub(super) fn judge_gate(applied: &[Applied], misspelt: &[Misspelt], rules: &[Enabled], verdict: &mut Verdict) {
+    for rule in rules {
+        let Some(gate) = rule.entry.gate else { continue };
+        let mut out = Judge::default();
+        let asked = AssertUnwindSafe(|| gate(applied, misspelt, rule.whole()?, &mut out));
+        let crash = match catch_unwind(asked) {
+            Ok(Ok(())) => {
+                not_silent(rule, &mut out);
+                unmeasured(&out)
+            }
+            Ok(Err(error)) => Some(error.to_string()),
+            Err(panic) => Some(panic_words(panic.as_ref())),
+        };
+        take(out, rule, None, crash, verdict);
+    }
+}
+
+/// A rule that says nothing had nothing to judge.
+fn not_silent(rule: &Enabled, out: &mut Judge) {
+    if out.judged.is_empty() {
+        out.not_evaluated(
+            "platform",
+            NotEvaluated::NotApplicable,
+            format!("nothing here to judge ({})", rule.front.subject),
+        );
+    }
 }
 
 /// What rests on fields that are told by their names alone is a hint, whichever rule it is of.
@@ -224,6 +253,7 @@ mod tests {
             evidence: Evidence::LEAST,
             run: |_, _, _| panic!("must not be asked"),
             review: None,
+            gate: None,
             check_limits: |_| Ok(()),
         };
         let verdict = run_with(&ENTRY);
@@ -240,6 +270,7 @@ mod tests {
             evidence: Evidence::LEAST,
             run: |_, _, _| Ok(()),
             review: None,
+            gate: None,
             check_limits: |_| Ok(()),
         };
         let verdict = run_with(&ENTRY);
@@ -260,6 +291,7 @@ mod tests {
                 panic!("boom")
             },
             review: None,
+            gate: None,
             check_limits: |_| Ok(()),
         };
         let verdict = run_with(&ENTRY);
@@ -280,6 +312,7 @@ mod tests {
                 Ok(())
             },
             review: None,
+            gate: None,
             check_limits: |_| Ok(()),
         };
         assert_eq!(run_with(&ENTRY).count(Outcome::Crashed), 1);
@@ -296,6 +329,7 @@ mod tests {
                 Ok(())
             },
             review: None,
+            gate: None,
             check_limits: |_| Ok(()),
         };
         let verdict = run_with(&ENTRY);

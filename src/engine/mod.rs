@@ -1,8 +1,10 @@
 //! The engine: plan, read, judge. Ties the rooms of the house together and knows no format and no rule by name.
 
 pub mod evidence;
+mod gate;
 mod gather;
 mod judge;
+mod limits;
 mod parallel;
 mod plan;
 mod platform;
@@ -19,14 +21,16 @@ use crate::progress::Progress;
 use crate::read::discover::{Inputs, discover_of};
 use crate::read::messages::definition::Definitions;
 use crate::run::{RuleInfo, Run};
-use crate::source::{Source, SourceId};
+use crate::source::Source;
 use crate::verdict::Verdict;
+use crate::verdict::waiver::Day;
 use crate::world::World;
 
 use evidence::Saved;
 use plan::Enabled;
 
 pub use crate::read::discover::Wanted;
+pub use gate::write_baseline;
 pub use sampling::Extent;
 
 /// What the user asked for.
@@ -46,6 +50,12 @@ pub struct Options {
     pub xacro_args: Vec<String>,
     /// The configuration that [`check`] uses; the nearest above the inputs where `None`.
     pub config: Option<PathBuf>,
+    /// A profile of the tool that the configuration stands on.
+    pub profile: Option<String>,
+    /// A baseline: its findings are accepted.
+    pub baseline: Option<PathBuf>,
+    /// The day on which waivers must still hold; this one in UTC where `None`.
+    pub today: Option<Day>,
     /// How much of recordings is read.
     pub extent: Extent,
     /// Folders with definitions of messages, for recordings that carry none.
@@ -74,19 +84,23 @@ impl From<ConfigError> for UsageError {
 
 /// Every rule of the tool.
 pub fn rules() -> Result<Vec<RuleInfo>, UsageError> {
-    Ok(plan::all()?.iter().map(|rule| RuleInfo::new(&rule.front)).collect())
+    Ok(plan::all()?
+        .iter()
+        .map(|rule| RuleInfo::new(&rule.front, rule.entry.page))
+        .collect())
 }
 
-/// Reads the inputs and judges them.
+/// Reads the inputs, judges them, and lays over the verdict what the user asks of the gate.
 pub fn check(options: &Options) -> Result<Run, UsageError> {
-    let rules = plan::enabled(&options.select, &options.ignore)?;
-    let inputs = inputs(options)?;
     let config = configuration(options)?;
+    let rules = plan::enabled(&options.select, &options.ignore, config.as_ref())?;
+    let inputs = inputs(options)?;
     let saved: Vec<Saved> = options.evidence.iter().map(|path| evidence::read(path)).collect();
     let others = saved.iter().map(|saved| saved.worlds.len()).sum();
     let (mut worlds, verdicts) = settle(&inputs, options, config.as_ref(), &rules, others)?;
     let mut verdict = merged(verdicts);
     let several = worlds.len() + others > 1;
+    let mut labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
     let mut sources = take_sources(&mut worlds);
     let mut skipped = inputs.skipped;
     for Saved {
@@ -98,6 +112,7 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
         if let Some(config) = &config {
             read = add_config(&mut known, read, config);
         }
+        labels.extend(known.iter().map(|world| world.label.clone()));
         let mut part = merged(judge_all(&known, &rules, several));
         drop(known);
         let mut read = Arc::unwrap_or_clone(read);
@@ -109,15 +124,24 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
             *skipped.entry(what).or_default() += count;
         }
     }
-    verdict.sort();
-    let rules = rules.iter().map(|rule| RuleInfo::new(&rule.front)).collect();
-    Ok(Run {
+    if !several {
+        labels.clear();
+    }
+    let mut run = Run {
         sources,
         verdict,
         worlds,
-        rules,
+        rules: rules
+            .iter()
+            .map(|rule| RuleInfo::new(&rule.front, rule.entry.page))
+            .collect(),
         skipped,
-    })
+        fail_on: config.as_ref().and_then(Config::fail_on),
+        ..Run::default()
+    };
+    gate::pass(&mut run, options, config.as_ref(), &rules, &labels)?;
+    run.verdict.sort();
+    Ok(run)
 }
 
 /// A choice of rules, ready to judge worlds that are in memory: saved, altered or made.
@@ -127,7 +151,7 @@ impl Rules {
     /// The rules with these codes, names and families; all where there are none.
     pub fn select(select: &[&str]) -> Result<Self, UsageError> {
         let select: Vec<String> = select.iter().map(|word| (*word).to_owned()).collect();
-        Ok(Self(plan::enabled(&select, &[])?))
+        Ok(Self(plan::enabled(&select, &[], None)?))
     }
 
     /// What the rules say of a world. Nothing is read, and nothing is asked for again.
@@ -144,10 +168,9 @@ pub fn collect(options: &Options) -> Result<Run, UsageError> {
     let (mut worlds, _) = settle(&inputs, options, None, &plan::all()?, 0)?;
     Ok(Run {
         sources: take_sources(&mut worlds),
-        verdict: Verdict::default(),
         worlds,
-        rules: Vec::new(),
         skipped: inputs.skipped,
+        ..Run::default()
     })
 }
 
@@ -200,10 +223,9 @@ pub fn read(options: &Options) -> Result<Run, UsageError> {
     );
     Ok(Run {
         sources: worlds.first().map(|world| world.sources.to_vec()).unwrap_or_default(),
-        verdict: Verdict::default(),
         worlds,
-        rules: Vec::new(),
         skipped: inputs.skipped,
+        ..Run::default()
     })
 }
 
@@ -227,7 +249,11 @@ fn definitions(options: &Options) -> Result<Arc<Definitions>, UsageError> {
 /// The configuration that holds for the inputs, evidence among them.
 fn configuration(options: &Options) -> Result<Option<Config>, UsageError> {
     let inputs: Vec<PathBuf> = options.paths.iter().chain(&options.evidence).cloned().collect();
-    Ok(config::find(options.config.as_deref(), &inputs)?)
+    Ok(config::find(
+        options.config.as_deref(),
+        options.profile.as_deref(),
+        &inputs,
+    )?)
 }
 
 /// Tells the worlds what the configuration declares, and adds it to their sources: behind all others, so that their
@@ -238,8 +264,8 @@ fn add_config(worlds: &mut [World], sources: Arc<Vec<Source>>, config: &Config) 
         world.sources = Arc::default();
     }
     let mut sources = Arc::unwrap_or_clone(sources);
-    let id = u32::try_from(sources.len()).ok().map(SourceId);
-    sources.extend(id.map(|id| config.source(id)));
+    let id = u32::try_from(sources.len()).ok();
+    sources.extend(id.into_iter().flat_map(|id| config.sources(id)));
     let (sources, conventions) = (Arc::new(sources), Arc::new(config.conventions(id)));
     for world in worlds {
         world.sources = Arc::clone(&sources);

@@ -1,11 +1,13 @@
 //! Which rules run: selection by code, name and family.
 
+use std::collections::BTreeMap;
 use std::sync::OnceLock;
 
-use crate::page::{Front, PageError};
+use crate::config::Config;
+use crate::page::{Front, PageError, names_rule};
 use crate::rules::{Entry, RULES};
 
-use super::UsageError;
+use super::{UsageError, limits};
 
 /// A rule that runs, with its page's front matter.
 pub(super) struct Enabled {
@@ -14,6 +16,8 @@ pub(super) struct Enabled {
     /// The rule.
     pub(super) entry: &'static Entry,
     whole: OnceLock<Result<Front, PageError>>,
+    /// Limits of the user's own.
+    pub(super) overrides: BTreeMap<String, serde_yaml::Value>,
 }
 
 impl Enabled {
@@ -23,6 +27,7 @@ impl Enabled {
             front: Front::parse_head(entry.page)?,
             entry,
             whole: OnceLock::new(),
+            overrides: BTreeMap::new(),
         })
     }
 
@@ -31,10 +36,16 @@ impl Enabled {
         if !self.entry.page.contains("\nlimits:") {
             return Ok(&self.front);
         }
-        self.whole
-            .get_or_init(|| Front::parse_limits(self.entry.page))
-            .as_ref()
-            .map_err(Clone::clone)
+        let read = || {
+            let mut front = Front::parse_limits(self.entry.page)?;
+            for (name, value) in &self.overrides {
+                if let Some(limit) = front.limits.get_mut(name) {
+                    limit.value = value.clone();
+                }
+            }
+            Ok(front)
+        };
+        self.whole.get_or_init(read).as_ref().map_err(Clone::clone)
     }
 }
 
@@ -49,13 +60,34 @@ pub(super) fn all() -> Result<Vec<Enabled>, UsageError> {
         .collect()
 }
 
-/// The rules named by `select` (all where it is empty) without those named by `ignore`.
-pub(super) fn enabled(select: &[String], ignore: &[String]) -> Result<Vec<Enabled>, UsageError> {
-    let all = all()?;
+/// The rules named by `select` without those named by `ignore`; where nothing is selected here, as the configuration says, and all
+/// where it does not say. Limits are those of the configuration.
+pub(super) fn enabled(
+    select: &[String],
+    ignore: &[String],
+    config: Option<&Config>,
+) -> Result<Vec<Enabled>, UsageError> {
+    let mut all = all()?;
     for word in select.iter().chain(ignore) {
         if !all.iter().any(|rule| matches(&rule.front, word)) {
             return Err(UsageError(unknown(&all, word)));
         }
+    }
+    let (mut select, mut ignore) = (select.to_vec(), ignore.to_vec());
+    if let Some(config) = config {
+        for (word, origin) in config.named_rules() {
+            if !all.iter().any(|rule| matches(&rule.front, word)) {
+                return Err(UsageError(format!("{origin}: {}", unknown(&all, word))));
+            }
+        }
+        for limit in config.limits() {
+            limits::set(&mut all, limit)?;
+        }
+        let (chosen, left_out) = config.rules();
+        if select.is_empty() {
+            select = chosen.iter().map(|(word, _)| word.clone()).collect();
+        }
+        ignore.extend(left_out.map(|(word, _)| word.clone()));
     }
     let chosen: Vec<Enabled> = all
         .into_iter()
@@ -70,9 +102,7 @@ pub(super) fn enabled(select: &[String], ignore: &[String]) -> Result<Vec<Enable
 
 /// Whether a word names this rule: its code, its name or its family, in any case.
 fn matches(front: &Front, word: &str) -> bool {
-    [front.code.as_str(), front.name.as_str(), front.family()]
-        .iter()
-        .any(|known| known.eq_ignore_ascii_case(word))
+    names_rule(word, &front.code, &front.name)
 }
 
 fn unknown(all: &[Enabled], word: &str) -> String {

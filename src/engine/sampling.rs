@@ -231,6 +231,7 @@ mod tests {
             evidence: Evidence::USUAL,
             run: |_, _, _| Ok(()),
             review: None,
+            gate: None,
             check_limits: |_| Ok(()),
         };
         static CONTENT: Entry = Entry {

@@ -9,9 +9,10 @@ mod tests;
 
 use serde::Serialize;
 
-use crate::run::{FailOn, Run};
+use crate::run::{FailOn, Run, Unmet};
 use crate::source::{Problem, Source};
-use crate::verdict::{Finding, Fix, Label, Measured, PlaceRole, Row, Safety};
+use crate::verdict::waiver::Day;
+use crate::verdict::{Finding, Fix, Label, Measured, PlaceRole, Row, Safety, Waived};
 
 use super::place::{Locator, Spot};
 
@@ -25,6 +26,7 @@ struct Document<'a> {
     inputs: Rows<'a, Source, Input<'a>>,
     outcomes: Rows<'a, Row, OutcomeRow<'a>>,
     findings: Rows<'a, Finding, FindingRow<'a>>,
+    required: Vec<UnmetRow<'a>>,
     summary: Counts,
 }
 
@@ -99,6 +101,26 @@ struct FindingRow<'a> {
     places: Vec<PlaceRow>,
     measured: Vec<Number<'a>>,
     fix: Option<FixRow<'a>>,
+    waived: Option<WaivedRow<'a>>,
+}
+
+#[derive(Serialize)]
+struct WaivedRow<'a> {
+    reason: &'a str,
+    by: Option<&'a str>,
+    until: Option<&'a str>,
+    origin: &'a str,
+}
+
+#[derive(Serialize)]
+struct UnmetRow<'a> {
+    rule: &'a str,
+    name: &'a str,
+    subject: Option<&'a str>,
+    why: &'a [String],
+    record: Option<&'a str>,
+    origin: &'a str,
+    waived: Option<WaivedRow<'a>>,
 }
 
 #[derive(Serialize)]
@@ -163,6 +185,23 @@ struct Counts {
 
 /// The document, indented, with a newline at its end.
 pub fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
+    whole(run, fail_on, |document| {
+        let mut text = serde_json::to_string_pretty(document)?;
+        text.push('\n');
+        Ok(text)
+    })
+}
+
+/// The document as a value.
+pub(super) fn document(run: &Run, fail_on: FailOn) -> Result<serde_json::Value, serde_json::Error> {
+    whole(run, fail_on, |document| serde_json::to_value(document))
+}
+
+fn whole<T>(
+    run: &Run,
+    fail_on: FailOn,
+    written: impl FnOnce(&Document) -> Result<T, serde_json::Error>,
+) -> Result<T, serde_json::Error> {
     let locator = Locator::new(&run.sources);
     let summary = run.summary(fail_on);
     let document = Document {
@@ -186,6 +225,7 @@ pub fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
             locator: &locator,
             row: finding_row,
         },
+        required: run.unmet.iter().map(unmet).collect(),
         summary: Counts {
             errors: summary.errors,
             warnings: summary.warnings,
@@ -197,9 +237,7 @@ pub fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
             verdict: summary.verdict.word(),
         },
     };
-    let mut text = serde_json::to_string_pretty(&document)?;
-    text.push('\n');
-    Ok(text)
+    written(&document)
 }
 
 fn input<'a>(source: &'a Source, locator: &Locator) -> Input<'a> {
@@ -253,6 +291,28 @@ fn finding_row<'a>(finding: &'a Finding, locator: &Locator) -> FindingRow<'a> {
         places: finding.places.iter().map(|label| place(label, locator)).collect(),
         measured: finding.measured.iter().map(number).collect(),
         fix: finding.fix.as_ref().and_then(|fix| fix_row(fix, locator)),
+        waived: finding.waived.as_ref().map(waived),
+    }
+}
+
+fn waived(waived: &Waived) -> WaivedRow<'_> {
+    WaivedRow {
+        reason: &waived.reason,
+        by: waived.by.as_deref(),
+        until: waived.until.as_ref().map(Day::as_str),
+        origin: &waived.origin,
+    }
+}
+
+fn unmet(unmet: &Unmet) -> UnmetRow<'_> {
+    UnmetRow {
+        rule: &unmet.rule,
+        name: &unmet.name,
+        subject: unmet.subject.as_deref(),
+        why: &unmet.why,
+        record: unmet.record.as_deref(),
+        origin: &unmet.origin,
+        waived: unmet.waived.as_ref().map(waived),
     }
 }
 

@@ -1,14 +1,79 @@
 //! Reports: verdicts, worlds and pages become words. Reads no file and judges nothing.
 
 pub mod explain;
+mod fingerprint;
+mod github;
+mod gitlab;
 pub mod json;
+mod json_lines;
+mod junit;
+mod markdown;
 mod place;
 pub mod rules_table;
 #[cfg(test)]
 mod samples;
+mod sarif;
 mod style;
 pub mod terminal;
 mod text;
 pub mod tree;
 
+use crate::run::Run;
+
 pub use style::Style;
+pub use text::plural;
+
+/// The forms that a report comes in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// For people, with source lines.
+    Human,
+    /// For people and editors, a line for each finding.
+    Concise,
+    /// One document, described by `schema/frames-lint-1.json`.
+    Json,
+    /// The same, a line for each input, outcome and finding.
+    JsonLines,
+    /// SARIF 2.1.0.
+    Sarif,
+    /// Workflow commands of GitHub Actions.
+    Github,
+    /// Code quality report of GitLab.
+    Gitlab,
+    /// JUnit XML: a test case for each check.
+    Junit,
+    /// For comments and job summaries.
+    Markdown,
+}
+
+/// Why there is no report: a fault of ours.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ReportError(pub String);
+
+impl std::fmt::Display for ReportError {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl From<serde_json::Error> for ReportError {
+    fn from(error: serde_json::Error) -> Self {
+        Self(error.to_string())
+    }
+}
+
+/// The report of a run.
+pub fn render(run: &Run, format: Format, options: &terminal::Options) -> Result<String, ReportError> {
+    let fail_on = options.fail_on;
+    Ok(match format {
+        Format::Human => terminal::render(run, options),
+        Format::Concise => terminal::render_concise(run, options),
+        Format::Json => json::render(run, fail_on)?,
+        Format::JsonLines => json_lines::render(run, fail_on)?,
+        Format::Sarif => sarif::render(run, fail_on)?,
+        Format::Github => github::render(run, fail_on),
+        Format::Gitlab => gitlab::render(run, fail_on)?,
+        Format::Junit => junit::render(run, fail_on)?,
+        Format::Markdown => markdown::render(run, fail_on),
+    })
+}

@@ -114,6 +114,11 @@ impl<'a> Locator<'a> {
         }
     }
 
+    /// The path of a place's source.
+    pub(super) fn path_of(&self, place: &Place) -> &'a str {
+        self.source(place.source).map_or("?", |source| self.path(source))
+    }
+
     /// The source in a few words: its path, and what it came out of (`drive.mcap /robot_description[0]`).
     pub(super) fn name(&self, id: SourceId) -> String {
         match self.source(id) {

@@ -118,6 +118,7 @@ mod tests {
 
     fn rule() -> RuleInfo {
         RuleInfo {
+            page: "",
             code: "TREE01".into(),
             name: "orphan-subtree".into(),
             summary: "frames that no chain of transforms connects to the rest of the tree".into(),

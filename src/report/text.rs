@@ -67,7 +67,7 @@ pub(super) fn wrap(text: &str, width: Option<usize>, first: &str, rest: &str) ->
 }
 
 /// `1 error`, `2 errors`.
-pub(super) fn plural(count: usize, noun: &str) -> String {
+pub fn plural(count: usize, noun: &str) -> String {
     if count == 1 {
         format!("1 {noun}")
     } else {

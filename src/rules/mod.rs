@@ -10,6 +10,7 @@ pub mod config;
 pub mod cov;
 pub mod cross;
 mod declared;
+pub mod gate;
 pub mod geo;
 mod ground;
 mod hand_eye;
@@ -44,6 +45,7 @@ pub mod urdf;
 use serde::de::DeserializeOwned;
 
 use crate::page::{Front, PageError};
+use crate::verdict::waiver::{Applied, Misspelt};
 use crate::verdict::{Finding, Row};
 use crate::world::World;
 
@@ -66,6 +68,12 @@ pub trait Rule {
     /// Judges every subject of a world: one `pass`, `fail` or `not_evaluated` for each. Saying nothing at all means
     /// that the world holds no subject.
     fn judge(world: &World, limits: &Self::Limits, out: &mut Judge);
+
+    /// Whether the rule speaks of what the user accepts.
+    const OF_GATE: bool = false;
+
+    /// Judges what the user accepts, once for a run and instead of [`Rule::judge`], where [`Rule::OF_GATE`] says so.
+    fn judge_gate(_applied: &[Applied], _misspelt: &[Misspelt], _limits: &Self::Limits, _out: &mut Judge) {}
 
     /// Speaks of what the other rules found, and may add to what they measured: asked last, instead of [`Rule::judge`], where
     /// [`Rule::REVIEWS`] says so. As pure as that: findings and outcomes in, judgements out.
@@ -125,6 +133,7 @@ impl Evidence {
 pub struct NoLimits {}
 
 type Run = fn(&World, &Front, &mut Judge) -> Result<(), PageError>;
+type Gate = fn(&[Applied], &[Misspelt], &Front, &mut Judge) -> Result<(), PageError>;
 type Review = fn(&mut [Finding], &[Row], &Front, &mut Judge) -> Result<(), PageError>;
 
 /// A registered rule.
@@ -140,6 +149,8 @@ pub struct Entry {
     pub run: Run,
     /// Loads the limits and speaks of what the others found, where the rule does that instead.
     pub review: Option<Review>,
+    /// Loads the limits and judges what the user accepts, where the rule does that instead.
+    pub gate: Option<Gate>,
     /// Loads the limits only.
     pub check_limits: fn(&Front) -> Result<(), PageError>,
 }
@@ -154,12 +165,18 @@ const fn entry<R: Rule>() -> Entry {
             Ok(())
         },
         review: if R::REVIEWS { Some(review::<R>) } else { None },
+        gate: if R::OF_GATE { Some(gate::<R>) } else { None },
         check_limits: |front| front.limits::<R::Limits>().map(|_| ()),
     }
 }
 
 fn review<R: Rule>(found: &mut [Finding], rows: &[Row], front: &Front, out: &mut Judge) -> Result<(), PageError> {
     R::review(found, rows, &front.limits::<R::Limits>()?, out);
+    Ok(())
+}
+
+fn gate<R: Rule>(applied: &[Applied], misspelt: &[Misspelt], front: &Front, out: &mut Judge) -> Result<(), PageError> {
+    R::judge_gate(applied, misspelt, &front.limits::<R::Limits>()?, out);
     Ok(())
 }
 
@@ -292,4 +309,7 @@ pub static RULES: &[Entry] = &[
     entry::<prec::float32_ulp::Float32Ulp>(),
     entry::<prec::point_time_precision::PointTimePrecision>(),
     entry::<prec::local_origin::LocalOrigin>(),
+    entry::<gate::unused_waiver::UnusedWaiver>(),
+    entry::<gate::expired_waiver::ExpiredWaiver>(),
+    entry::<gate::comment_not_understood::CommentNotUnderstood>(),
 ];

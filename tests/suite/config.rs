@@ -213,3 +213,100 @@ fn a_fault_in_a_table_has_its_place_in_its_own_file() {
         ran.err
     );
 }
+
+/// Everything that a configuration may say.
+const WHOLE: &str = "\
+extends: [ci]
+fail-on: note
+rules: {select: [tree, CROSS02], ignore: NAME01, severity: {NAME02: error, TREE: off}}
+limits: {CROSS02: {small_deg: 0.8 deg}}
+paths: [{file: sim/**, ignore: [urdf], severity: {TREE01: note}}]
+waivers: [{rule: CROSS02, subject: '*lidar*', file: a.yaml, reason: remounted, until: '2027-01-31', by: J. Doe}]
+require: [TREE01, {rule: AXES03, subject: '*imu*'}]
+conventions:
+  - {topic: /imu, frame: imu, file: a.mcap, world: NED, body: frd, quaternion: {order: wxyz, algebra: JPL}, time: gps, fields: confirmed}
+dataset: KITTI
+tables: {lidar-imus: [{name: Ours, words: [ours], lever_mm: [1, 2, 3]}]}
+aliases: {velodyne: [lidar, velo], base_link: body}
+transforms: [{file: a.yaml, key: extrinsic, is: imu from lidar}]
+projections:
+  - topic: /points
+    range_image: {width: 1024, height: 64, fov_up_deg: 22.5, fov_down_deg: -22.5, azimuth: clockwise, seam: clamp, beam_offset_mm: 15.8}
+  - {topic: /bev, grid: {frame: base_link, resolution_m: 0.1, origin: [-50, -50], cell: corner, columns: +x, rows: +y, ego_motion: raw}}
+  - {topic: /pano, panorama: {width: 4096, height: 2048, azimuth: clockwise}}
+";
+
+#[test]
+fn the_schema_and_the_reader_take_and_refuse_the_same() {
+    let schema: serde_json::Value =
+        serde_json::from_str(include_str!("../../schema/frames-lint-config-1.json")).unwrap();
+    let validator = jsonschema::draft202012::new(&schema).unwrap();
+    let keys: Vec<&str> = schema["properties"]
+        .as_object()
+        .unwrap()
+        .keys()
+        .map(String::as_str)
+        .collect();
+    let mut sorted = keys.clone();
+    sorted.sort_unstable();
+    assert_eq!(sorted, frames_lint::config::KEYS);
+    let by_schema = |text: &str| {
+        let value: serde_json::Value = serde_yaml::from_str(text).unwrap();
+        let errors: Vec<String> = validator.iter_errors(&value).map(|error| error.to_string()).collect();
+        errors
+    };
+    let by_reader = |text: &str| frames_lint::config::parse("c.yaml", text.to_owned(), Path::new("")).err();
+    assert_eq!((by_schema(WHOLE), by_reader(WHOLE)), (Vec::new(), None));
+    for (name, text) in frames_lint::config::PROFILES {
+        assert_eq!((by_schema(text), by_reader(text)), (Vec::new(), None), "{name}");
+    }
+    // Every key of it spoiled in turn: unknown keys are errors on every level.
+    let mut spoiled: Vec<String> = [
+        "rool: 1\n",
+        "fail-on: errors\n",
+        "rules: []\n",
+        "rules: {severity: {TREE01: fatal}}\n",
+        "limits: {TREE01: 3}\n",
+        "limits: {TREE01: {a: three}}\n",
+        "paths: [{file: a}]\n",
+        "paths: [{ignore: [tree]}]\n",
+        "waivers: [{rule: TREE01}]\n",
+        "waivers: [{rule: TREE01, reason: a, until: soon}]\n",
+        "waivers: {rule: TREE01, reason: a}\n",
+        "require: TREE01\n",
+        "require: [{subject: a}]\n",
+        "conventions: [{world: NED}]\n",
+        "transforms: [{file: a}]\n",
+        "projections: [{topic: a}]\n",
+    ]
+    .map(str::to_owned)
+    .to_vec();
+    for key in [
+        "select",
+        "small_deg: 0.8 deg",
+        "file",
+        "ignore: [urdf]",
+        "reason",
+        "until",
+        "subject",
+        "topic",
+        "order",
+        "is",
+        "range_image",
+        "width",
+        "resolution_m",
+        "panorama",
+        "lidar-imus",
+    ] {
+        let text = match key.split_once(':') {
+            Some((before, _)) => WHOLE.replacen(key, &format!("{before}: {{no: no}}"), 1),
+            None => WHOLE.replacen(&format!("{key}:"), &format!("{key}x:"), 1),
+        };
+        assert_ne!(text, WHOLE, "{key}");
+        spoiled.push(text);
+    }
+    for text in spoiled {
+        assert!(!by_schema(&text).is_empty(), "the schema takes\n{text}");
+        assert!(by_reader(&text).is_some(), "the reader takes\n{text}");
+    }
+}

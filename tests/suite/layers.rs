@@ -23,18 +23,23 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
         ("report", &["source", "world", "verdict", "page", "run"]),
         ("progress", &[]),
         // A fault in the configuration has a place, and the reader of documents knows places.
-        ("config", &["source", "world", "read", "tables"]),
+        (
+            "config",
+            &["source", "world", "read", "tables", "verdict", "run", "gate"],
+        ),
+        ("gate", &["source", "verdict", "page", "run"]),
         (
             "engine",
             &[
-                "source", "world", "verdict", "page", "rules", "read", "collect", "config", "run", "progress",
+                "source", "world", "verdict", "page", "rules", "read", "collect", "config", "run", "progress", "gate",
+                "tables",
             ],
         ),
         ("convert", &["run", "world", "source", "tables", "math"]),
         (
             "cli",
             &[
-                "engine", "report", "run", "verdict", "page", "rules", "convert", "tables",
+                "engine", "report", "run", "verdict", "page", "rules", "convert", "tables", "config",
             ],
         ),
     ])

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 
 use frames_lint::page::{self, Front};
 use frames_lint::rules::RULES;
+use frames_lint::tables::recordings;
 
 const SECTIONS: &[&str] = &[
     "What it checks",
@@ -46,11 +47,22 @@ fn limits_in_pages_and_code_are_the_same() {
 }
 
 #[test]
+fn evidence_is_of_known_kinds_and_every_rule_but_those_of_the_gate_names_it() {
+    for front in fronts() {
+        assert_eq!(front.evidence.is_empty(), front.family() == "GATE", "{}", front.code);
+        for kind in &front.evidence {
+            assert!(recordings::is_known(kind), "{} {kind}", front.code);
+        }
+    }
+}
+
+#[test]
 fn the_head_of_a_page_is_its_front_matter_without_limits_and_references() {
     for entry in RULES {
         let whole = Front::parse(entry.page).unwrap();
         let head = Front::parse_head(entry.page).unwrap();
         let without = Front {
+            evidence: head.evidence.clone(),
             limits: head.limits.clone(),
             references: head.references.clone(),
             ..whole

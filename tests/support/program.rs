@@ -45,14 +45,25 @@ impl Ran {
     }
 }
 
-/// Runs `frames-lint` in `folder`. The outputs go to files, so that a long one cannot block the child.
+/// Runs `frames-lint` in `folder`.
 pub fn run<S: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = S>) -> Ran {
+    run_with(folder, arguments, &[])
+}
+
+/// [`run`] with these variables in its environment. The outputs go to files, so that a long one cannot block the child.
+pub fn run_with<S: AsRef<OsStr>>(
+    folder: &Path,
+    arguments: impl IntoIterator<Item = S>,
+    environment: &[(&str, &str)],
+) -> Ran {
     let mut out = tempfile::tempfile().expect("a temporary file");
     let mut err = tempfile::tempfile().expect("a temporary file");
     let mut child = Command::new(env!("CARGO_BIN_EXE_frames-lint"))
         .args(arguments)
         .current_dir(folder)
         .env_remove("RUST_BACKTRACE")
+        .env_remove("SOURCE_DATE_EPOCH")
+        .envs(environment.iter().copied())
         .stdin(Stdio::null())
         .stdout(out.try_clone().expect("a handle"))
         .stderr(err.try_clone().expect("a handle"))

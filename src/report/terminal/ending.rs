@@ -11,6 +11,7 @@ use super::super::Style;
 use super::super::style::Ink;
 use super::super::text::{list, one_line, plural, wrap};
 use super::Options;
+use super::gate::unmet_words;
 
 pub(super) fn ending(run: &Run, options: &Options, out: &mut String) {
     let summary = run.summary(options.fail_on);
@@ -68,6 +69,7 @@ fn verdict(run: &Run, summary: &Summary, options: &Options) -> (Ink, String) {
             sentences.push(format!("Not clean: {}.", counting(run, options.fail_on)));
             sentences.extend(crash);
             sentences.extend(unread(run));
+            sentences.extend(unmet_words(run));
             Ink::Error
         }
         VerdictWord::Incomplete if !run.checked_anything() => {
@@ -79,7 +81,7 @@ fn verdict(run: &Run, summary: &Summary, options: &Options) -> (Ink, String) {
             Ink::Error
         }
         VerdictWord::Incomplete => {
-            let why: Vec<String> = crash.into_iter().chain(unread(run)).collect();
+            let why: Vec<String> = crash.into_iter().chain(unread(run)).chain(unmet_words(run)).collect();
             sentences.push(format!("Incomplete: {}", why.join(" ")));
             sentences.push(format!(
                 "What could be checked: {} passed.",
@@ -125,7 +127,7 @@ fn counting(run: &Run, fail_on: FailOn) -> String {
 
 /// Findings that do not fail the run: said, so that nobody takes them for nothing.
 fn not_counting(run: &Run, fail_on: FailOn) -> Option<String> {
-    let others = || run.verdict.findings.iter().filter(|finding| !fail_on.counts(finding));
+    let others = || run.verdict.open().filter(|finding| !fail_on.counts(finding));
     let hints = others()
         .filter(|finding| finding.confidence == Confidence::Hint)
         .count();

@@ -144,7 +144,7 @@ fn message_words(message: &MessageRef) -> String {
 }
 
 /// `rotation difference 90 deg, limit 1 deg, spread 0.2 deg, n=12`.
-pub(super) fn measured_words(measured: &Measured) -> String {
+pub(in crate::report) fn measured_words(measured: &Measured) -> String {
     let unit = match measured.unit.as_str() {
         "1" | "count" | "" => String::new(),
         unit => format!(" {unit}"),

@@ -4,6 +4,7 @@
 
 mod ending;
 mod finding;
+mod gate;
 mod inputs;
 mod rows;
 mod snippet;
@@ -11,14 +12,17 @@ mod snippet;
 mod tests;
 
 use std::collections::BTreeMap;
+use std::fmt::Write;
 
 use crate::run::{FailOn, Run};
 
 use super::Style;
 use super::place::Locator;
 use super::style::Ink;
-use super::text::plural;
+use super::text::{one_line, plural};
 use snippet::Painter;
+
+pub(super) use finding::measured_words;
 
 /// Findings shown in full; rendering a snippet costs far more than a line.
 const FULL: usize = 100;
@@ -46,6 +50,8 @@ pub fn render(run: &Run, options: &Options) -> String {
     let painter = Painter::new(&locator, options.style);
     let mut out = String::new();
     findings(run, options, &locator, &painter, &mut out);
+    gate::waived(run, options, &locator, &mut out);
+    gate::unmet(run, options.style, &mut out);
     inputs::unread(run, &locator, &painter, options.style, &mut out);
     inputs::partly_examined(run, options.style, &mut out);
     inputs::skipped(run, options, &mut out);
@@ -53,6 +59,35 @@ pub fn render(run: &Run, options: &Options) -> String {
     rows::crashed(run, options.style, &mut out);
     ending::ending(run, options, &mut out);
     out
+}
+
+/// A line for each finding, and the ending.
+pub fn render_concise(run: &Run, options: &Options) -> String {
+    let locator = Locator::new(&run.sources);
+    let mut out = String::new();
+    for finding in run.verdict.open() {
+        finding::line(finding, &locator, options.style, &mut out);
+    }
+    gate::concise(run, &locator, options.style, &mut out);
+    for source in run.unread() {
+        let detail = source.detail.as_deref().unwrap_or("could not be read in full");
+        let _ = writeln!(out, "{}: {}", one_line(&locator.name(source.id)), one_line(detail));
+    }
+    ending::ending(run, options, &mut out);
+    out
+}
+
+/// The last two lines of the report, without colour and line breaks.
+pub(super) fn plain_ending(run: &Run, fail_on: FailOn) -> String {
+    render_ending(
+        run,
+        &Options {
+            style: Style::PLAIN,
+            fail_on,
+            verbose: false,
+            all: false,
+        },
+    )
 }
 
 /// The last two lines of the report: the counts and the verdict in plain words.
@@ -74,7 +109,7 @@ fn findings(run: &Run, options: &Options, locator: &Locator, painter: &Painter, 
     let mut of_rule: BTreeMap<&str, usize> = BTreeMap::new();
     let mut hidden: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     let mut in_list = false;
-    for (position, finding) in run.verdict.findings.iter().enumerate() {
+    for (position, finding) in run.verdict.open().enumerate() {
         let before = of_rule.entry(&finding.rule).or_default();
         let in_full = position < FULL || *before < FULL_PER_RULE;
         *before += 1;

@@ -1,0 +1,393 @@
+//! The keys `fail-on`, `rules`, `limits`, `paths`, `waivers` and `require` of the configuration: what the gate asks for.
+//!
+//! Which rules there are is not known here: words that name them are kept with their place, and the engine holds them against the rules.
+
+use globset::GlobMatcher;
+
+use crate::gate::{Exception, Level, Requirement, Scope, Weight};
+use crate::read::calibration::document::Node;
+use crate::run::FailOn;
+use crate::source::{Place, SourceId, Span};
+use crate::verdict::Severity;
+use crate::verdict::waiver::{Day, Waiver, WaiverKind};
+
+use super::ConfigError;
+use super::reader::Reader;
+
+/// What one layer asks the gate for.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Asked {
+    pub(super) fail_on: Option<FailOn>,
+    /// Words for rules, with their places in words.
+    pub(super) select: Option<Vec<(String, String)>>,
+    pub(super) ignore: Vec<(String, String)>,
+    pub(super) named: Vec<(String, String)>,
+    pub(super) weights: Vec<Weight>,
+    pub(super) limits: Vec<LimitOverride>,
+    waivers: Vec<Waived>,
+    pub(super) required: Vec<Requirement>,
+}
+
+/// A limit that is not that of the rule's page.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LimitOverride {
+    /// Code or name of the rule.
+    pub rule: String,
+    /// Name of the limit.
+    pub name: String,
+    /// The number, in `unit`.
+    pub value: f64,
+    /// The unit as it is written; empty where none is.
+    pub unit: String,
+    /// Where that stands, in words.
+    pub origin: String,
+}
+
+/// A waiver without the identity of its source.
+#[derive(Clone, Debug)]
+struct Waived {
+    rule: String,
+    subject: Option<(String, GlobMatcher)>,
+    file: Option<(String, GlobMatcher)>,
+    reason: String,
+    by: Option<String>,
+    until: Option<Day>,
+    origin: String,
+    span: Span,
+}
+
+impl Asked {
+    /// The waivers; the layer has this id as a source.
+    pub(super) fn exceptions(&self, id: SourceId) -> impl Iterator<Item = Exception> {
+        self.waivers.iter().map(move |waived| {
+            let words = |glob: &Option<(String, GlobMatcher)>, before: &str| {
+                glob.as_ref()
+                    .map_or_else(String::new, |(words, _)| format!("{before}`{words}`"))
+            };
+            let about = format!("{}{}", words(&waived.subject, ""), words(&waived.file, " in "));
+            Exception {
+                waiver: Waiver {
+                    kind: WaiverKind::Configuration,
+                    rule: waived.rule.clone(),
+                    about: about.trim().to_owned(),
+                    reason: waived.reason.clone(),
+                    by: waived.by.clone(),
+                    until: waived.until.clone(),
+                    origin: waived.origin.clone(),
+                    place: Place::text(id, waived.span),
+                },
+                scope: Scope::Globs {
+                    subject: waived.subject.as_ref().map(|(_, glob)| glob.clone()),
+                    file: waived.file.as_ref().map(|(_, glob)| glob.clone()),
+                },
+            }
+        })
+    }
+}
+
+const SEVERITIES: &[(&str, Level)] = &[
+    ("off", Level::Off),
+    ("note", Level::Severity(Severity::Note)),
+    ("warning", Level::Severity(Severity::Warning)),
+    ("error", Level::Severity(Severity::Error)),
+];
+
+const FAIL_ON: &[(&str, FailOn)] = &[
+    ("error", FailOn::Error),
+    ("warning", FailOn::Warning),
+    ("note", FailOn::Note),
+    ("never", FailOn::Never),
+];
+
+impl Reader<'_> {
+    /// The keys that the gate asks with.
+    pub(super) fn asked(&self, root: &Node) -> Result<Asked, ConfigError> {
+        let mut asked = Asked {
+            fail_on: self.word(root, "fail-on", FAIL_ON)?,
+            ..Asked::default()
+        };
+        if let Some(rules) = root.get("rules") {
+            self.keys(rules, &["select", "ignore", "severity"])?;
+            if let Some(node) = rules.get("select") {
+                asked.select = Some(self.rule_words(node, &mut asked.named)?);
+            }
+            if let Some(node) = rules.get("ignore") {
+                asked.ignore = self.rule_words(node, &mut asked.named)?;
+            }
+            self.severities(rules, None, &mut asked)?;
+        }
+        self.limits(root, &mut asked)?;
+        for item in self.list_of(root, "paths", "`- {file: simulation/**, ignore: [urdf]}`")? {
+            self.path_section(item, &mut asked)?;
+        }
+        for item in self.list_of(root, "waivers", "`- {rule: CROSS02, subject: '*lidar*', reason: ...}`")? {
+            let waived = self.waiver(item, &mut asked.named)?;
+            asked.waivers.push(waived);
+        }
+        for item in self.list_of(root, "require", "`- TREE01`, or `- {rule: AXES03, subject: '*/imu*'}`")? {
+            let requirement = self.requirement(item, &mut asked.named)?;
+            asked.required.push(requirement);
+        }
+        Ok(asked)
+    }
+
+    /// The items of a list; none where the key is not there.
+    fn list_of<'n>(&self, root: &'n Node, key: &str, example: &str) -> Result<&'n [Node], ConfigError> {
+        let Some(node) = root.get(key) else { return Ok(&[]) };
+        let fault = || self.error(node.span.start, &format!("`{key}` is a list: {example}"));
+        node.items().ok_or_else(fault)
+    }
+
+    /// A text under a key that must be there.
+    fn required_text(&self, item: &Node, key: &str, what: &str) -> Result<String, ConfigError> {
+        let Some(node) = item.get(key) else {
+            return Err(self.error(item.span.start, &format!("`{key}` is missing: {what}")));
+        };
+        let text = node.text().map(str::trim).filter(|text| !text.is_empty());
+        let text = text.ok_or_else(|| self.error(node.span.start, &format!("`{key}` is {what}")))?;
+        Ok(text.to_owned())
+    }
+
+    /// A word for rules, kept with its place.
+    fn rule_word(&self, node: &Node, named: &mut Vec<(String, String)>) -> Result<(String, String), ConfigError> {
+        let text = node.text().map(str::trim).filter(|text| !text.is_empty());
+        let text = text.ok_or_else(|| self.error(node.span.start, "a rule is expected: a code, a name or a family"))?;
+        let word = (text.to_owned(), self.origin(node, true));
+        named.push(word.clone());
+        Ok(word)
+    }
+
+    /// One word for rules, or a list of them.
+    fn rule_words(&self, node: &Node, named: &mut Vec<(String, String)>) -> Result<Vec<(String, String)>, ConfigError> {
+        let items = node.items().map_or_else(|| vec![node], |items| items.iter().collect());
+        items.into_iter().map(|item| self.rule_word(item, named)).collect()
+    }
+
+    /// `severity: {NAME02: error}`.
+    fn severities(&self, node: &Node, file: Option<&GlobMatcher>, asked: &mut Asked) -> Result<(), ConfigError> {
+        let Some(map) = node.get("severity") else { return Ok(()) };
+        if !map.is_mapping() {
+            let what = "`severity` has rules for keys: `severity: {NAME02: error}`";
+            return Err(self.error(map.span.start, what));
+        }
+        for (key, _) in map.pairs() {
+            let (rule, _) = self.rule_word(key, &mut asked.named)?;
+            let level = self.word(map, &rule, SEVERITIES)?;
+            // Off everywhere: it is not asked at all.
+            if level == Some(Level::Off) && file.is_none() {
+                asked.ignore.push((rule, self.origin(key, true)));
+                continue;
+            }
+            asked.weights.extend(level.map(|level| Weight {
+                rule,
+                file: file.cloned(),
+                level,
+                origin: self.origin(key, false),
+            }));
+        }
+        Ok(())
+    }
+
+    fn path_section(&self, item: &Node, asked: &mut Asked) -> Result<(), ConfigError> {
+        self.keys(item, &["file", "ignore", "severity"])?;
+        self.required_text(item, "file", "a path, or a glob with `*`")?;
+        let file = self.glob(item, "file")?;
+        if item.get("ignore").is_none() && item.get("severity").is_none() {
+            let what = "this changes nothing: `ignore` or `severity` is missing";
+            return Err(self.error(item.span.start, what));
+        }
+        self.severities(item, file.as_ref(), asked)?;
+        if let Some(node) = item.get("ignore") {
+            for (rule, _) in self.rule_words(node, &mut asked.named)? {
+                asked.weights.push(Weight {
+                    rule,
+                    file: file.clone(),
+                    level: Level::Off,
+                    origin: self.origin(item, false),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// `limits: {CROSS02: {rotation_deg: 3 deg}}`.
+    fn limits(&self, root: &Node, asked: &mut Asked) -> Result<(), ConfigError> {
+        let Some(map) = root.get("limits") else { return Ok(()) };
+        let example = "`limits` has rules for keys, and behind each its limits: `CROSS02: {rotation_deg: 3 deg}`";
+        if !map.is_mapping() {
+            return Err(self.error(map.span.start, example));
+        }
+        for (key, limits) in map.pairs() {
+            let (rule, _) = self.rule_word(key, &mut asked.named)?;
+            if !limits.is_mapping() {
+                return Err(self.error(limits.span.start, example));
+            }
+            for (name, value) in limits.pairs() {
+                let text = value.text().unwrap_or_default().trim();
+                let end = text
+                    .find(|c: char| !(c.is_ascii_digit() || matches!(c, '.' | '-' | '+' | 'e' | 'E')))
+                    .unwrap_or(text.len());
+                let (number, unit) = text.split_at(end);
+                let number = number.parse::<f64>().ok().filter(|number| number.is_finite());
+                let number = number.ok_or_else(|| {
+                    self.error(value.span.start, "a number with its unit is expected: `3 deg`, `8 cm`")
+                })?;
+                asked.limits.push(LimitOverride {
+                    rule: rule.clone(),
+                    name: name.text().unwrap_or_default().to_owned(),
+                    value: number,
+                    unit: unit.trim().to_owned(),
+                    origin: self.origin(value, true),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    fn waiver(&self, item: &Node, named: &mut Vec<(String, String)>) -> Result<Waived, ConfigError> {
+        self.keys(item, &["rule", "subject", "file", "reason", "until", "by"])?;
+        self.required_text(item, "rule", "a code, a name or a family")?;
+        let rule = match item.get("rule") {
+            Some(node) => self.rule_word(node, named)?.0,
+            None => String::new(),
+        };
+        let reason = self.required_text(item, "reason", "why this is accepted, for whoever reads the report")?;
+        let until = match item.get("until") {
+            None => None,
+            Some(node) => {
+                let day = node.text().and_then(Day::parse);
+                Some(day.ok_or_else(|| self.error(node.span.start, "`until` is the last day: `2027-01-31`"))?)
+            }
+        };
+        let by = item
+            .get("by")
+            .map(|_| self.required_text(item, "by", "the name of who accepts this"));
+        let worded = |key: &str| -> Result<Option<(String, GlobMatcher)>, ConfigError> {
+            let words = item.get(key).and_then(Node::text).unwrap_or_default().to_owned();
+            Ok(self.glob(item, key)?.map(|glob| (words, glob)))
+        };
+        Ok(Waived {
+            rule,
+            subject: worded("subject")?,
+            file: worded("file")?,
+            reason,
+            by: by.transpose()?,
+            until,
+            origin: self.origin(item, false),
+            span: item.span,
+        })
+    }
+
+    fn requirement(&self, item: &Node, named: &mut Vec<(String, String)>) -> Result<Requirement, ConfigError> {
+        let origin = self.origin(item, false);
+        if !item.is_mapping() {
+            let (rule, _) = self.rule_word(item, named)?;
+            return Ok(Requirement {
+                rule,
+                subject: None,
+                origin,
+            });
+        }
+        self.keys(item, &["rule", "subject"])?;
+        self.required_text(item, "rule", "a code, a name or a family")?;
+        let rule = match item.get("rule") {
+            Some(node) => self.rule_word(node, named)?.0,
+            None => String::new(),
+        };
+        let words = item.get("subject").and_then(Node::text).unwrap_or_default().to_owned();
+        Ok(Requirement {
+            rule,
+            subject: self.glob(item, "subject")?.map(|glob| (words, glob)),
+            origin,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
+    use std::path::Path;
+
+    use super::super::{Config, parse};
+    use super::*;
+
+    fn config(text: &str) -> Config {
+        parse("c.yaml", text.to_owned(), Path::new("")).unwrap()
+    }
+
+    fn fault(text: &str) -> String {
+        parse("c.yaml", text.to_owned(), Path::new("")).unwrap_err().0
+    }
+
+    #[test]
+    fn every_key_is_read_with_its_place() {
+        let config = config(
+            "fail-on: warning\nrules:\n  select: [tree, CROSS02]\n  ignore: NAME01\n  severity: {NAME02: error}\n\
+             limits:\n  CROSS02: {rotation_deg: 3.5 deg, translation_m: 8 cm}\n\
+             paths:\n  - {file: 'sim/**', ignore: [urdf], severity: {TREE01: note}}\n\
+             waivers:\n  - rule: CROSS02\n    subject: '*lidar*'\n    file: a.yaml\n    reason: remounted\n    until: 2027-01-31\n    by: J. Doe\n\
+             require:\n  - TREE01\n  - {rule: AXES03, subject: '*imu*'}\n",
+        );
+        assert_eq!(config.fail_on(), Some(FailOn::Warning));
+        let (select, ignore) = config.rules();
+        assert_eq!(
+            select,
+            [
+                ("tree".to_owned(), "c.yaml:3:12".to_owned()),
+                ("CROSS02".to_owned(), "c.yaml:3:18".to_owned())
+            ]
+        );
+        assert_eq!(ignore.count(), 1);
+        let limits: Vec<_> = config.limits().collect();
+        assert_eq!((limits[0].value, limits[0].unit.as_str()), (3.5, "deg"));
+        assert_eq!(
+            (limits[1].name.as_str(), limits[1].value, limits[1].unit.as_str()),
+            ("translation_m", 8.0, "cm")
+        );
+        let policy = config.policy(5);
+        let levels: Vec<_> = policy
+            .weights
+            .iter()
+            .map(|w| (w.rule.as_str(), w.level, w.file.is_some()))
+            .collect();
+        assert_eq!(
+            levels,
+            [
+                ("NAME02", Level::Severity(Severity::Error), false),
+                ("TREE01", Level::Severity(Severity::Note), true),
+                ("urdf", Level::Off, true)
+            ]
+        );
+        let waiver = &policy.exceptions[0].waiver;
+        assert_eq!(
+            waiver.waived().words(),
+            "remounted, by J. Doe, until 2027-01-31 (c.yaml:11)"
+        );
+        assert_eq!(
+            (waiver.about.as_str(), waiver.place.source),
+            ("`*lidar*` in `a.yaml`", SourceId(5))
+        );
+        assert_eq!(policy.required.len(), 2);
+        assert_eq!(config.named_rules().count(), 10);
+    }
+
+    #[test]
+    fn faults_have_a_place() {
+        assert_eq!(
+            fault("waivers:\n  - {rule: CROSS02}\n"),
+            "c.yaml:2:5: `reason` is missing: why this is accepted, for whoever reads the report"
+        );
+        assert!(
+            fault("waivers:\n  - {rule: X, reason: y, until: 2027-02-30}\n")
+                .contains("c.yaml:2:33: `until` is the last day")
+        );
+        assert!(fault("waivers: {}\n").contains("is a list"));
+        assert!(fault("fail-on: errors\n").contains("`fail-on` is one of error, warning, note, never"));
+        assert!(fault("rules: {severity: {X: fatal}}\n").contains("is one of off, note, warning, error"));
+        assert!(fault("limits: {X: {a: three}}\n").contains("a number with its unit is expected"));
+        assert!(fault("limits: {X: 3}\n").contains("`limits` has rules for keys"));
+        assert!(fault("paths: [{file: a}]\n").contains("this changes nothing"));
+        assert!(fault("require: [{subject: a}]\n").contains("`rule` is missing"));
+        assert!(fault("rules: {selct: [a]}\n").contains("did you mean `select`?"));
+    }
+}

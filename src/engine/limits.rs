@@ -1,0 +1,116 @@
+//! Limits of the user's own: held against the pages, and brought to their units.
+
+use serde_yaml::Value;
+
+use crate::config::LimitOverride;
+use crate::page::{Front, names_rule};
+
+use super::UsageError;
+use super::plan::Enabled;
+
+/// Units that can stand for one another, each with its size.
+const KINDS: [&[(&str, f64)]; 6] = [
+    &[("m", 1.0), ("km", 1000.0), ("cm", 0.01), ("mm", 0.001), ("um", 1e-6)],
+    &[
+        ("deg", 1.0),
+        ("rad", 180.0 / std::f64::consts::PI),
+        ("mrad", 0.18 / std::f64::consts::PI),
+    ],
+    &[("s", 1.0), ("min", 60.0), ("ms", 1e-3), ("us", 1e-6), ("ns", 1e-9)],
+    &[("m/s", 1.0), ("km/h", 1.0 / 3.6), ("mm/s", 1e-3)],
+    &[("deg/s", 1.0), ("rad/s", 180.0 / std::f64::consts::PI)],
+    &[("1", 1.0), ("", 1.0), ("%", 0.01), ("ppm", 1e-6)],
+];
+
+/// Sets a limit of a rule.
+pub(super) fn set(rules: &mut [Enabled], limit: &LimitOverride) -> Result<(), UsageError> {
+    let failed = |what: String| UsageError(format!("{}: {what}", limit.origin));
+    let rule = rules.iter_mut().find(|rule| {
+        let front = &rule.front;
+        [&front.code, &front.name]
+            .iter()
+            .any(|known| known.eq_ignore_ascii_case(&limit.rule))
+    });
+    let rule = rule.ok_or_else(|| failed(format!("`{}` is a family; limits are those of one rule", limit.rule)))?;
+    debug_assert!(names_rule(&limit.rule, &rule.front.code, &rule.front.name));
+    let page = Front::parse(rule.entry.page).map_err(|error| failed(error.to_string()))?;
+    let Some(known) = page.limits.get(&limit.name) else {
+        let names: Vec<&str> = page.limits.keys().map(String::as_str).collect();
+        let names = if names.is_empty() {
+            "none".to_owned()
+        } else {
+            names.join(", ")
+        };
+        return Err(failed(format!(
+            "{} has no limit `{}`; its limits: {names}",
+            page.code, limit.name
+        )));
+    };
+    let factor = factor(&limit.unit, &known.unit).ok_or_else(|| {
+        let example = known.value.as_f64().unwrap_or(1.0);
+        let unit = if known.unit == "1" {
+            String::new()
+        } else {
+            format!(" {}", known.unit)
+        };
+        failed(format!(
+            "`{}` is in {}: write `{example}{unit}`",
+            limit.name, known.unit
+        ))
+    })?;
+    let value = limit.value * factor;
+    let value = if known.value.is_f64() {
+        Value::from(value)
+    } else if value.fract() == 0.0 && value.abs() < 1e15 {
+        #[allow(clippy::cast_possible_truncation)] // whole, and small enough
+        let whole = value as i64;
+        Value::from(whole)
+    } else {
+        Value::from(value)
+    };
+    let mut with = page.clone();
+    if let Some(limit) = with.limits.get_mut(&limit.name) {
+        limit.value = value.clone();
+    }
+    (rule.entry.check_limits)(&with).map_err(|error| failed(error.to_string()))?;
+    rule.overrides.insert(limit.name.clone(), value);
+    Ok(())
+}
+
+/// By what a number in the unit that is written is multiplied; `None` where it is none for the unit of the page.
+fn factor(written: &str, page: &str) -> Option<f64> {
+    if written == page {
+        return Some(1.0);
+    }
+    let of = |unit: &str| {
+        KINDS.iter().enumerate().find_map(|(kind, units)| {
+            units
+                .iter()
+                .find(|(name, _)| *name == unit)
+                .map(|(_, size)| (kind, *size))
+        })
+    };
+    if written.is_empty() && matches!(page, "count" | "1") {
+        return Some(1.0);
+    }
+    let ((kind, size), (other, unit)) = (of(written)?, of(page)?);
+    (kind == other).then_some(size / unit)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn units_are_brought_to_those_of_the_page() {
+        let close = |a: Option<f64>, b: f64| a.is_some_and(|a| (a - b).abs() < 1e-12 * b);
+        assert!(close(factor("cm", "m"), 0.01));
+        assert!(close(factor("rad", "deg"), 57.295_779_513_082_32));
+        assert!(close(factor("ms", "s"), 0.001));
+        assert!(close(factor("%", "1"), 0.01));
+        assert!(close(factor("", "count"), 1.0));
+        assert_eq!(factor("deg", "m"), None);
+        assert_eq!(factor("", "m"), None);
+        assert!(close(factor("furlong", "furlong"), 1.0));
+    }
+}

@@ -1,0 +1,311 @@
+//! Comments beside what they accept: `frames-lint: allow RULE reason`, in URDF, YAML, launch files and source code.
+//!
+//! On a line of its own a comment is for the element or entry that follows, at the end of a line for the one that begins there;
+//! `allow-file` is for the whole file. Behind the rules, `until YYYY-MM-DD` may stand.
+
+use crate::page::names_rule;
+use crate::source::{Derived, LineIndex, Place, Source, SourceKind, Span};
+use crate::verdict::waiver::{Day, Misspelt, Waiver, WaiverKind};
+
+use super::{Context, Exception, Scope};
+
+/// What such a comment opens with.
+const MARK: &str = "frames-lint:";
+
+/// What begins a comment, in the languages that are read.
+const OPENERS: [&str; 6] = ["#", "//", "<!--", "/*", "--", ";"];
+
+/// Every comment to frames-lint in the sources: what it accepts, or what is wrong with it.
+pub(super) fn all(context: &Context) -> (Vec<Exception>, Vec<Misspelt>) {
+    let mut exceptions = Vec::new();
+    let mut misspelt = Vec::new();
+    for source in context.sources {
+        if source.kind == SourceKind::Configuration || !source.text.contains(MARK) {
+            continue;
+        }
+        let lines = LineIndex::new(&source.text);
+        let mut from = 0;
+        while let Some(at) = source.text.get(from..).and_then(|rest| rest.find(MARK)) {
+            let at = from + at;
+            from = at + MARK.len();
+            let Some(comment) = Comment::around(&source.text, at) else {
+                continue;
+            };
+            let place = Place::text(source.id, comment.span);
+            let line = lines.locate(&source.text, at).line;
+            match comment.read(source, context) {
+                Ok(found) => exceptions.extend(found.into_iter().map(|(rule, allowed)| Exception {
+                    waiver: Waiver {
+                        kind: WaiverKind::Comment,
+                        rule,
+                        about: if allowed.is_file {
+                            "in this file".to_owned()
+                        } else {
+                            "here".to_owned()
+                        },
+                        reason: allowed.reason.clone(),
+                        by: None,
+                        until: allowed.until.clone(),
+                        origin: format!("{}:{line}", name(source)),
+                        place: place.clone(),
+                    },
+                    scope: Scope::Region(source.id, allowed.region),
+                })),
+                Err(fault) => misspelt.push(Misspelt {
+                    text: comment.text.trim().to_owned(),
+                    fault,
+                    place,
+                }),
+            }
+        }
+    }
+    (exceptions, misspelt)
+}
+
+/// The path, and the message that a text came out of.
+fn name(source: &Source) -> String {
+    match &source.derived {
+        Some(Derived::Message(message)) => format!("{} {}[{}]", source.path, message.topic, message.index),
+        _ => source.path.clone(),
+    }
+}
+
+/// A comment to frames-lint.
+struct Comment<'t> {
+    /// What stands behind the mark.
+    text: &'t str,
+    /// The mark and what stands behind it.
+    span: Span,
+    /// Where the comment opens.
+    start: usize,
+    /// Where the line goes on behind it.
+    end: usize,
+    /// Whether something else stands before it on its line.
+    is_trailing: bool,
+}
+
+/// What a comment accepts.
+#[derive(Clone)]
+struct Allowed {
+    reason: String,
+    until: Option<Day>,
+    region: Span,
+    is_file: bool,
+}
+
+impl<'t> Comment<'t> {
+    /// The comment that the mark at `at` opens; `None` where it stands in no comment.
+    fn around(text: &'t str, at: usize) -> Option<Self> {
+        let line_start = text.get(..at)?.rfind('\n').map_or(0, |end| end + 1);
+        let before = text.get(line_start..at)?;
+        let bare = before.trim_end();
+        let opener = OPENERS.iter().find(|opener| bare.ends_with(**opener))?;
+        let start = line_start + bare.len() - opener.len();
+        let line_end = text.get(at..)?.find('\n').map_or(text.len(), |end| at + end);
+        let closer = match *opener {
+            "<!--" => Some("-->"),
+            "/*" => Some("*/"),
+            _ => None,
+        };
+        let body_from = at + MARK.len();
+        // A comment in brackets may go on over lines; the words to frames-lint end with their line.
+        let closed = closer.and_then(|closer| {
+            let end = text.get(body_from..)?.find(closer)?;
+            Some((body_from + end, body_from + end + closer.len()))
+        });
+        let (body_to, end) = closed.unwrap_or((line_end, line_end));
+        let body_to = body_to.min(line_end);
+        let body = text.get(body_from..body_to)?;
+        Some(Self {
+            text: body,
+            span: Span::new(at, body_from + body.trim_end().len()),
+            start,
+            end,
+            is_trailing: !text.get(line_start..start)?.trim().is_empty(),
+        })
+    }
+
+    /// The rules that it allows and where, or what is wrong with it.
+    fn read(&self, source: &Source, context: &Context) -> Result<Vec<(String, Allowed)>, String> {
+        let mut words = self.text.split_whitespace();
+        let is_file = match words.next() {
+            Some("allow") => false,
+            Some("allow-file") => true,
+            Some(other) => return Err(format!("`{other}` is not known; write `{MARK} allow RULE reason`")),
+            None => return Err(format!("it says nothing; write `{MARK} allow RULE reason`")),
+        };
+        let mut rules = Vec::new();
+        let mut rest: Vec<&str> = words.collect();
+        // `A, B reason` and `A,B reason`: a list goes on as long as commas do.
+        while !rest.is_empty() {
+            let word = rest.remove(0);
+            rules.extend(word.split(',').filter(|rule| !rule.is_empty()).map(str::to_owned));
+            if !word.ends_with(',') && rest.first().is_none_or(|next| !next.starts_with(',')) {
+                break;
+            }
+        }
+        if rules.is_empty() {
+            return Err(format!("no rule is named; write `{MARK} allow RULE reason`"));
+        }
+        for rule in &rules {
+            if !context
+                .rules
+                .iter()
+                .any(|known| names_rule(rule, &known.code, &known.name))
+            {
+                return Err(format!("there is no rule `{rule}`; `frames-lint rules` lists them"));
+            }
+        }
+        let until = match rest.as_slice() {
+            ["until", day, ..] => {
+                let day = day.trim_end_matches([',', ':', ';']);
+                let parsed = Day::parse(day);
+                rest.drain(..2);
+                Some(parsed.ok_or_else(|| format!("`{day}` is no day; write `until 2027-01-31`"))?)
+            }
+            _ => None,
+        };
+        let reason = rest.join(" ");
+        let reason = reason.trim_start_matches(['-', ':', '—', '–', ' ']).to_owned();
+        if reason.is_empty() {
+            return Err("the reason is missing: say behind the rule why it is allowed here".to_owned());
+        }
+        let region = if is_file {
+            Span::new(0, usize::MAX)
+        } else {
+            self.region(source)
+        };
+        let allowed = Allowed {
+            reason,
+            until,
+            region,
+            is_file,
+        };
+        Ok(rules.into_iter().map(|rule| (rule, allowed.clone())).collect())
+    }
+
+    /// What the comment is for: the element or entry that begins on its line, or behind it.
+    fn region(&self, source: &Source) -> Span {
+        let text = &source.text;
+        let is_xml = text.trim_start_matches('\u{feff}').trim_start().starts_with('<');
+        let element = is_xml.then(|| element(text, self)).flatten();
+        element.unwrap_or_else(|| block(text, self))
+    }
+}
+
+/// The first element that begins on the comment's line, or behind a comment that stands alone.
+fn element(text: &str, comment: &Comment) -> Option<Span> {
+    let options = roxmltree::ParsingOptions {
+        allow_dtd: true,
+        ..roxmltree::ParsingOptions::default()
+    };
+    let document = roxmltree::Document::parse_with_options(text, options).ok()?;
+    let line_start = text.get(..comment.start)?.rfind('\n').map_or(0, |end| end + 1);
+    let mut elements = document.descendants().filter(roxmltree::Node::is_element);
+    let found = if comment.is_trailing {
+        elements.find(|node| (line_start..comment.start).contains(&node.range().start))
+    } else {
+        elements.find(|node| node.range().start >= comment.end)
+    };
+    found.map(|node| Span::from(node.range()))
+}
+
+/// The line, and the lines behind it that are indented deeper or go on with its list.
+fn block(text: &str, comment: &Comment) -> Span {
+    let line_start = text
+        .get(..comment.start)
+        .map_or(0, |before| before.rfind('\n').map_or(0, |end| end + 1));
+    let mut from = if comment.is_trailing { line_start } else { comment.end };
+    let rest = text.get(from..).unwrap_or_default();
+    // Past empty lines and other comments.
+    for line in rest.split_inclusive('\n') {
+        let bare = line.trim();
+        let is_comment = OPENERS.iter().any(|opener| bare.starts_with(opener)) && !bare.starts_with("- ");
+        if !comment.is_trailing && (bare.is_empty() || is_comment) {
+            from += line.len();
+        } else {
+            break;
+        }
+    }
+    let indent = |line: &str| line.len() - line.trim_start().len();
+    let mut lines = text.get(from..).unwrap_or_default().split_inclusive('\n');
+    let Some(first) = lines.next() else {
+        return Span::new(from, from);
+    };
+    let (depth, is_item, mut end) = (indent(first), first.trim_start().starts_with("- "), from + first.len());
+    for line in lines {
+        let bare = line.trim();
+        let goes_on = bare.is_empty()
+            || indent(line) > depth
+            || (indent(line) == depth && !is_item && bare.starts_with("- "))
+            || (indent(line) == depth && matches!(bare.chars().next(), Some(']' | '}' | ')')));
+        if !goes_on {
+            break;
+        }
+        end += line.len();
+    }
+    Span::new(from, end)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The text that the only comment of a file is for.
+    fn region(text: &str) -> &str {
+        let at = text.find(MARK).unwrap();
+        let comment = Comment::around(text, at).unwrap();
+        let mut source = Source::new(crate::source::SourceId(0), "a", SourceKind::Urdf);
+        source.text = text.to_owned();
+        let span = comment.region(&source);
+        text[span.start..span.end].trim()
+    }
+
+    #[test]
+    fn a_comment_alone_is_for_the_element_behind_it() {
+        assert_eq!(
+            region(
+                "<robot>\n  <!-- frames-lint: allow X y -->\n  <joint a=\"1\">\n    <origin/>\n  </joint>\n  <link/>\n</robot>"
+            ),
+            "<joint a=\"1\">\n    <origin/>\n  </joint>"
+        );
+    }
+
+    #[test]
+    fn a_comment_behind_an_element_is_for_the_one_that_begins_on_its_line() {
+        assert_eq!(
+            region("<robot>\n  <joint><origin/> <!-- frames-lint: allow X y -->\n  </joint>\n  <link/>\n</robot>"),
+            "<joint><origin/> <!-- frames-lint: allow X y -->\n  </joint>"
+        );
+    }
+
+    #[test]
+    fn in_broken_xml_lines_decide() {
+        assert_eq!(
+            region("<robot>\n  <!-- frames-lint: allow X y -->\n  <joint>\n    <origin/>\n  <joint>\n</robot>"),
+            "<joint>\n    <origin/>"
+        );
+    }
+
+    #[test]
+    fn in_yaml_the_entry_with_all_that_is_deeper() {
+        assert_eq!(
+            region("a: 1\n# frames-lint: allow X y\n\n# more\nlidar:\n  x: 1\n\n  y: 2\nb: 3\n"),
+            "lidar:\n  x: 1\n\n  y: 2"
+        );
+        assert_eq!(
+            region("a: 1\nT: # frames-lint: allow X y\n- [1, 0]\n- [0, 1]\nb: 3\n"),
+            "T: # frames-lint: allow X y\n- [1, 0]\n- [0, 1]"
+        );
+        assert_eq!(
+            region("- a: 1 # frames-lint: allow X y\n- b: 2\n"),
+            "- a: 1 # frames-lint: allow X y"
+        );
+    }
+
+    #[test]
+    fn the_mark_in_plain_text_is_no_comment() {
+        let text = "name: 'frames-lint: allow X'\n";
+        assert!(Comment::around(text, text.find(MARK).unwrap()).is_none());
+    }
+}

@@ -1,0 +1,102 @@
+//! What must have been judged, and was not: with the reason, and what would have to be there.
+
+use crate::page::names_rule;
+use crate::run::{RuleInfo, Unmet};
+use crate::verdict::waiver::{Applied, plain_subject};
+use crate::verdict::{Outcome, Verdict};
+
+use super::{Context, Requirement, Scope};
+
+/// So many reasons are told of one rule.
+const MAX_REASONS: usize = 3;
+
+/// The requirements that a verdict does not meet, in the order in which they stand; a rule that is required twice is told once.
+///
+/// A waiver for the whole rule, or for the same subjects, accepts that it was not judged.
+pub(super) fn unmet(
+    verdict: &Verdict,
+    required: &[Requirement],
+    applied: &mut [(Applied, Scope)],
+    context: &Context,
+) -> Vec<Unmet> {
+    let mut unmet: Vec<Unmet> = Vec::new();
+    for requirement in required {
+        let rules = context
+            .rules
+            .iter()
+            .filter(|rule| names_rule(&requirement.rule, &rule.code, &rule.name));
+        for rule in rules {
+            let Some(mut one) = missing(verdict, requirement, rule, context) else {
+                continue;
+            };
+            for (waiver, scope) in applied.iter_mut().filter(|(waiver, _)| waiver.expired_days.is_none()) {
+                let is_meant = match scope {
+                    Scope::Globs { subject, file: None } => subject
+                        .as_ref()
+                        .is_none_or(|glob| one.subject.as_deref() == Some(glob.glob().glob())),
+                    _ => false,
+                };
+                if is_meant && names_rule(&waiver.waiver.rule, &rule.code, &rule.name) {
+                    waiver.matched += 1;
+                    one.waived.get_or_insert_with(|| waiver.waiver.waived());
+                }
+            }
+            let is_known = |other: &Unmet| other.rule == one.rule && other.subject == one.subject;
+            if !unmet.iter().any(is_known) {
+                unmet.push(one);
+            }
+        }
+    }
+    unmet
+}
+
+fn missing(verdict: &Verdict, requirement: &Requirement, rule: &RuleInfo, context: &Context) -> Option<Unmet> {
+    let rows: Vec<_> = verdict.rows.iter().filter(|row| row.rule == rule.code).collect();
+    let meant = |subject: &str| {
+        let subject = plain_subject(subject, context.platforms);
+        requirement
+            .subject
+            .as_ref()
+            .is_none_or(|(_, glob)| glob.is_match(subject))
+    };
+    let is_judged = |outcome| matches!(outcome, Outcome::Pass | Outcome::Fail | Outcome::Waived);
+    if rows.iter().any(|row| is_judged(row.outcome) && meant(&row.subject)) {
+        return None;
+    }
+    let mut why: Vec<String> = Vec::new();
+    if !context.asked.contains(&rule.code) {
+        why.push("the rule is not among those that were asked (`select`, `ignore`)".to_owned());
+    }
+    let not_judged: Vec<_> = rows.iter().filter(|row| !is_judged(row.outcome)).collect();
+    let about: Vec<_> = not_judged.iter().filter(|row| meant(&row.subject)).collect();
+    let told = if about.is_empty() {
+        not_judged.iter().collect()
+    } else {
+        about
+    };
+    for row in told {
+        let reason = row.reason.clone().unwrap_or_else(|| row.outcome.word().to_owned());
+        if !why.contains(&reason) {
+            why.push(reason);
+        }
+    }
+    if why.is_empty()
+        && let Some((words, _)) = &requirement.subject
+    {
+        why.push(format!("nothing that was judged is `{words}`"));
+    }
+    let more = why.len().saturating_sub(MAX_REASONS);
+    why.truncate(MAX_REASONS);
+    if more > 0 {
+        why.push(format!("and {more} more reasons"));
+    }
+    Some(Unmet {
+        rule: rule.code.clone(),
+        name: rule.name.clone(),
+        subject: requirement.subject.as_ref().map(|(words, _)| words.clone()),
+        why,
+        record: None,
+        origin: requirement.origin.clone(),
+        waived: None,
+    })
+}

@@ -1,0 +1,91 @@
+//! The code quality report of GitLab: a list of issues that merge requests compare.
+//!
+//! <https://docs.gitlab.com/ci/testing/code_quality/#code-quality-report-format>
+
+use serde::Serialize;
+
+use crate::run::{FailOn, Run};
+use crate::source::Confidence;
+use crate::verdict::{Finding, Severity};
+
+use super::fingerprint::fingerprints;
+use super::place::Locator;
+
+#[derive(Serialize)]
+struct Issue {
+    description: String,
+    check_name: String,
+    fingerprint: String,
+    severity: &'static str,
+    location: Location,
+}
+
+#[derive(Serialize)]
+struct Location {
+    path: String,
+    lines: Lines,
+}
+
+#[derive(Serialize)]
+struct Lines {
+    begin: usize,
+}
+
+pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
+    let locator = Locator::new(&run.sources);
+    let prints = fingerprints(run, &locator);
+    let findings = run.verdict.findings.iter().zip(prints);
+    let mut issues: Vec<Issue> = findings
+        .map(|(finding, fingerprint)| issue(finding, fingerprint, fail_on, &locator))
+        .collect();
+    for unmet in run.lacking() {
+        let (path, line) = unmet.origin.split_once(':').unwrap_or((&unmet.origin, "1"));
+        issues.push(Issue {
+            description: format!(
+                "{} had to be evaluated and was not: {}",
+                unmet.name,
+                unmet.why.join("; ")
+            ),
+            check_name: unmet.rule.clone(),
+            fingerprint: format!(
+                "required-{}-{}",
+                unmet.rule,
+                unmet.subject.as_deref().unwrap_or_default()
+            ),
+            severity: "blocker",
+            location: Location {
+                path: path.to_owned(),
+                lines: Lines {
+                    begin: line.parse().unwrap_or(1),
+                },
+            },
+        });
+    }
+    Ok(serde_json::to_string_pretty(&issues)? + "\n")
+}
+
+fn issue(finding: &Finding, fingerprint: String, fail_on: FailOn, locator: &Locator) -> Issue {
+    let spot = finding.places.first().map(|label| locator.find(&label.place));
+    let line = spot.as_ref().filter(|spot| !spot.expanded && spot.message.is_none());
+    let begin = line.and_then(|spot| spot.start).map_or(1, |start| start.line);
+    let waived = finding.waived.as_ref();
+    Issue {
+        description: match waived {
+            Some(waived) => format!("waived: {} [{}]", finding.message, waived.words()),
+            None => finding.message.clone(),
+        },
+        check_name: format!("{} {}", finding.rule, finding.name),
+        fingerprint,
+        severity: match (finding.severity, finding.confidence) {
+            _ if waived.is_some() => "info",
+            (_, Confidence::Hint) | (Severity::Note, _) => "info",
+            _ if fail_on.counts(finding) && finding.severity == Severity::Error => "critical",
+            (Severity::Error, _) => "major",
+            (Severity::Warning, _) => "minor",
+        },
+        location: Location {
+            path: spot.map(|spot| spot.path).unwrap_or_default(),
+            lines: Lines { begin },
+        },
+    }
+}

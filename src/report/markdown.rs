@@ -1,0 +1,171 @@
+//! Markdown for comments on changes and summaries of jobs: the verdict, a table of what was found, and the rest folded away.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use crate::run::{FailOn, Run, VerdictWord};
+use crate::source::Confidence;
+use crate::verdict::{Finding, Outcome};
+
+use super::place::Locator;
+use super::terminal::{measured_words, plain_ending};
+use super::text::{one_line, plural};
+
+/// Comments have an end: so many findings are shown.
+const MAX_FINDINGS: usize = 100;
+
+pub(super) fn render(run: &Run, fail_on: FailOn) -> String {
+    let locator = Locator::new(&run.sources);
+    let mut out = String::new();
+    let sign = match run.summary(fail_on).verdict {
+        VerdictWord::Clean => ":white_check_mark:",
+        VerdictWord::Findings => ":x:",
+        VerdictWord::Incomplete => ":warning:",
+    };
+    let _ = writeln!(out, "## {sign} frames-lint\n");
+    for line in plain_ending(run, fail_on).lines() {
+        let _ = writeln!(out, "{}  ", escaped(line));
+    }
+    table(run, &locator, &mut out);
+    unmet(run, &mut out);
+    let waived: Vec<&Finding> = run.verdict.findings.iter().filter(|one| one.waived.is_some()).collect();
+    if !waived.is_empty() {
+        let _ = writeln!(
+            out,
+            "\n<details><summary>Waived: {}</summary>\n",
+            plural(waived.len(), "finding")
+        );
+        for finding in waived {
+            let words = finding
+                .waived
+                .as_ref()
+                .map(crate::verdict::Waived::words)
+                .unwrap_or_default();
+            let _ = writeln!(
+                out,
+                "- **{}** {}: {}",
+                finding.rule,
+                escaped(&finding.message),
+                escaped(&words)
+            );
+        }
+        out.push_str("\n</details>\n");
+    }
+    not_evaluated(run, &mut out);
+    out
+}
+
+fn table(run: &Run, locator: &Locator, out: &mut String) {
+    let count = run.verdict.open().count();
+    if count == 0 {
+        return;
+    }
+    out.push_str("\n| | rule | where | what |\n|---|---|---|---|\n");
+    for finding in run.verdict.open().take(MAX_FINDINGS) {
+        let place = finding.places.first().map(|label| locator.short(&label.place));
+        let hint = match finding.confidence {
+            Confidence::Certain => String::new(),
+            other => format!(" ({})", other.word()),
+        };
+        let mut what = escaped(&finding.message);
+        if let Some(measured) = finding.measured.first() {
+            let _ = write!(what, "<br>measured: {}", escaped(&measured_words(measured)));
+        }
+        if !finding.help.is_empty() {
+            let _ = write!(what, "<br>help: {}", escaped(&finding.help));
+        }
+        let _ = writeln!(
+            out,
+            "| {}{hint} | {} {} | {} | {what} |",
+            finding.severity.word(),
+            finding.rule,
+            finding.name,
+            code(&place.unwrap_or_default())
+        );
+    }
+    if count > MAX_FINDINGS {
+        let _ = writeln!(out, "\n... and {}", plural(count - MAX_FINDINGS, "more finding"));
+    }
+}
+
+fn unmet(run: &Run, out: &mut String) {
+    if run.unmet.is_empty() {
+        return;
+    }
+    out.push_str("\n### Required, and not evaluated\n\n");
+    for unmet in &run.unmet {
+        let mut words = escaped(&unmet.why.join("; "));
+        match (&unmet.waived, &unmet.record) {
+            (Some(waived), _) => {
+                let _ = write!(words, "  \n  waived: {}", escaped(&waived.words()));
+            }
+            (None, Some(record)) => {
+                let _ = write!(words, "  \n  needed: {}", escaped(record));
+            }
+            (None, None) => {}
+        }
+        let _ = writeln!(out, "- **{}** {}: {words}", unmet.rule, unmet.name);
+    }
+}
+
+fn not_evaluated(run: &Run, out: &mut String) {
+    let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
+    for row in run
+        .verdict
+        .rows
+        .iter()
+        .filter(|row| row.outcome == Outcome::NotEvaluated)
+    {
+        let rules = reasons.entry(row.reason.as_deref().unwrap_or("no reason")).or_default();
+        if rules.last() != Some(&row.rule.as_str()) {
+            rules.push(&row.rule);
+        }
+    }
+    let count = run.verdict.count(Outcome::NotEvaluated);
+    if count == 0 {
+        return;
+    }
+    let _ = writeln!(
+        out,
+        "\n<details><summary>Not evaluated: {}</summary>\n",
+        plural(count, "check")
+    );
+    for (reason, mut rules) in reasons {
+        rules.dedup();
+        let _ = writeln!(out, "- {}: {}", escaped(reason), rules.join(", "));
+    }
+    out.push_str("\n</details>\n");
+}
+
+/// A text in the middle of a line: nothing in it is markup, and no pipe ends a cell.
+fn escaped(text: &str) -> String {
+    let text = one_line(text);
+    // In code spans nothing but the pipe means anything; a lone backtick opens none.
+    let mut ticks = text.matches('`').count() / 2 * 2;
+    let mut is_code = false;
+    let mut escaped = String::with_capacity(text.len());
+    for c in text.chars() {
+        match c {
+            '`' if ticks > 0 => {
+                ticks -= 1;
+                is_code = !is_code;
+                escaped.push(c);
+            }
+            _ if is_code && c != '|' => escaped.push(c),
+            '<' => escaped.push_str("&lt;"),
+            '>' => escaped.push_str("&gt;"),
+            '&' => escaped.push_str("&amp;"),
+            '|' | '*' | '_' | '[' | ']' | '\\' | '#' | '~' | '`' => {
+                escaped.push('\\');
+                escaped.push(c);
+            }
+            _ => escaped.push(c),
+        }
+    }
+    escaped
+}
+
+fn code(text: &str) -> String {
+    let text = one_line(text).replace('`', "'").replace('|', "\\|");
+    format!("`{text}`")
+}

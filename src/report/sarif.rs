@@ -1,0 +1,352 @@
+//! SARIF 2.1.0, for code scanning: findings as results, waivers as suppressions, pages as help, what was not evaluated as notifications.
+//!
+//! <https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html>
+
+use std::collections::BTreeMap;
+
+use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
+use serde_json::{Map, Value, json};
+
+use crate::page;
+use crate::run::{FailOn, RuleInfo, Run, VerdictWord};
+use crate::source::{Confidence, Place, SourceKind};
+use crate::verdict::{Finding, Fix, Measured, Outcome, PlaceRole, Safety, Severity};
+
+use super::fingerprint::fingerprints;
+use super::place::Locator;
+use super::terminal::measured_words;
+
+/// What stands for something else in the path of a URI.
+const RESERVED: &AsciiSet = &CONTROLS
+    .add(b' ')
+    .add(b'"')
+    .add(b'#')
+    .add(b'%')
+    .add(b'<')
+    .add(b'>')
+    .add(b'?')
+    .add(b'[')
+    .add(b'\\')
+    .add(b']')
+    .add(b'^')
+    .add(b'`')
+    .add(b'{')
+    .add(b'|')
+    .add(b'}')
+    .add(b':');
+
+pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
+    let locator = Locator::new(&run.sources);
+    let numbers: BTreeMap<&str, usize> = run
+        .rules
+        .iter()
+        .enumerate()
+        .map(|(index, rule)| (rule.code.as_str(), index))
+        .collect();
+    let results: Vec<Value> = run
+        .verdict
+        .findings
+        .iter()
+        .zip(fingerprints(run, &locator))
+        .map(|(finding, print)| result(finding, &print, &numbers, fail_on, &locator))
+        .collect();
+    let rules: Vec<Value> = run.rules.iter().map(rule).collect();
+    let document = json!({
+        "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
+        "version": "2.1.0",
+        "runs": [{
+            "tool": {"driver": {
+                "name": env!("CARGO_PKG_NAME"),
+                "version": env!("CARGO_PKG_VERSION"),
+                "semanticVersion": env!("CARGO_PKG_VERSION"),
+                "rules": rules,
+            }},
+            "invocations": [{
+                "executionSuccessful": run.summary(fail_on).verdict != VerdictWord::Incomplete,
+                "exitCode": run.exit_code(fail_on),
+                "toolExecutionNotifications": notifications(run, &numbers),
+            }],
+            "artifacts": artifacts(run),
+            "results": results,
+            "columnKind": "unicodeCodePoints",
+        }],
+    });
+    Ok(serde_json::to_string_pretty(&document)? + "\n")
+}
+
+/// A path as a URI: relative as it is, absolute with its scheme.
+fn uri(path: &str) -> String {
+    let encoded = utf8_percent_encode(path, RESERVED).to_string();
+    if encoded.starts_with('/') {
+        format!("file://{encoded}")
+    } else {
+        encoded
+    }
+}
+
+fn level(severity: Severity) -> &'static str {
+    match severity {
+        Severity::Note => "note",
+        Severity::Warning => "warning",
+        Severity::Error => "error",
+    }
+}
+
+fn rule(rule: &RuleInfo) -> Value {
+    let body = page::split(rule.page).map_or("", |(_, body)| body);
+    let sections = page::sections(body);
+    let section = |title: &str| {
+        let found = sections.iter().find(|section| section.title == title);
+        found.map_or("", |section| section.text.trim())
+    };
+    let help: Vec<String> = [
+        "What it checks",
+        "Why it matters",
+        "How it decides",
+        "How to fix",
+        "Not covered",
+    ]
+    .iter()
+    .map(|title| format!("## {title}\n\n{}", section(title)))
+    .collect();
+    json!({
+        "id": rule.code,
+        "name": rule.name,
+        "shortDescription": {"text": rule.summary},
+        "fullDescription": {"text": section("What it checks")},
+        "help": {"text": section("How to fix"), "markdown": help.join("\n\n")},
+        "defaultConfiguration": {"level": level(rule.severity)},
+        "properties": {
+            "tags": [rule.family.to_lowercase()],
+            "precision": match rule.confidence {
+                Confidence::Certain => "very-high",
+                Confidence::Likely => "high",
+                Confidence::Hint => "low",
+            },
+            "problem.severity": match rule.severity {
+                Severity::Note => "recommendation",
+                Severity::Warning => "warning",
+                Severity::Error => "error",
+            },
+        },
+    })
+}
+
+fn artifacts(run: &Run) -> Vec<Value> {
+    let mut artifacts: Vec<Value> = Vec::new();
+    let mut seen = Vec::new();
+    for source in &run.sources {
+        if seen.contains(&source.path.as_str()) || source.kind == SourceKind::Configuration {
+            continue;
+        }
+        seen.push(&source.path);
+        artifacts.push(json!({
+            "location": {"uri": uri(&source.path)},
+            "length": source.examined.bytes_total,
+            "properties": {"kind": source.kind.word(), "status": source.status.word(), "bytesExamined": source.examined.bytes},
+        }));
+    }
+    artifacts
+}
+
+/// What was not evaluated and what was not read: a scan that found nothing because it saw nothing must not look clean.
+fn notifications(run: &Run, numbers: &BTreeMap<&str, usize>) -> Vec<Value> {
+    let about = |code: &str| {
+        let mut descriptor = json!({"id": code});
+        if let (Some(index), Some(keys)) = (numbers.get(code), descriptor.as_object_mut()) {
+            keys.insert("index".to_owned(), (*index).into());
+        }
+        descriptor
+    };
+    let mut notifications = Vec::new();
+    for row in &run.verdict.rows {
+        let level = match row.outcome {
+            Outcome::NotEvaluated => "note",
+            Outcome::Crashed => "error",
+            _ => continue,
+        };
+        let reason = row.reason.as_deref().unwrap_or_default();
+        notifications.push(json!({
+            "level": level,
+            "message": {"text": format!("{} {} on {}: {reason}", row.rule, row.outcome.word(), row.subject)},
+            "associatedRule": about(&row.rule),
+        }));
+    }
+    for unmet in &run.unmet {
+        let mut text = format!(
+            "{} had to be evaluated and was not: {}",
+            unmet.rule,
+            unmet.why.join("; ")
+        );
+        if let Some(waived) = &unmet.waived {
+            text = format!("{text} (waived: {})", waived.words());
+        } else if let Some(record) = &unmet.record {
+            text = format!("{text}; needed: {record}");
+        }
+        notifications.push(json!({
+            "level": if unmet.waived.is_some() { "note" } else { "error" },
+            "message": {"text": text},
+            "associatedRule": about(&unmet.rule),
+        }));
+    }
+    for source in run.unread() {
+        let detail = source.detail.as_deref().unwrap_or("could not be read in full");
+        notifications.push(json!({
+            "level": "error",
+            "message": {"text": format!("{}: {}: {detail}", source.path, source.status.word())},
+            "locations": [{"physicalLocation": {"artifactLocation": {"uri": uri(&source.path)}}}],
+        }));
+    }
+    notifications
+}
+
+fn result(
+    finding: &Finding,
+    print: &str,
+    numbers: &BTreeMap<&str, usize>,
+    fail_on: FailOn,
+    locator: &Locator,
+) -> Value {
+    let mut text = finding.message.clone();
+    if !finding.help.is_empty() {
+        text = format!("{text}\n\n{}", finding.help);
+    }
+    let places = |role: PlaceRole| -> Vec<Value> {
+        finding
+            .places
+            .iter()
+            .filter(|label| label.role == role)
+            .enumerate()
+            .map(|(id, label)| location(&label.place, &label.note, id, locator))
+            .collect()
+    };
+    let mut result = Map::new();
+    let mut set = |key: &str, value: Value| {
+        result.insert(key.to_owned(), value);
+    };
+    set("ruleId", finding.rule.as_str().into());
+    if let Some(index) = numbers.get(finding.rule.as_str()) {
+        set("ruleIndex", (*index).into());
+    }
+    // A hint never fails a gate, and code scanning gates by level.
+    let severity = if finding.confidence == Confidence::Hint {
+        Severity::Note
+    } else {
+        finding.severity
+    };
+    set("level", level(severity).into());
+    set("message", json!({"text": text}));
+    set("locations", places(PlaceRole::Primary).into());
+    let related = places(PlaceRole::Related);
+    if !related.is_empty() {
+        set("relatedLocations", related.into());
+    }
+    set("partialFingerprints", json!({"framesLint/v1": print}));
+    set(
+        "suppressions",
+        match &finding.waived {
+            None => json!([]),
+            Some(waived) => {
+                let kind = if finding
+                    .places
+                    .iter()
+                    .any(|label| waived.origin.starts_with(locator.path_of(&label.place)))
+                {
+                    "inSource"
+                } else {
+                    "external"
+                };
+                json!([{"kind": kind, "status": "accepted", "justification": waived.words()}])
+            }
+        },
+    );
+    if let Some(fix) = finding.fix.as_ref().and_then(|fix| fixed(fix, locator)) {
+        set("fixes", json!([fix]));
+    }
+    set(
+        "properties",
+        json!({
+            "name": finding.name,
+            "subject": finding.subject,
+            "severity": finding.severity.word(),
+            "confidence": finding.confidence.word(),
+            "counts": fail_on.counts(finding),
+            "relation": finding.relation,
+            "measured": finding.measured.iter().map(measured).collect::<Vec<_>>(),
+        }),
+    );
+    Value::Object(result)
+}
+
+fn measured(measured: &Measured) -> Value {
+    measured_words(measured).into()
+}
+
+fn location(place: &Place, note: &str, id: usize, locator: &Locator) -> Value {
+    let spot = locator.find(place);
+    let mut physical = json!({"artifactLocation": {"uri": uri(&spot.path)}});
+    if let (Some(start), Some(end), false, Some(keys)) = (
+        spot.start,
+        spot.end,
+        spot.expanded || spot.message.is_some(),
+        physical.as_object_mut(),
+    ) {
+        keys.insert(
+            "region".to_owned(),
+            json!({"startLine": start.line, "startColumn": start.column, "endLine": end.line, "endColumn": end.column}),
+        );
+    }
+    let mut location = json!({"id": id, "physicalLocation": physical});
+    if let Some(keys) = location.as_object_mut() {
+        if let Some(message) = spot.message {
+            let field = message.field.map_or_else(String::new, |field| format!(".{field}"));
+            let name = format!("{}[{}]{field}", message.topic, message.index);
+            keys.insert(
+                "logicalLocations".to_owned(),
+                json!([{"fullyQualifiedName": name, "kind": "message"}]),
+            );
+        }
+        if !note.is_empty() {
+            keys.insert("message".to_owned(), json!({"text": note}));
+        }
+    }
+    location
+}
+
+/// A fix whose edits can all be made in files.
+fn fixed(fix: &Fix, locator: &Locator) -> Option<Value> {
+    let mut changes: BTreeMap<String, Vec<Value>> = BTreeMap::new();
+    for edit in &fix.edits {
+        let spot = locator.find(&edit.place);
+        if spot.expanded || spot.message.is_some() {
+            return None;
+        }
+        let (start, end) = (spot.start?, spot.end?);
+        changes.entry(spot.path).or_default().push(json!({
+            "deletedRegion": {
+                "startLine": start.line, "startColumn": start.column, "endLine": end.line, "endColumn": end.column
+            },
+            "insertedContent": {"text": edit.replacement},
+        }));
+    }
+    let changes: Vec<Value> = changes
+        .into_iter()
+        .map(|(path, replacements)| json!({"artifactLocation": {"uri": uri(&path)}, "replacements": replacements}))
+        .collect();
+    let safety = match fix.safety {
+        Safety::Safe => "safe",
+        Safety::ChangesBehaviour => "changes behaviour",
+    };
+    Some(json!({"description": {"text": format!("{} ({safety})", fix.title)}, "artifactChanges": changes}))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn paths_become_uris() {
+        assert_eq!(uri("a b/c#1.urdf"), "a%20b/c%231.urdf");
+        assert_eq!(uri("/data/ä.yaml"), "file:///data/%C3%A4.yaml");
+    }
+}

@@ -1,0 +1,124 @@
+//! What the user accepts, and what had to be judged and was not.
+
+use std::fmt::Write;
+
+use crate::run::{Run, Unmet};
+use crate::verdict::Waived;
+
+use super::super::Style;
+use super::super::place::Locator;
+use super::super::style::Ink;
+use super::super::text::{one_line, plural, wrap};
+use super::{Options, finding, heading};
+
+/// Waived findings that are shown, unless all are asked for.
+const SHOWN: usize = 50;
+
+/// Findings that the user accepts: a line each, with the reason.
+pub(super) fn waived(run: &Run, options: &Options, locator: &Locator, out: &mut String) {
+    let waived = || {
+        run.verdict
+            .findings
+            .iter()
+            .filter_map(|one| Some((one, one.waived.as_ref()?)))
+    };
+    let count = waived().count();
+    if count == 0 {
+        return;
+    }
+    heading(options.style, "Waived", count, "finding", out);
+    let shown = if options.all { count } else { SHOWN };
+    for (one, waived) in waived().take(shown) {
+        out.push_str("  ");
+        finding::line(one, locator, options.style, out);
+        let words = wrap(
+            &one_line(&waived.words()),
+            options.style.width,
+            "    waived: ",
+            "            ",
+        );
+        let _ = writeln!(out, "{words}");
+    }
+    if count > shown {
+        let _ = writeln!(out, "  ... and {} more (--all shows them)", count - shown);
+    }
+    out.push('\n');
+}
+
+/// Rules that had to judge and did not: why, and what would have to be there.
+pub(super) fn unmet(run: &Run, style: Style, out: &mut String) {
+    let lacking: Vec<&Unmet> = run.lacking().collect();
+    if !lacking.is_empty() {
+        heading(style, "Required, and not evaluated", lacking.len(), "rule", out);
+        for unmet in lacking {
+            told(unmet, style, out);
+            if let Some(record) = &unmet.record {
+                let _ = writeln!(
+                    out,
+                    "{}",
+                    wrap(&one_line(record), style.width, "    needed: ", "            ")
+                );
+            }
+        }
+        out.push('\n');
+    }
+    let accepted = || {
+        run.unmet
+            .iter()
+            .filter_map(|unmet| Some((unmet, unmet.waived.as_ref()?)))
+    };
+    if accepted().next().is_some() {
+        heading(
+            style,
+            "Required, not evaluated, and waived",
+            accepted().count(),
+            "rule",
+            out,
+        );
+        for (unmet, waived) in accepted() {
+            told(unmet, style, out);
+            let words = wrap(&one_line(&waived.words()), style.width, "    waived: ", "            ");
+            let _ = writeln!(out, "{words}");
+        }
+        out.push('\n');
+    }
+}
+
+fn told(unmet: &Unmet, style: Style, out: &mut String) {
+    let subject = unmet
+        .subject
+        .as_ref()
+        .map_or_else(String::new, |subject| format!(" of `{subject}`"));
+    let head = style.paint(Ink::Strong, &format!("{} {}", unmet.rule, unmet.name));
+    let _ = writeln!(out, "  {head}{} ({})", one_line(&subject), one_line(&unmet.origin));
+    for why in &unmet.why {
+        let _ = writeln!(out, "{}", wrap(&one_line(why), style.width, "    ", "      "));
+    }
+}
+
+/// `2 required rules were not evaluated`.
+pub(super) fn unmet_words(run: &Run) -> Option<String> {
+    let count = run.lacking().count();
+    let verb = if count == 1 { "was" } else { "were" };
+    (count > 0).then(|| format!("{} {verb} not evaluated.", plural(count, "required rule")))
+}
+
+/// Waived findings and required rules that were not evaluated, a line each.
+pub(super) fn concise(run: &Run, locator: &Locator, style: Style, out: &mut String) {
+    for one in run.verdict.findings.iter().filter(|one| one.waived.is_some()) {
+        let words = one.waived.as_ref().map(Waived::words).unwrap_or_default();
+        out.push_str("waived: ");
+        finding::line(one, locator, style, out);
+        out.truncate(out.trim_end().len());
+        let _ = writeln!(out, " [{}]", one_line(&words));
+    }
+    for unmet in run.lacking() {
+        let why = one_line(&unmet.why.join("; "));
+        let _ = writeln!(
+            out,
+            "{}: required {} was not evaluated: {why}",
+            one_line(&unmet.origin),
+            unmet.rule
+        );
+    }
+}

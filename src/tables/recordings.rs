@@ -1,0 +1,53 @@
+//! What rules need to have at hand, and how it is had.
+
+use std::sync::OnceLock;
+
+use serde::Deserialize;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Table {
+    rows: Vec<Row>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Row {
+    kind: String,
+    what: String,
+    how: String,
+}
+
+fn rows() -> &'static [Row] {
+    static ROWS: OnceLock<Vec<Row>> = OnceLock::new();
+    ROWS.get_or_init(|| {
+        let text = include_str!("../../rules/tables/recordings.yaml");
+        serde_yaml::from_str::<Table>(text).map_or_else(|_| Vec::new(), |table| table.rows)
+    })
+}
+
+/// Whether a kind is known.
+pub fn is_known(kind: &str) -> bool {
+    rows().iter().any(|row| row.kind == kind)
+}
+
+/// What is needed of these kinds, and how it is had, in words; `None` where no kind is known.
+pub fn advice(kinds: &[String]) -> Option<String> {
+    let known = kinds
+        .iter()
+        .filter_map(|kind| rows().iter().find(|row| row.kind == *kind));
+    let words: Vec<String> = known.map(|row| format!("{}: {}", row.what, row.how)).collect();
+    (!words.is_empty()).then(|| words.join("; "))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_says_how_it_is_had() {
+        assert!(rows().len() > 10);
+        assert!(advice(&["imu".to_owned()]).unwrap().contains("sensor_msgs/msg/Imu"));
+        assert_eq!(advice(&["nothing".to_owned()]), None);
+    }
+}
