@@ -5,6 +5,7 @@
 
 mod args;
 mod convert;
+mod fixes;
 mod stamp;
 #[cfg(test)]
 mod tests;
@@ -159,8 +160,7 @@ fn refuse(error: &clap::Error, arguments: &[OsString], surroundings: Surrounding
 }
 
 fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
-    // The program ends with the report: freeing every name one by one first would be time for nothing.
-    let mut run = ManuallyDrop::new(engine::check(&engine::Options {
+    let options = engine::Options {
         extent: check.reading.extent(),
         paths: if check.paths.is_empty() {
             Vec::new()
@@ -178,20 +178,22 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
         xacro_args: check.reading.xacro_args,
         msg_paths: check.reading.msg_paths,
         progress: surroundings.progress,
-    })?);
-    let written = check
-        .write_baseline
-        .map(|path| engine::write_baseline(&mut run, &path).map(|count| (path, count)))
-        .transpose()?;
-    let mut answer = tell(&run, &check.reporting, surroundings)?;
-    if let Some((path, count)) = written {
-        let count = plural(count, "finding");
-        let _ = writeln!(
-            answer.err,
-            "{count} written to {}; --baseline accepts them",
-            path.display()
-        );
+    };
+    // The program ends with the report: freeing every name one by one first would be time for nothing.
+    let mut run = ManuallyDrop::new(engine::check(&options)?);
+    if check.diff {
+        return Ok(fixes::show(&run, check.unsafe_fixes, &check.reporting));
     }
+    let mut said = String::new();
+    if check.fix || check.unsafe_fixes {
+        said = fixes::apply(&mut run, &options, check.unsafe_fixes)?;
+    }
+    if let Some(path) = check.write_baseline {
+        let count = plural(engine::write_baseline(&mut run, &path)?, "finding");
+        let _ = writeln!(said, "{count} written to {}; --baseline accepts them", path.display());
+    }
+    let mut answer = tell(&run, &check.reporting, surroundings)?;
+    answer.err.insert_str(0, &said);
     Ok(answer)
 }
 

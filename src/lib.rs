@@ -18,6 +18,7 @@ pub mod collect;
 pub mod config;
 pub mod convert;
 pub mod engine;
+pub mod fix;
 pub mod gate;
 pub mod math;
 pub mod page;

@@ -126,6 +126,15 @@ pub(super) struct Check {
     /// Write the findings of this run to a baseline, and accept them
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) write_baseline: Option<PathBuf>,
+    /// Apply the fixes that are safe, and report what is left
+    #[arg(long)]
+    pub(super) fix: bool,
+    /// Apply the fixes that change behaviour as well
+    #[arg(long)]
+    pub(super) unsafe_fixes: bool,
+    /// Show what would be fixed as a diff, and change nothing; with --unsafe-fixes all of it
+    #[arg(long, conflicts_with = "fix")]
+    pub(super) diff: bool,
     #[command(flatten)]
     pub(super) reading: Reading,
     /// Rules to run: codes, names or families, with commas between; all without it

@@ -31,6 +31,7 @@ mod promised;
 pub mod quat;
 mod radar;
 mod relate;
+mod restate;
 pub mod rot;
 mod scan_motion;
 pub mod sensor;

@@ -17,7 +17,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 use crate::support::dialects::{converted, frames, written};
 
 /// Turned about all axes, and small enough for a robot.
-fn truth() -> Isometry3<f64> {
+pub(crate) fn truth() -> Isometry3<f64> {
     Isometry3::from_parts(
         Translation3::new(0.42, -0.27, 0.61),
         UnitQuaternion::from_euler_angles(0.5, -0.35, 1.2),
@@ -30,7 +30,7 @@ const RULES: [&str; 8] = [
 ];
 
 /// A URDF with the truth beside a file of the dialect with something else.
-fn judged(writing: &Writing, transform: &WrittenTransform, held: Isometry3<f64>) -> (Run, String) {
+pub(crate) fn folder_of(writing: &Writing, transform: &WrittenTransform, held: Isometry3<f64>) -> tempfile::TempDir {
     let (target, source) = frames(writing, transform);
     let folder = tempfile::tempdir().unwrap();
     let pose = truth();
@@ -43,6 +43,13 @@ fn judged(writing: &Writing, transform: &WrittenTransform, held: Isometry3<f64>)
     fs::write(folder.path().join("robot.urdf"), urdf).unwrap();
     let text = converted(writing, transform, held).text;
     written(folder.path(), writing, transform, &text);
+    folder
+}
+
+/// What is said of [`folder_of`], and the text of the file.
+fn judged(writing: &Writing, transform: &WrittenTransform, held: Isometry3<f64>) -> (Run, String) {
+    let folder = folder_of(writing, transform, held);
+    let text = converted(writing, transform, held).text;
     let run = engine::check(&engine::Options {
         paths: vec![folder.path().to_path_buf()],
         select: RULES.map(str::to_owned).to_vec(),

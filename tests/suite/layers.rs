@@ -27,6 +27,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
             "config",
             &["source", "world", "read", "tables", "verdict", "run", "gate"],
         ),
+        ("fix", &["source", "verdict", "run"]),
         ("gate", &["source", "verdict", "page", "run"]),
         (
             "engine",
@@ -39,7 +40,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
         (
             "cli",
             &[
-                "engine", "report", "run", "verdict", "page", "rules", "convert", "tables", "config",
+                "engine", "report", "run", "verdict", "page", "rules", "convert", "tables", "config", "fix",
             ],
         ),
     ])

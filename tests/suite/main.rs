@@ -20,6 +20,7 @@ mod convert;
 mod dialects;
 mod drives;
 mod evidence;
+mod fixes;
 mod formats;
 mod foxglove;
 mod gate;

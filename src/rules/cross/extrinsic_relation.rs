@@ -1,16 +1,21 @@
 //! CROSS02: a named convention error turns one source's transform into another's.
 
+use nalgebra::Isometry3;
 use serde::Deserialize;
 
-use crate::math::relation::{Classification, Relation, Tolerance};
+use crate::math::relation::{Classification, Relation, Tolerance, classify};
+use crate::math::rotation::from_rpy;
+use crate::rules::literal::with_fix;
 use crate::rules::quat::euler_sequence::EulerSequence;
+use crate::rules::restate::restated;
 use crate::rules::{Judge, Need, Rule, limits_of};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::source::Confidence;
+use crate::verdict::{Edit, Finding, Measured, NotEvaluated, Safety};
 use crate::world::World;
 
 use super::angles;
 use super::blame::{blame, holds_radians_twice, same_cause};
-use super::statements::{Pair, pairs};
+use super::statements::{Direction, Pair, pairs};
 
 /// CROSS02.
 pub struct ExtrinsicRelation;
@@ -76,8 +81,10 @@ fn judge_pair(world: &World, mut pair: Pair, limits: &Limits, out: &mut Judge) {
             out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
         }
         (Some(relation), _) => {
-            let finding = finding(&pair, subject, relation, &found, difference);
-            out.fail(pair.point_at_all(finding));
+            let finding = pair.point_at_all(finding(&pair, subject, relation, &found, difference));
+            let title = format!("state it without the error ({})", relation.word());
+            let edits = mended(world, &pair, relation, &found);
+            out.fail(with_fix(finding, &title, Safety::ChangesBehaviour, edits));
         }
     }
 }
@@ -132,6 +139,38 @@ fn finding(
             "m",
         ))
         .measured(Measured::count("relations that fit alike", found.class.len()))
+}
+
+/// The edits that take the error out of the numbers that hold it: their own digits stay, for a calibration is finer than a drawing. `None`
+/// where more than one error explains the difference, where one of the two is a guess, or where the error can't be undone.
+fn mended(world: &World, pair: &Pair, relation: Relation, found: &Classification) -> Option<Vec<Edit>> {
+    if found.class.len() > 1 || pair.reading() < Confidence::Certain {
+        return None;
+    }
+    let right = &pair.reference.pose;
+    let mut mended = match (relation.reversed(), pair.other.rpy, pair.other.direction) {
+        (Some(back), ..) => back.apply(&pair.other.pose)?,
+        (None, Some([roll, pitch, yaw]), Direction::AsStated) if relation == Relation::Degrees => {
+            let [roll, pitch, yaw] = [roll, pitch, yaw].map(f64::to_radians);
+            Isometry3::from_parts(pair.other.pose.translation, from_rpy(roll, pitch, yaw))
+        }
+        _ => return None,
+    };
+    let left = classify(right, &mended, &Tolerance::default());
+    if left.best != Some(Relation::Equal) {
+        return None;
+    }
+    if pair.other.direction == Direction::TurnedRound {
+        mended = mended.inverse();
+    }
+    let mut claims = world
+        .claims
+        .iter()
+        .filter(|claim| claim.place == pair.other.place && claim.label == pair.other.label);
+    let (claim, None) = (claims.next()?, claims.next()) else {
+        return None;
+    };
+    restated(world, claim, &mended)
 }
 
 /// Whether a rotation lies well off the axes, so that two devices would not be related by chance.

@@ -114,7 +114,7 @@ impl Pair {
     }
 
     /// How sure the reading of both is.
-    fn reading(&self) -> Confidence {
+    pub(super) fn reading(&self) -> Confidence {
         let (a, b) = (&self.reference, &self.other);
         let by_role = (a.roles.is_some() || b.roles.is_some()) && a.place.source != b.place.source;
         // That two files mean one sensor by `lidar` is a guess.

@@ -1,0 +1,78 @@
+//! `check --fix`, `--unsafe-fixes` and `--diff`: fixes shown, or applied until none is left.
+
+use std::fmt::Write;
+use std::mem::ManuallyDrop;
+
+use crate::engine::{self, Options};
+use crate::fix;
+use crate::report::{Style, plural, terminal};
+use crate::run::{FailOn, Run};
+
+use super::args::Reporting;
+use super::{Answer, Failure};
+
+/// A fix may uncover another one in the same place; more rounds than that mend nothing.
+const ROUNDS: usize = 8;
+
+/// What would be fixed, as a diff on standard output. The ending of the report goes to standard error, and the exit code is the report's.
+pub(super) fn show(run: &Run, all: bool, reporting: &Reporting) -> Answer {
+    let plan = fix::plan(run, all);
+    let fail_on = reporting.fail_on.map(FailOn::from).or(run.fail_on).unwrap_or_default();
+    let mut err = words(&plan, "would fix");
+    err.push_str(&terminal::render_ending(
+        run,
+        &terminal::Options {
+            style: Style::PLAIN,
+            fail_on,
+            verbose: false,
+            all: false,
+        },
+    ));
+    Answer {
+        out: plan.diff(),
+        err,
+        code: run.exit_code(fail_on),
+    }
+}
+
+/// Applies fixes and checks again, until none is left to apply. Says what was done.
+pub(super) fn apply(run: &mut ManuallyDrop<Run>, options: &Options, all: bool) -> Result<String, Failure> {
+    let mut said = String::new();
+    for _ in 0..ROUNDS {
+        let plan = fix::plan(run, all);
+        if plan.patches.is_empty() {
+            if said.is_empty() || !plan.left.is_empty() {
+                said.push_str(&words(&plan, "fixed"));
+            }
+            break;
+        }
+        plan.write().map_err(Failure::Usage)?;
+        said.push_str(&words(&plan, "fixed"));
+        **run = engine::check(options)?;
+    }
+    Ok(said)
+}
+
+/// `fixed 3 findings in 2 files`, what was left and why, and what --unsafe-fixes would do.
+fn words(plan: &fix::Plan, verb: &str) -> String {
+    let mut words = format!(
+        "{verb} {} in {}\n",
+        plural(plan.fixed, "finding"),
+        plural(plan.patches.len(), "file")
+    );
+    for why in &plan.left {
+        let _ = writeln!(words, "not fixed: {why}");
+    }
+    if plan.not_asked > 0 {
+        let fixes = if plan.not_asked == 1 {
+            "1 more fix changes".to_owned()
+        } else {
+            format!("{} more fixes change", plan.not_asked)
+        };
+        let _ = writeln!(
+            words,
+            "{fixes} behaviour: --unsafe-fixes applies them, --diff --unsafe-fixes shows them"
+        );
+    }
+    words
+}

@@ -1,0 +1,428 @@
+//! Fixes: a fault is put in, `--fix` takes it out, a second run has nothing to do, and nothing else in the file has changed.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::indexing_slicing,
+    clippy::string_slice,
+    clippy::print_stderr
+)]
+
+use std::collections::BTreeMap;
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use frames_lint::engine::{self, Options};
+use frames_lint::fix::{self, Plan};
+use frames_lint::math::relation::Relation;
+use frames_lint::page::{self, Front};
+use frames_lint::rules::RULES;
+use frames_lint::run::Run;
+use frames_lint::tables::{Writing, WrittenTransform, writings};
+use frames_lint::verdict::Finding;
+use frames_lint::world::ClaimKind;
+use nalgebra::Isometry3;
+use rayon::prelude::*;
+
+use crate::cases::{cases, laid_out};
+use crate::dialects::{folder_of, truth};
+use crate::support;
+use crate::support::dialects::frames;
+
+fn check(folder: &Path, select: &[&str]) -> Run {
+    engine::check(&Options {
+        paths: vec![folder.to_path_buf()],
+        select: select.iter().map(|rule| (*rule).to_owned()).collect(),
+        ..Options::default()
+    })
+    .unwrap()
+}
+
+/// Applies every fix until none is left, and says how many there were.
+fn mend(folder: &Path, select: &[&str]) -> (Run, usize) {
+    let mut fixed = 0;
+    for _ in 0..8 {
+        let run = check(folder, select);
+        let plan = fix::plan(&run, true);
+        if plan.patches.is_empty() {
+            return (run, fixed);
+        }
+        fixed += plan.fixed;
+        plan.write().unwrap();
+    }
+    panic!("fixes have no end in {}", folder.display());
+}
+
+fn with_fix(run: &Run) -> Vec<&Finding> {
+    run.verdict
+        .findings
+        .iter()
+        .filter(|finding| finding.fix.is_some())
+        .collect()
+}
+
+/// Rules whose pages show no case that is mended by an edit, though the rule has fixes: none.
+#[test]
+fn every_bad_case_that_has_a_fix_is_clean_behind_it() {
+    let faults: Vec<String> = RULES
+        .par_iter()
+        .flat_map_iter(|entry| {
+            let front = Front::parse(entry.page).unwrap();
+            let (_, body) = page::split(entry.page).unwrap();
+            let mut faults = Vec::new();
+            for section in page::sections(body).iter().filter(|section| section.title == "Bad") {
+                for case in cases(section) {
+                    let folder = laid_out(&case);
+                    let run = support::checked(folder.path());
+                    let fixable = with_fix(&run)
+                        .iter()
+                        .filter(|finding| finding.rule == front.code)
+                        .count();
+                    if fixable == 0 {
+                        continue;
+                    }
+                    let of_rule = |run: &Run| {
+                        run.verdict
+                            .findings
+                            .iter()
+                            .filter(|finding| finding.rule == front.code)
+                            .count()
+                    };
+                    let (after, fixed) = mend(folder.path(), &[]);
+                    let left = of_rule(&run) - fixable;
+                    if fixed == 0 || of_rule(&after) > left || !with_fix(&after).is_empty() {
+                        let told: Vec<&str> = after
+                            .verdict
+                            .findings
+                            .iter()
+                            .map(|finding| finding.message.as_str())
+                            .collect();
+                        faults.push(format!(
+                            "{} {}: fixed {fixed}, and then {told:?}",
+                            front.code, case.title
+                        ));
+                    }
+                }
+            }
+            faults
+        })
+        .collect();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+/// Errors that can be undone.
+const ERRORS: [Relation; 9] = [
+    Relation::Inverse,
+    Relation::Transposed,
+    Relation::Wxyz,
+    Relation::Xyzw,
+    Relation::Millimetres,
+    Relation::MirroredY,
+    Relation::Optical,
+    Relation::Z180,
+    Relation::Degrees,
+];
+
+/// A configuration in which the user says which frames of the description a file is about: else nothing is sure.
+fn declared(writing: &Writing, transform: &WrittenTransform) -> String {
+    let folder = folder_of(writing, transform, truth());
+    let run = check(folder.path(), &["CROSS01"]);
+    let (target, source) = frames(writing, transform);
+    let mut text = "transforms:\n".to_owned();
+    for claim in run.worlds.iter().flat_map(|world| &world.claims) {
+        let (Some(pose), true) = (claim.pose, matches!(claim.kind, ClaimKind::File { .. })) else {
+            continue;
+        };
+        let is_near = |truth: Isometry3<f64>| (truth.inverse() * pose.isometry()).translation.vector.norm() < 1e-3;
+        let key = claim.label.replace('[', "[[]").replace('\'', "''");
+        if is_near(truth()) {
+            writeln!(text, "  - {{key: '{key}', is: '{target} from {source}'}}").unwrap();
+        } else if is_near(truth().inverse()) {
+            writeln!(text, "  - {{key: '{key}', is: '{source} from {target}'}}").unwrap();
+        }
+    }
+    text + "  - {key: nothing, is: nobody from nowhere}\n"
+}
+
+#[test]
+fn an_error_that_is_sure_is_taken_out_of_a_file_of_any_dialect() {
+    let all: Vec<_> = writings()
+        .iter()
+        .flat_map(|writing| writing.transforms.iter().map(move |transform| (writing, transform)))
+        .flat_map(|(writing, transform)| ERRORS.map(|error| (writing, transform, error)))
+        .collect();
+    let results: Vec<(String, &str, bool, Option<String>)> = all
+        .par_iter()
+        .map(|(writing, transform, error)| {
+            let held = error.apply(&truth()).unwrap();
+            let folder = folder_of(writing, transform, held);
+            fs::write(folder.path().join("frames-lint.yaml"), declared(writing, transform)).unwrap();
+            let run = check(folder.path(), &["CROSS01", "CROSS02"]);
+            let name = format!("{} {} {}", writing.dialect, transform.key, error.word());
+            let sure = run.verdict.findings.iter().find(|finding| {
+                let alike = finding
+                    .measured
+                    .iter()
+                    .find(|measured| measured.what == "relations that fit alike");
+                finding.rule == "CROSS02"
+                    && finding.confidence == frames_lint::source::Confidence::Certain
+                    && alike.is_some_and(|alike| alike.value < 1.5)
+            });
+            let Some(sure) = sure else {
+                return (name, "unsure", false, None);
+            };
+            if sure.fix.is_none() {
+                return (name, "sure", false, None);
+            }
+            let (after, _) = mend(folder.path(), &["CROSS01", "CROSS02"]);
+            let told: Vec<&str> = after
+                .verdict
+                .findings
+                .iter()
+                .map(|finding| finding.message.as_str())
+                .collect();
+            let agrees = after.verdict.rows.iter().any(|row| {
+                row.rule == "CROSS01"
+                    && row
+                        .measured
+                        .iter()
+                        .all(|measured| measured.value.abs() < 1e-5 || measured.unit == "1")
+            });
+            let fault = (!told.is_empty() || !agrees).then(|| format!("{name}: {told:?}"));
+            (name, "sure", true, fault)
+        })
+        .collect();
+    let faults: Vec<&str> = results.iter().filter_map(|result| result.3.as_deref()).collect();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    let sure = results.iter().filter(|result| result.1 == "sure").count();
+    let unfixed: Vec<&str> = results
+        .iter()
+        .filter(|result| result.1 == "sure" && !result.2)
+        .map(|result| result.0.as_str())
+        .collect();
+    eprintln!(
+        "{} errors, {sure} sure, {} of them without a fix: {unfixed:#?}",
+        results.len(),
+        unfixed.len()
+    );
+    // Degrees that were made a quaternion or a matrix have wrapped around: nothing brings them back.
+    let lost: Vec<&&str> = unfixed.iter().filter(|name| !name.ends_with(" degrees")).collect();
+    assert!(sure > 200 && lost.is_empty(), "{sure} sure, not mended: {lost:#?}");
+}
+
+fn corpus() -> Option<PathBuf> {
+    let folder = match std::env::var_os("FRAMES_LINT_CORPUS") {
+        Some(folder) => PathBuf::from(folder),
+        None => PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/corpus"),
+    };
+    folder.is_dir().then_some(folder)
+}
+
+fn urdfs(folder: &Path, found: &mut Vec<PathBuf>) {
+    let mut entries: Vec<PathBuf> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            urdfs(&path, found);
+        } else if path.extension().is_some_and(|ending| ending == "urdf") {
+            found.push(path);
+        }
+    }
+}
+
+/// A fault in a text: what is replaced where, and the rule that says so. `None` where the text has no place for it.
+type Inject = fn(&str) -> Option<(String, &'static str)>;
+
+/// The first place between two marks behind `from`.
+fn between<'t>(text: &'t str, before: &str, after: &str) -> Option<(usize, &'t str)> {
+    let start = text.find(before)? + before.len();
+    let end = start + text[start..].find(after)?;
+    Some((start, &text[start..end]))
+}
+
+fn put(text: &str, at: usize, old: &str, new: &str) -> String {
+    format!("{}{new}{}", &text[..at], &text[at + old.len()..])
+}
+
+const FAULTS: [(&str, Inject); 6] = [
+    ("a blank behind a parent's name", |text| {
+        let (at, name) = between(text, "<parent link=\"", "\"")?;
+        Some((put(text, at, name, &format!("{name} ")), "NAME02"))
+    }),
+    ("a slash before a child's name", |text| {
+        let (at, name) = between(text, "<child link=\"", "\"")?;
+        Some((put(text, at, name, &format!("/{name}")), "NAME02"))
+    }),
+    ("a capital in a parent's name", |text| {
+        let (at, name) = between(text, "<parent link=\"", "\"")?;
+        let mut other = name.to_owned();
+        let first = other.get_mut(0..1)?;
+        if first.chars().all(char::is_lowercase) {
+            first.make_ascii_uppercase();
+        } else {
+            first.make_ascii_lowercase();
+        }
+        (other != name).then(|| (put(text, at, name, &other), "NAME01"))
+    }),
+    ("pi with two digits", |text| {
+        let (at, rpy) = between(text, "rpy=\"", "\"")?;
+        rpy.starts_with("0 0 0")
+            .then(|| (put(text, at, rpy, "0 0 1.57"), "ROT09"))
+    }),
+    ("degrees", |text| {
+        let (at, rpy) = between(text, "rpy=\"", "\"")?;
+        rpy.starts_with("0 0 0")
+            .then(|| (put(text, at, rpy, "0 0 90"), "ROT08"))
+    }),
+    ("a comma between numbers", |text| {
+        let (at, xyz) = between(text, "xyz=\"", "\"")?;
+        let parts: Vec<&str> = xyz.split_whitespace().collect();
+        (parts.len() == 3).then(|| (put(text, at, xyz, &parts.join(", ")), "URDF10"))
+    }),
+];
+
+/// What a text says, however its numbers are spelled: names as they are, numbers by value.
+fn said(text: &str) -> Vec<String> {
+    text.split(|c: char| c.is_whitespace() || "\"'<>=/".contains(c))
+        .filter(|word| !word.is_empty())
+        .map(|word| {
+            word.parse::<f64>()
+                .map_or_else(|_| word.to_owned(), |number| format!("{number:.9}"))
+        })
+        .collect()
+}
+
+#[test]
+fn faults_put_into_healthy_descriptions_are_mended_and_nothing_else_changes() {
+    let Some(corpus) = corpus() else { return };
+    let mut files = Vec::new();
+    urdfs(&corpus, &mut files);
+    let counts: Vec<BTreeMap<&str, usize>> = files
+        .par_iter()
+        .map(|path| {
+            let mut done = BTreeMap::new();
+            let Ok(healthy) = fs::read_to_string(path) else {
+                return done;
+            };
+            if healthy.len() > 200_000 {
+                return done;
+            }
+            for (what, inject) in FAULTS {
+                let Some((broken, rule)) = inject(&healthy) else {
+                    continue;
+                };
+                let folder = tempfile::tempdir().unwrap();
+                let file = folder.path().join("robot.urdf");
+                fs::write(&file, &healthy).unwrap();
+                if check(folder.path(), &[rule])
+                    .verdict
+                    .findings
+                    .iter()
+                    .any(|finding| finding.rule == rule)
+                {
+                    continue;
+                }
+                fs::write(&file, &broken).unwrap();
+                let run = check(folder.path(), &[rule]);
+                let name = path.display();
+                // Some descriptions are such that the fault is none: nobody else spells the name, or the joint carries nothing.
+                let Some(finding) = run.verdict.findings.first() else {
+                    continue;
+                };
+                if finding.fix.is_none() {
+                    continue;
+                }
+                let (after, _) = mend(folder.path(), &[rule]);
+                assert!(
+                    after.verdict.findings.is_empty(),
+                    "{name}: {what}: {:?}",
+                    after.verdict.findings
+                );
+                let mended = fs::read_to_string(&file).unwrap();
+                match rule {
+                    "NAME01" | "NAME02" => assert_eq!(mended, healthy, "{name}: {what}"),
+                    "URDF10" => assert_eq!(said(&mended), said(&healthy), "{name}: {what}"),
+                    _ => {
+                        let (at, _) = between(&healthy, "rpy=\"", "\"").unwrap();
+                        let end = at + healthy[at..].find('"').unwrap();
+                        let right = format!("{}0 0 1.5707963267948966{}", &healthy[..at], &healthy[end..]);
+                        assert_eq!(said(&mended), said(&right), "{name}: {what}");
+                        assert!(
+                            mended.starts_with(&healthy[..at]) && mended.ends_with(&healthy[end..]),
+                            "{name}: {what}"
+                        );
+                    }
+                }
+                *done.entry(what).or_default() += 1;
+            }
+            done
+        })
+        .collect();
+    let mut total: BTreeMap<&str, usize> = BTreeMap::new();
+    for (what, count) in counts.iter().flatten() {
+        *total.entry(what).or_default() += count;
+    }
+    eprintln!("{} descriptions, mended: {total:#?}", files.len());
+    for (what, _) in FAULTS {
+        assert!(total.get(what).is_some_and(|count| *count >= 5), "{what}: {total:?}");
+    }
+}
+
+#[test]
+fn a_plan_of_a_healthy_platform_is_empty() {
+    for robot in fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/robots")).unwrap() {
+        let folder = tempfile::tempdir().unwrap();
+        support::copy_platform(&robot.unwrap().path(), folder.path());
+        assert_eq!(fix::plan(&check(folder.path(), &[]), true), Plan::default());
+    }
+}
+
+/// A camera frame that was never turned (changes behaviour), and pi with three digits (safe).
+const ROBOT: &str = "<robot name=\"r\">\r\n  <link name=\"base_link\"/>\r\n  <link name=\"camera_link\"/>\r\n  <link name=\"camera_optical_frame\"/>\r\n  \
+                     <joint name=\"a\" type=\"fixed\"><parent link=\"base_link\"/><child link=\"camera_link\"/><origin xyz=\"1 0 1\" rpy=\"0 0 1.57\"/></joint>\r\n  \
+                     <joint name=\"b\" type=\"fixed\"><parent link=\"camera_link\"/><child link=\"camera_optical_frame\"/><origin xyz=\"0 0 0\" rpy=\"0 0 0\"/></joint>\r\n</robot>\r\n";
+
+#[test]
+#[cfg(unix)]
+fn the_program_shows_and_applies_fixes_by_how_safe_they_are() {
+    use crate::support::program::run;
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("robot.urdf");
+    fs::write(&file, ROBOT).unwrap();
+    let read = || fs::read_to_string(&file).unwrap();
+    let shown = run(folder.path(), ["check", "--diff", "."]);
+    assert_eq!((shown.code, read().as_str()), (1, ROBOT));
+    let diff = shown.text();
+    assert!(diff.starts_with("--- a/robot.urdf\n+++ b/robot.urdf\n@@ "), "{diff}");
+    assert_eq!(diff.lines().filter(|line| line.starts_with("+ ")).count(), 1, "{diff}");
+    assert!(
+        shown.err.contains("would fix 1 finding in 1 file") && shown.err.contains("1 more fix changes behaviour"),
+        "{}",
+        shown.err
+    );
+    let fixed = run(folder.path(), ["check", "--fix", "."]);
+    assert_eq!(read(), ROBOT.replace("1.57\"", "1.5707963267948966\""));
+    assert!(
+        fixed.code == 1 && fixed.err.contains("fixed 1 finding in 1 file"),
+        "{}",
+        fixed.err
+    );
+    assert!(fixed.text().contains("NAME06") && !fixed.text().contains("ROT09"));
+    let all = run(folder.path(), ["check", "--unsafe-fixes", "."]);
+    assert!(
+        all.code == 0 && all.err.contains("fixed 1 finding in 1 file"),
+        "{}{}",
+        all.err,
+        all.text()
+    );
+    let again = run(folder.path(), ["check", "--unsafe-fixes", "."]);
+    assert!(
+        again.code == 0 && again.err.contains("fixed 0 findings in 0 files"),
+        "{}",
+        again.err
+    );
+    assert!(read().contains("rpy=\"-1.5707963267948966 0 -1.5707963267948966\"/></joint>\r\n</robot>"));
+}
