@@ -6,10 +6,12 @@
 mod args;
 mod convert;
 mod fixes;
+mod init;
 mod stamp;
 #[cfg(test)]
 mod tests;
 mod tree;
+pub mod watch;
 
 use std::ffi::OsString;
 use std::fmt::Write;
@@ -37,6 +39,8 @@ pub struct Answer {
     pub err: String,
     /// The exit code.
     pub code: u8,
+    /// Files and folders that are waited for: the same is asked again when one of them changes.
+    pub watched: Vec<PathBuf>,
 }
 
 /// Where the answer goes.
@@ -114,6 +118,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, stdin: &mut dyn Read, 
         Verb::Tree(tree) => tree::run(tree, stdin, surroundings),
         Verb::Chain(chain) => run_chain(chain, stdin, surroundings),
         Verb::Convert(convert) => convert::run(convert, stdin, surroundings),
+        Verb::Init(init) => init::run(init, stdin, surroundings),
         Verb::Explain { rule } => run_explain(&rule, surroundings.style),
         Verb::Rules { format } => run_rules(format, surroundings.style),
         Verb::Completions { shell } => Ok(completions(shell)),
@@ -172,6 +177,7 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
         profile: check.profile,
         baseline: check.baseline,
         today: today()?,
+        without_config: false,
         wanted: engine::Wanted::Facts,
         select: check.select,
         ignore: check.ignore,
@@ -181,12 +187,13 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
     };
     // The program ends with the report: freeing every name one by one first would be time for nothing.
     let mut run = ManuallyDrop::new(engine::check(&options)?);
-    if check.diff {
-        return Ok(fixes::show(&run, check.unsafe_fixes, &check.reporting));
+    let fixing = check.fixing;
+    if fixing.diff {
+        return Ok(fixes::show(&run, fixing.unsafe_fixes, &check.reporting));
     }
     let mut said = String::new();
-    if check.fix || check.unsafe_fixes {
-        said = fixes::apply(&mut run, &options, check.unsafe_fixes)?;
+    if fixing.fix || fixing.unsafe_fixes {
+        said = fixes::apply(&mut run, &options, fixing.unsafe_fixes)?;
     }
     if let Some(path) = check.write_baseline {
         let count = plural(engine::write_baseline(&mut run, &path)?, "finding");
@@ -194,6 +201,17 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
     }
     let mut answer = tell(&run, &check.reporting, surroundings)?;
     answer.err.insert_str(0, &said);
+    if check.watch {
+        let config = options.config.iter().chain(&options.baseline).cloned();
+        answer.watched = options
+            .paths
+            .iter()
+            .chain(&options.evidence)
+            .cloned()
+            .chain(config)
+            .collect();
+        answer.err.push_str("watching; interrupt to end\n");
+    }
     Ok(answer)
 }
 
@@ -292,6 +310,7 @@ fn run_collect(collect: Collect, stdin: &mut dyn Read, surroundings: Surrounding
         out,
         err: terminal::render_unread(&run, style),
         code: run.exit_code_of_reading(),
+        ..Answer::default()
     })
 }
 

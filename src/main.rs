@@ -20,23 +20,32 @@ fn main() -> ExitCode {
     if std::env::var_os("RUST_BACKTRACE").is_none_or(|value| value == "0") {
         std::panic::set_hook(Box::new(remember));
     }
-    let answer = catch_unwind(|| {
-        cli::run(
-            std::env::args_os(),
-            &mut std::io::stdin().lock(),
-            Surroundings::detect(),
-        )
-    })
-    .unwrap_or_else(|_| crash());
-    let printed = print(&mut std::io::stderr().lock(), &answer.err)
-        .and_then(|()| print(&mut std::io::stdout().lock(), &answer.out));
-    match printed {
-        Ok(()) => ExitCode::from(answer.code),
-        Err(error) => {
-            let _ = writeln!(std::io::stderr(), "error: cannot write the report: {error}");
-            ExitCode::from(EXIT_USAGE)
+    loop {
+        let answer = catch_unwind(|| {
+            cli::run(
+                std::env::args_os(),
+                &mut std::io::stdin().lock(),
+                Surroundings::detect(),
+            )
+        })
+        .unwrap_or_else(|_| crash());
+        let printed = print(&mut std::io::stderr().lock(), &answer.err)
+            .and_then(|()| print(&mut std::io::stdout().lock(), &answer.out));
+        if let Err(error) = printed {
+            return refused(&format!("cannot write the report: {error}"));
+        }
+        if answer.watched.is_empty() {
+            return ExitCode::from(answer.code);
+        }
+        if let Err(error) = cli::watch::wait(&answer.watched) {
+            return refused(&error);
         }
     }
+}
+
+fn refused(what: &str) -> ExitCode {
+    let _ = writeln!(std::io::stderr(), "error: {what}");
+    ExitCode::from(EXIT_USAGE)
 }
 
 fn remember(info: &PanicHookInfo) {

@@ -32,6 +32,8 @@ pub(super) struct Cli {
 pub(super) enum Verb {
     /// Check files and folders
     Check(Check),
+    /// Write a configuration to begin with: who states which transform, what must be judged from now on
+    Init(Init),
     /// Explain a rule: what it checks, why, how it decides, how to fix
     Explain {
         /// Code or name of the rule (TREE01, orphan-subtree)
@@ -126,15 +128,11 @@ pub(super) struct Check {
     /// Write the findings of this run to a baseline, and accept them
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) write_baseline: Option<PathBuf>,
-    /// Apply the fixes that are safe, and report what is left
-    #[arg(long)]
-    pub(super) fix: bool,
-    /// Apply the fixes that change behaviour as well
-    #[arg(long)]
-    pub(super) unsafe_fixes: bool,
-    /// Show what would be fixed as a diff, and change nothing; with --unsafe-fixes all of it
-    #[arg(long, conflicts_with = "fix")]
-    pub(super) diff: bool,
+    #[command(flatten)]
+    pub(super) fixing: Fixing,
+    /// Check again whenever one of the inputs changes, until interrupted
+    #[arg(long, conflicts_with_all = ["fix", "unsafe_fixes", "diff", "write_baseline"])]
+    pub(super) watch: bool,
     #[command(flatten)]
     pub(super) reading: Reading,
     /// Rules to run: codes, names or families, with commas between; all without it
@@ -145,6 +143,20 @@ pub(super) struct Check {
     pub(super) ignore: Vec<String>,
     #[command(flatten)]
     pub(super) reporting: Reporting,
+}
+
+/// Which fixes are applied or shown.
+#[derive(Clone, Copy, Debug, Args)]
+pub(super) struct Fixing {
+    /// Apply the fixes that are safe, and report what is left
+    #[arg(long)]
+    pub(super) fix: bool,
+    /// Apply the fixes that change behaviour as well
+    #[arg(long)]
+    pub(super) unsafe_fixes: bool,
+    /// Show what would be fixed as a diff, and change nothing; with --unsafe-fixes all of it
+    #[arg(long, conflicts_with = "fix")]
+    pub(super) diff: bool,
 }
 
 /// How the verdict is told.
@@ -251,6 +263,18 @@ impl TypedValueParser for Targets {
 fn is(text: &str) -> Result<(String, String), String> {
     let (target, source) = text.split_once(" from ").ok_or("`TARGET from SOURCE` is expected")?;
     Ok((target.trim().to_owned(), source.trim().to_owned()))
+}
+
+#[derive(Debug, Args)]
+pub(super) struct Init {
+    #[command(flatten)]
+    pub(super) input: Input,
+    /// Where it goes; `-` for standard output [default: frames-lint.yaml in the first folder]
+    #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(super) output: Option<PathBuf>,
+    /// Overwrite a configuration that is there
+    #[arg(long)]
+    pub(super) force: bool,
 }
 
 #[derive(Debug, Args)]

@@ -32,6 +32,7 @@ pub(super) fn show(run: &Run, all: bool, reporting: &Reporting) -> Answer {
         out: plan.diff(),
         err,
         code: run.exit_code(fail_on),
+        ..Answer::default()
     }
 }
 

@@ -50,5 +50,10 @@ pub(super) fn run(tree: Tree, stdin: &mut dyn Read, surroundings: Surroundings) 
             TreeFormat::Svg => tree::svg::render(&run),
         },
     };
-    Ok(Answer { out, err, code })
+    Ok(Answer {
+        out,
+        err,
+        code,
+        ..Answer::default()
+    })
 }

@@ -50,6 +50,8 @@ pub struct Options {
     pub xacro_args: Vec<String>,
     /// The configuration that [`check`] uses; the nearest above the inputs where `None`.
     pub config: Option<PathBuf>,
+    /// Whether no configuration is looked for.
+    pub without_config: bool,
     /// A profile of the tool that the configuration stands on.
     pub profile: Option<String>,
     /// A baseline: its findings are accepted.
@@ -248,6 +250,9 @@ fn definitions(options: &Options) -> Result<Arc<Definitions>, UsageError> {
 
 /// The configuration that holds for the inputs, evidence among them.
 fn configuration(options: &Options) -> Result<Option<Config>, UsageError> {
+    if options.without_config {
+        return Ok(None);
+    }
     let inputs: Vec<PathBuf> = options.paths.iter().chain(&options.evidence).cloned().collect();
     Ok(config::find(
         options.config.as_deref(),

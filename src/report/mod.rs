@@ -4,6 +4,7 @@ pub mod explain;
 mod fingerprint;
 mod github;
 mod gitlab;
+pub mod init;
 pub mod json;
 mod json_lines;
 mod junit;

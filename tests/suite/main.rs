@@ -25,6 +25,7 @@ mod formats;
 mod foxglove;
 mod gate;
 mod hostile_input;
+mod integrations;
 mod layers;
 mod messages;
 mod pages;

@@ -1,0 +1,66 @@
+//! `frames-lint init`.
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use crate::engine;
+use crate::report::{Style, init, terminal};
+
+use super::args::Init;
+use super::{Answer, Failure, Surroundings, paths, save};
+
+/// The name of a configuration.
+const NAME: &str = "frames-lint.yaml";
+
+/// Checks the inputs and writes a configuration from what was found. Judged without the configuration that may be there.
+pub(super) fn run(init: Init, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
+    let inputs = paths(init.input.paths, stdin)?;
+    let target = match init.output {
+        Some(path) if path.as_os_str() == "-" => None,
+        Some(path) => Some(path),
+        None => Some(beside(inputs.first().map_or(Path::new("."), PathBuf::as_path))),
+    };
+    if let Some(path) = target.as_ref().filter(|path| path.exists() && !init.force) {
+        let shown = path.display();
+        return Err(Failure::Usage(format!(
+            "`{shown}` is there already; --force overwrites it, `-o -` shows a new one"
+        )));
+    }
+    let run = engine::check(&engine::Options {
+        extent: init.input.reading.extent(),
+        paths: inputs,
+        without_config: true,
+        xacro_args: init.input.reading.xacro_args,
+        msg_paths: init.input.reading.msg_paths,
+        progress: surroundings.progress,
+        ..engine::Options::default()
+    })?;
+    let text = init::configuration(&run);
+    let style = Style {
+        color: false,
+        ..surroundings.style
+    };
+    let mut answer = Answer {
+        err: terminal::render_unread(&run, style),
+        code: run.exit_code_of_reading(),
+        ..Answer::default()
+    };
+    match target {
+        None => answer.out = text,
+        Some(path) => {
+            save(&path, text)?;
+            answer.out = format!("{} written; read it, and take out what does not hold\n", path.display());
+        }
+    }
+    Ok(answer)
+}
+
+/// The configuration of a folder, or of the folder of a file.
+fn beside(input: &Path) -> PathBuf {
+    let folder = if input.is_dir() {
+        input
+    } else {
+        input.parent().unwrap_or(Path::new(""))
+    };
+    folder.join(NAME)
+}

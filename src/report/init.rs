@@ -1,0 +1,190 @@
+//! A configuration to begin with, from what is there: commented, with the table of who states which transform.
+//!
+//! What could be judged today is required from now on: a topic that is no longer recorded then stops the gate instead of passing
+//! unseen.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use crate::page::Front;
+use crate::run::Run;
+use crate::verdict::waiver::FAMILY;
+use crate::verdict::{Outcome, Severity};
+use crate::world::{ClaimKind, FrameId, World};
+
+use super::place::Locator;
+use super::text::{one_line, plural};
+
+/// So many pairs of frames are listed, and so many topics.
+const MAX_ROWS: usize = 200;
+
+/// The text of a `frames-lint.yaml`.
+pub fn configuration(run: &Run) -> String {
+    let locator = Locator::inside(&run.sources);
+    let mut out = String::from(
+        "# frames-lint.yaml: what holds for the files of this folder and below it. `frames-lint explain RULE` tells what a rule checks;\n\
+         # schema/frames-lint-config-1.json of frames-lint describes every key.\n\n\
+         # What this stands on: ci, pre-survey, dataset-acceptance, or a file.\n\
+         extends: ci\n",
+    );
+    authorities(run, &locator, &mut out);
+    conventions(run, &mut out);
+    required(run, &mut out);
+    today(run, &mut out);
+    out
+}
+
+/// Who states which transform.
+fn authorities(run: &Run, locator: &Locator, out: &mut String) {
+    let mut pairs: BTreeMap<(FrameId, FrameId), Vec<String>> = BTreeMap::new();
+    for world in &run.worlds {
+        for (pair, who) in statements(world, locator) {
+            let turned = (pair.1.clone(), pair.0.clone());
+            let pair = if pairs.contains_key(&turned) { turned } else { pair };
+            let known = pairs.entry(pair).or_default();
+            if !known.contains(&who) {
+                known.push(who);
+            }
+        }
+    }
+    if pairs.is_empty() {
+        return;
+    }
+    out.push_str(
+        "\n# Who states which transform (parent <- child). Where several do, agree on one that the others are made from: frames-lint holds\n\
+         # all of them against each other (CROSS01, CROSS02, AUTH01).\n#\n",
+    );
+    let shown = |(target, source): &(FrameId, FrameId)| one_line(&format!("{target} <- {source}"));
+    let width = pairs
+        .keys()
+        .take(MAX_ROWS)
+        .map(|pair| shown(pair).chars().count())
+        .max()
+        .unwrap_or(0);
+    for (pair, who) in pairs.iter().take(MAX_ROWS) {
+        for (index, who) in who.iter().enumerate() {
+            let pair = if index == 0 { shown(pair) } else { String::new() };
+            let _ = writeln!(out, "#   {pair:width$}  {}", one_line(who));
+        }
+    }
+    if pairs.len() > MAX_ROWS {
+        let _ = writeln!(out, "#   ... and {}", plural(pairs.len() - MAX_ROWS, "more pair"));
+    }
+}
+
+/// Every statement of a transform, with who makes it.
+fn statements(world: &World, locator: &Locator) -> Vec<((FrameId, FrameId), String)> {
+    let mut found = Vec::new();
+    for claim in &world.claims {
+        let Some((target, source)) = &claim.frames else {
+            continue;
+        };
+        let place = locator.short(&claim.place);
+        let who = match &claim.kind {
+            ClaimKind::Joint { joint, fixed: true, .. } => format!("joint {joint}, {place}"),
+            ClaimKind::Joint { joint, .. } => format!("moving joint {joint}, {place}"),
+            ClaimKind::File { dialect, .. } => format!("`{}` ({dialect}), {place}", claim.label),
+        };
+        found.push(((target.canonical(), source.canonical()), who));
+    }
+    for bag in &world.bags {
+        for edge in &bag.tf {
+            let kind = if edge.is_static { "static" } else { "moving" };
+            let who = format!("{kind} on {}, {}", edge.topic, locator.name(bag.source));
+            found.push(((edge.parent.canonical(), edge.child.canonical()), who));
+        }
+    }
+    found
+}
+
+/// Topics whose conventions are worth a word.
+fn conventions(run: &Run, out: &mut String) {
+    let mut topics: BTreeMap<&str, &str> = BTreeMap::new();
+    for bag in run.worlds.iter().flat_map(|world| &world.bags) {
+        for (name, topic) in &bag.topics {
+            let content = &topic.content;
+            if content.imu.is_some() || content.odometry.is_some() || content.fixes.is_some() {
+                topics.insert(name, &topic.message_type);
+            }
+        }
+    }
+    if topics.is_empty() {
+        return;
+    }
+    out.push_str(
+        "\n# What these topics are told in. Without a declaration ROS's own holds: east, north, up for the world (ENU), forward, left, up for the\n\
+         # body (FLU), quaternions as x y z w, UTC. Declare what differs; the data are held against it.\n# conventions:\n",
+    );
+    for (topic, type_name) in topics.iter().take(MAX_ROWS) {
+        let _ = writeln!(
+            out,
+            "#   - {{topic: {}, world: ENU, body: FLU}}   # {}",
+            one_line(topic),
+            one_line(type_name)
+        );
+    }
+}
+
+/// Rules that judged something that recordings or several files must bring.
+fn required(run: &Run, out: &mut String) {
+    let judged = |code: &str| {
+        run.verdict
+            .rows
+            .iter()
+            .any(|row| row.rule == code && matches!(row.outcome, Outcome::Pass | Outcome::Fail | Outcome::Waived))
+    };
+    let asks_for_more = |page: &str| {
+        Front::parse(page).is_ok_and(|front| front.evidence.iter().any(|kind| kind != "urdf" && kind != "names"))
+    };
+    let rules: Vec<_> = run
+        .rules
+        .iter()
+        .filter(|rule| rule.family != FAMILY && judged(&rule.code) && asks_for_more(rule.page))
+        .collect();
+    if rules.is_empty() {
+        return;
+    }
+    out.push_str(
+        "\n# Judged when this was written, and required from now on: where one of them can no longer be judged, because a topic or a file is\n\
+         # missing, the run is incomplete (exit code 3) and says what to record.\nrequire:\n",
+    );
+    for rule in rules {
+        let _ = writeln!(out, "  - {:<9} # {}", rule.code, rule.name);
+    }
+}
+
+/// What is found today, and how it may be accepted.
+fn today(run: &Run, out: &mut String) {
+    let count = |severity| run.verdict.count_findings(severity);
+    let found = [
+        plural(count(Severity::Error), "error"),
+        plural(count(Severity::Warning), "warning"),
+        plural(count(Severity::Note), "note"),
+    ];
+    let _ = write!(
+        out,
+        "\n# Found when this was written: {}. What is accepted for now stands here, with a reason and a last day; what is\n\
+         # accepted wholesale goes into a baseline (`frames-lint check --write-baseline frames-baseline.json`).\n# waivers:\n",
+        found.join(", ")
+    );
+    for finding in run.verdict.open().take(5) {
+        let subject = one_line(&finding.subject).replace('\'', "''");
+        let _ = writeln!(
+            out,
+            "#   - {{rule: {}, subject: '{subject}', reason: ..., until: ..., by: ...}}",
+            finding.rule
+        );
+    }
+    if run.verdict.open().next().is_none() {
+        out.push_str("#   - {rule: CROSS01, subject: '*lidar*', reason: ..., until: ..., by: ...}\n");
+    }
+    for finding in run
+        .verdict
+        .open()
+        .filter(|finding| finding.rule == "CROSS07")
+        .take(MAX_ROWS)
+    {
+        let _ = writeln!(out, "\n# {}", one_line(&finding.message));
+        let _ = writeln!(out, "# {}", one_line(&finding.help));
+    }
+}
