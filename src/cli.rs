@@ -5,6 +5,7 @@
 
 mod args;
 mod convert;
+mod diff;
 mod fixes;
 mod init;
 mod stamp;
@@ -118,6 +119,7 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, stdin: &mut dyn Read, 
         Verb::Tree(tree) => tree::run(tree, stdin, surroundings),
         Verb::Chain(chain) => run_chain(chain, stdin, surroundings),
         Verb::Convert(convert) => convert::run(convert, stdin, surroundings),
+        Verb::Diff(diff) => diff::run(&diff, surroundings),
         Verb::Init(init) => init::run(init, stdin, surroundings),
         Verb::Explain { rule } => run_explain(&rule, surroundings.style),
         Verb::Rules { format } => run_rules(format, surroundings.style),

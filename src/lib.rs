@@ -15,6 +15,7 @@
 
 pub mod cli;
 pub mod collect;
+pub mod compare;
 pub mod config;
 pub mod convert;
 pub mod engine;

@@ -32,6 +32,8 @@ pub(super) struct Cli {
 pub(super) enum Verb {
     /// Check files and folders
     Check(Check),
+    /// Compare two platforms, or two recordings of one: which transforms, topics and clocks changed, and what explains it
+    Diff(Diff),
     /// Write a configuration to begin with: who states which transform, what must be judged from now on
     Init(Init),
     /// Explain a rule: what it checks, why, how it decides, how to fix
@@ -263,6 +265,38 @@ impl TypedValueParser for Targets {
 fn is(text: &str) -> Result<(String, String), String> {
     let (target, source) = text.split_once(" from ").ok_or("`TARGET from SOURCE` is expected")?;
     Ok((target.trim().to_owned(), source.trim().to_owned()))
+}
+
+const DIFF_EXIT_CODES: &str = "\
+Exit codes:
+   0  no change
+   1  changes
+   2  the call or the configuration is wrong
+   3  an input could not be read in full, or the two have nothing in common";
+
+#[derive(Debug, Args)]
+#[command(after_help = DIFF_EXIT_CODES)]
+pub(super) struct Diff {
+    /// What was there before: a file, a recording or a folder
+    #[arg(value_name = "BEFORE", value_hint = ValueHint::AnyPath)]
+    pub(super) before: PathBuf,
+    /// What is there now
+    #[arg(value_name = "AFTER", value_hint = ValueHint::AnyPath)]
+    pub(super) after: PathBuf,
+    /// Form of the comparison
+    #[arg(long, value_enum, default_value = "text")]
+    pub(super) format: DiffFormat,
+    /// Configuration with the conventions that both follow; without it the frames-lint.yaml nearest above each
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(super) config: Option<PathBuf>,
+    #[command(flatten)]
+    pub(super) reading: Reading,
+}
+
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub(super) enum DiffFormat {
+    Text,
+    Json,
 }
 
 #[derive(Debug, Args)]

@@ -20,7 +20,8 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
         ("collect", &["source", "world", "read", "math"]),
         ("rules", &["source", "world", "verdict", "page", "math", "tables"]),
         ("run", &["source", "world", "verdict", "page"]),
-        ("report", &["source", "world", "verdict", "page", "run"]),
+        ("report", &["source", "world", "verdict", "page", "run", "compare"]),
+        ("compare", &["source", "world", "verdict", "run", "math"]),
         ("progress", &[]),
         // A fault in the configuration has a place, and the reader of documents knows places.
         (
@@ -40,7 +41,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
         (
             "cli",
             &[
-                "engine", "report", "run", "verdict", "page", "rules", "convert", "tables", "config", "fix",
+                "engine", "report", "run", "verdict", "page", "rules", "convert", "tables", "config", "fix", "compare",
             ],
         ),
     ])

@@ -18,6 +18,7 @@ mod cases;
 mod config;
 mod convert;
 mod dialects;
+mod diff;
 mod drives;
 mod evidence;
 mod fixes;

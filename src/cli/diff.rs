@@ -1,0 +1,46 @@
+//! `frames-lint diff`.
+
+use crate::compare::compare;
+use crate::engine;
+use crate::report::{Style, diff, terminal};
+use crate::run::{EXIT_CLEAN, EXIT_FINDINGS, EXIT_INCOMPLETE};
+
+use super::args::{Diff, DiffFormat};
+use super::{Answer, Failure, Surroundings};
+
+/// Compares two platforms. 0: no change; 1: changes; 3: an input could not be read in full, or they have nothing in common.
+pub(super) fn run(asked: &Diff, surroundings: Surroundings) -> Result<Answer, Failure> {
+    let read = |path: &std::path::Path| {
+        engine::check(&engine::Options {
+            extent: asked.reading.extent(),
+            paths: vec![path.to_path_buf()],
+            config: asked.config.clone(),
+            xacro_args: asked.reading.xacro_args.clone(),
+            msg_paths: asked.reading.msg_paths.clone(),
+            progress: surroundings.progress,
+            ..engine::Options::default()
+        })
+    };
+    let (a, b) = (read(&asked.before)?, read(&asked.after)?);
+    let comparison = compare(&a, &b);
+    let names = [asked.before.display().to_string(), asked.after.display().to_string()];
+    let names = [names[0].as_str(), names[1].as_str()];
+    let style = Style {
+        color: false,
+        ..surroundings.style
+    };
+    let incomplete = comparison.is_empty() || a.unread().chain(b.unread()).next().is_some();
+    Ok(Answer {
+        out: match asked.format {
+            DiffFormat::Text => diff::text(&comparison, names, surroundings.style),
+            DiffFormat::Json => diff::json(&comparison, names)?,
+        },
+        err: terminal::render_unread(&a, style) + &terminal::render_unread(&b, style),
+        code: match () {
+            () if !comparison.changes.is_empty() => EXIT_FINDINGS,
+            () if incomplete => EXIT_INCOMPLETE,
+            () => EXIT_CLEAN,
+        },
+        ..Answer::default()
+    })
+}

@@ -1,0 +1,157 @@
+//! Topics of two recordings: their types and frames, how far their stamps are from the clock of the recorder, and how often they come.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::ops::Deref;
+
+use crate::math::stats::median;
+use crate::run::Run;
+use crate::verdict::Measured;
+use crate::world::FrameId;
+use crate::world::bag::TopicEvidence;
+
+use super::{Change, Comparison, Kind};
+
+/// Transport and load make as much.
+const SAME_S: f64 = 0.1;
+/// Share by which a rate varies of itself.
+const SAME_RATE: f64 = 0.2;
+/// Of fewer messages, and of shorter recordings, no rate is told.
+const MIN_MESSAGES: f64 = 10.0;
+/// Seconds.
+const MIN_S: f64 = 5.0;
+
+pub(super) fn compare(a: &Run, b: &Run, out: &mut Comparison) {
+    let (before, after) = (topics(a), topics(b));
+    if before.is_empty() || after.is_empty() {
+        return;
+    }
+    for (first, second, words) in [(&before, &after, "is gone"), (&after, &before, "is new")] {
+        for (name, topic) in first.iter().filter(|(name, _)| !second.contains_key(*name)) {
+            let message = format!("{name} {words} ({})", topic.message_type);
+            out.changes.push(Change::new(Kind::Convention, *name, message));
+        }
+    }
+    for (name, first) in &before {
+        let Some(second) = after.get(name) else { continue };
+        out.topics += 1;
+        told(name, first, second, out);
+        clock(name, first, second, out);
+    }
+}
+
+/// A topic of a recording.
+struct Topic<'r> {
+    evidence: &'r TopicEvidence,
+    /// Length of the whole recording, seconds of log time.
+    recorded_s: Option<f64>,
+}
+
+impl Deref for Topic<'_> {
+    type Target = TopicEvidence;
+
+    fn deref(&self) -> &TopicEvidence {
+        self.evidence
+    }
+}
+
+impl Topic<'_> {
+    /// Messages a second, over the whole recording: drivers send in bursts, which steps between stamps take for a rate.
+    fn rate_hz(&self) -> Option<f64> {
+        let count = self.total? as f64;
+        let seconds = self.recorded_s?;
+        (count >= MIN_MESSAGES && seconds >= MIN_S).then_some((count - 1.0) / seconds)
+    }
+}
+
+/// The topics of all recordings of a run that anything was published on; of one in several recordings the first.
+fn topics(run: &Run) -> BTreeMap<&str, Topic<'_>> {
+    let mut topics = BTreeMap::new();
+    for bag in run.worlds.iter().flat_map(|world| &world.bags) {
+        let span = bag.share.span_ns.or_else(|| bag.start_ns.zip(bag.end_ns));
+        for (name, evidence) in bag.topics.iter().filter(|(_, topic)| topic.count > 0) {
+            topics.entry(name.as_str()).or_insert(Topic {
+                evidence,
+                recorded_s: span.map(|(from, to)| (to - from) as f64 / 1e9),
+            });
+        }
+    }
+    topics
+}
+
+fn told(name: &str, first: &TopicEvidence, second: &TopicEvidence, out: &mut Comparison) {
+    let mut changed = |what: &str, before: String, after: String| {
+        if before != after {
+            let message = format!("{name}: {what} {after}, and was {before}");
+            out.changes.push(Change::new(Kind::Convention, name, message));
+        }
+    };
+    changed("its type is", first.message_type.clone(), second.message_type.clone());
+    let frames = |topic: &TopicEvidence, child: bool| {
+        let frames = if child {
+            &topic.child_frames
+        } else {
+            &topic.header_frames
+        };
+        let names: BTreeSet<&FrameId> = frames.keys().collect();
+        let names: Vec<String> = names.iter().map(|frame| format!("`{frame}`")).collect();
+        if names.is_empty() {
+            "none".to_owned()
+        } else {
+            names.join(", ")
+        }
+    };
+    changed("its frame is", frames(first, false), frames(second, false));
+    changed("its child frame is", frames(first, true), frames(second, true));
+}
+
+fn clock(name: &str, first: &Topic, second: &Topic, out: &mut Comparison) {
+    let offset = |topic: &TopicEvidence| {
+        let differences: Vec<f64> = topic
+            .stamps
+            .samples
+            .iter()
+            .map(|(stamp, log)| (stamp - log) as f64 / 1e9)
+            .collect();
+        median(&differences)
+    };
+    if let (Some(before), Some(after)) = (offset(first), offset(second))
+        && (after - before).abs() > SAME_S
+    {
+        let mut change = Change::new(
+            Kind::Clock,
+            name,
+            format!("{name}: its stamps are {after:+.3} s off the log clock, and were {before:+.3} s"),
+        );
+        change.explanation = offset_words(after - before);
+        change.measured = vec![Measured::new("stamps moved by", after - before, "s").limit(SAME_S)];
+        out.changes.push(change);
+    }
+    if let (Some(before), Some(after)) = (first.rate_hz(), second.rate_hz())
+        && (after / before - 1.0).abs() > SAME_RATE
+    {
+        let mut change = Change::new(
+            Kind::Clock,
+            name,
+            format!("{name}: it comes at {after:.2} Hz, and came at {before:.2} Hz"),
+        );
+        change.measured = vec![Measured::new("rate against before", after / before, "1").limit(1.0 + SAME_RATE)];
+        out.changes.push(change);
+    }
+}
+
+/// Differences of time scales, and of time zones.
+fn offset_words(seconds: f64) -> String {
+    let size = seconds.abs();
+    let near = |value: f64| (size - value).abs() < 0.5;
+    if near(18.0) {
+        "GPS time against UTC differs by that much".to_owned()
+    } else if near(37.0) {
+        "TAI against UTC differs by that much".to_owned()
+    } else if near(19.0) {
+        "TAI against GPS time differs by that much".to_owned()
+    } else if size > 1700.0 && (size % 900.0 < 2.0 || size % 900.0 > 898.0) && size < 51_000.0 {
+        "a time zone".to_owned()
+    } else {
+        String::new()
+    }
+}
