@@ -278,6 +278,7 @@ mod tests {
             outcome,
             reason: None,
             measured: Vec::new(),
+            plots: Vec::new(),
         }
     }
 

@@ -2,12 +2,14 @@
 //!
 //! Must not know how a verdict is shown, nor which rules exist.
 
+pub mod plot;
 pub mod waiver;
 
 use serde::{Deserialize, Serialize};
 
 use crate::source::{Confidence, Place};
 
+pub use plot::Plot;
 pub use waiver::Waived;
 
 /// How bad a finding is.
@@ -373,6 +375,9 @@ pub struct Row {
     pub reason: Option<String>,
     /// What was measured.
     pub measured: Vec<Measured>,
+    /// What people would rather look at.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub plots: Vec<Plot>,
 }
 
 /// All outcomes and findings of a run.

@@ -177,7 +177,7 @@ fn unmeasured(out: &Judge) -> Option<String> {
     ))
 }
 
-fn take(out: Judge, rule: &Enabled, label: Option<&str>, crash: Option<String>, verdict: &mut Verdict) {
+fn take(mut out: Judge, rule: &Enabled, label: Option<&str>, crash: Option<String>, verdict: &mut Verdict) {
     let prefixed = |subject: String| label.map_or_else(|| subject.clone(), |label| format!("{label}: {subject}"));
     let row = |subject: String, outcome, reason, measured| Row {
         rule: rule.front.code.clone(),
@@ -186,6 +186,7 @@ fn take(out: Judge, rule: &Enabled, label: Option<&str>, crash: Option<String>, 
         outcome,
         reason,
         measured,
+        plots: Vec::new(),
     };
     if let Some(reason) = crash {
         verdict.rows.push(row(
@@ -196,12 +197,11 @@ fn take(out: Judge, rule: &Enabled, label: Option<&str>, crash: Option<String>, 
         ));
     }
     for judged in out.judged {
-        verdict.rows.push(row(
-            prefixed(judged.subject),
-            judged.outcome,
-            judged.reason,
-            judged.measured,
-        ));
+        let plots = out.plots.remove(&judged.subject).unwrap_or_default();
+        verdict.rows.push(Row {
+            plots,
+            ..row(prefixed(judged.subject), judged.outcome, judged.reason, judged.measured)
+        });
     }
     let ceiling = match rule.front.status {
         Status::Trial => Confidence::Hint,

@@ -152,6 +152,7 @@ mod tests {
             outcome: Outcome::NotEvaluated,
             reason: Some(format!("{}: 3 messages", why.word())),
             measured: Vec::new(),
+            plots: Vec::new(),
         }
     }
 

@@ -23,10 +23,42 @@ pub fn fit_drifting(
     if times_s.len() != source_m.len() {
         return None;
     }
+    let [(proper, _), (improper, _)] = fits(times_s, source_m, target_m, most_rad_s)?;
+    Some(Similarities {
+        proper,
+        improper,
+        count: source_m.len(),
+    })
+}
+
+/// The source laid over the target by the two fits of [`fit_drifting`], turned and mirrored, with the drift taken off: metres of the target.
+pub fn laid_drifting(
+    times_s: &[f64],
+    source_m: &[Vector2<f64>],
+    target_m: &[Vector2<f64>],
+    most_rad_s: f64,
+) -> Option<[Vec<Vector2<f64>>; 2]> {
+    if times_s.len() != source_m.len() {
+        return None;
+    }
+    let laid = |(fit, rate): (Similarity2, f64)| {
+        let track = turning(times_s, source_m, rate);
+        track.iter().map(|place| fit.apply(place)).collect()
+    };
+    Some(fits(times_s, source_m, target_m, most_rad_s)?.map(laid))
+}
+
+/// The best fit of each sense with the rate of turn that is taken off before it, rad/s.
+fn fits(
+    times_s: &[f64],
+    source_m: &[Vector2<f64>],
+    target_m: &[Vector2<f64>],
+    most_rad_s: f64,
+) -> Option<[(Similarity2, f64); 2]> {
     let straight = fit_similarities(source_m, target_m)?;
     let best = |of: fn(&Similarities) -> Similarity2| {
         let (mut fits, mut rate) = (straight, 0.0);
-        let (mut track, mut best) = (source_m.to_vec(), of(&straight));
+        let (mut track, mut best) = (source_m.to_vec(), (of(&straight), 0.0));
         for _ in 0..STEPS {
             let Some(step) = step(times_s, &track, target_m, &of(&fits), of) else {
                 break;
@@ -37,17 +69,13 @@ pub fn fit_drifting(
                 break;
             };
             fits = next;
-            if of(&fits).sse_m2 < best.sse_m2 {
-                best = of(&fits);
+            if of(&fits).sse_m2 < best.0.sse_m2 {
+                best = (of(&fits), rate);
             }
         }
         best
     };
-    Some(Similarities {
-        proper: best(|fits| fits.proper),
-        improper: best(|fits| fits.improper),
-        count: straight.count,
-    })
+    Some([best(|fits| fits.proper), best(|fits| fits.improper)])
 }
 
 /// By how much more the track should turn, rad/s, to first order; `None` where turning it is what a fit does anyway.

@@ -51,6 +51,7 @@ impl Sample {
             outcome,
             reason: reason.map(str::to_owned),
             measured: Vec::new(),
+            plots: Vec::new(),
         });
     }
 

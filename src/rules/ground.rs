@@ -103,9 +103,17 @@ impl Planes {
 
     /// The ground in each sampled cloud that shows one.
     pub(crate) fn grounds(&self, clouds: &Clouds, is: &IsGround) -> Vec<Ground> {
+        let grounds = self.grounds_by_cloud(clouds, is).into_iter();
+        grounds.map(|(_, ground)| ground).collect()
+    }
+
+    /// The same, each with which of the sampled clouds shows it.
+    pub(crate) fn grounds_by_cloud(&self, clouds: &Clouds, is: &IsGround) -> Vec<(usize, Ground)> {
         let key = (clouds.index, clouds.topic.topic.clone());
-        let sides = self.by_topic.get(&key).into_iter().flatten();
-        sides.filter_map(|sides| ground(sides, is)).collect()
+        let sides = self.by_topic.get(&key).into_iter().flatten().enumerate();
+        sides
+            .filter_map(|(index, sides)| Some((index, ground(sides, is)?)))
+            .collect()
     }
 }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::verdict::{Finding, Measured, NotEvaluated, Outcome};
+use crate::verdict::{Finding, Measured, NotEvaluated, Outcome, Plot};
 use crate::world::{Claim, ClaimKind, World};
 
 /// Something a rule needs before it can be asked.
@@ -94,9 +94,14 @@ pub struct Judge {
     pub judged: Vec<Judged>,
     /// Findings in the order they were made.
     pub findings: Vec<Finding>,
+    /// Plots by the subjects that they belong to.
+    pub plots: BTreeMap<String, Vec<Plot>>,
     /// Where in `judged` a subject that failed stands.
     failed: BTreeMap<String, usize>,
 }
+
+/// Subjects of one rule that plots are kept of: a recording may have thousands of topics.
+const MAX_PLOTTED: usize = 64;
 
 impl Judge {
     /// The subject was judged and is right; `measured` says by which numbers.
@@ -124,6 +129,14 @@ impl Judge {
             });
         }
         self.findings.push(finding);
+    }
+
+    /// What there is to be seen of a subject, judged before or after. Made only where there is room for it.
+    pub fn plot(&mut self, subject: &str, plot: impl FnOnce() -> Option<Plot>) {
+        let has_room = self.plots.len() < MAX_PLOTTED || self.plots.contains_key(subject);
+        if let Some(plot) = has_room.then(plot).flatten() {
+            self.plots.entry(subject.to_owned()).or_default().push(plot);
+        }
     }
 
     /// The subject could not be judged.

@@ -7,6 +7,7 @@ use serde::Deserialize;
 use crate::math::stats::median;
 use crate::rules::motion::{Motion, Stream, Track};
 use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::verdict::plot::{Axis, Plot, Series};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 use crate::world::motion::{FixRow, PoseRow};
@@ -55,6 +56,7 @@ impl Rule for GnssVsOdomHandedness {
                     }
                     let votes = Votes::of(&satellites, &poses.track(), minor_m, limits);
                     let is_mirrored = votes.majority(limits) == Some(true);
+                    out.plot(&subject, || plot(poses, fixes, &satellites, &votes, limits));
                     let swapped = swapped(poses, fixes, exchanged, &votes, minor_m, limits);
                     if (is_mirrored || swapped.is_some()) && worlds.is_off(index, poses.frame.as_ref()) {
                         let why = "mirrored: part of what AXES14 reports of the frame, whose z does not point up";
@@ -75,6 +77,30 @@ impl Rule for GnssVsOdomHandedness {
             }
         }
     }
+}
+
+/// The satellites' track with the odometry laid over it; mirrored besides, where that fits better.
+fn plot(
+    poses: &Stream<PoseRow>,
+    fixes: &Stream<FixRow>,
+    satellites: &Track,
+    votes: &Votes,
+    limits: &Limits,
+) -> Option<Plot> {
+    let [fixed, turned, mirrored] = votes.laid_over(satellites, &poses.track(), limits);
+    let mut series = Series::lines("satellites", fixed);
+    series.extend(Series::lines("odometry, turned to fit", turned));
+    if votes.majority(limits) != Some(false) {
+        series.extend(Series::lines("odometry, mirrored to fit", mirrored));
+    }
+    (!series.is_empty()).then(|| Plot {
+        title: format!("Track of {} laid over that of {}", poses.subject, fixes.subject),
+        x: Axis::new("east of the first fix", "m"),
+        y: Axis::new("north of the first fix", "m"),
+        equal: true,
+        series,
+        limits: Vec::new(),
+    })
 }
 
 /// What one pair of tracks says.

@@ -11,6 +11,7 @@ use crate::rules::ground::{self, Ground, Planes, SIDES};
 use crate::rules::lidar::Clouds;
 use crate::rules::motion::{Motion, mount};
 use crate::rules::{Evidence, Judge, Need, Rule, limits_of};
+use crate::verdict::plot::{Axis, Level, Plot, Series};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{FrameId, World};
 
@@ -105,15 +106,47 @@ impl Over {
         })
     }
 
+    /// z in the base of the ground under the sensor.
+    fn ground_m(&self, ground: &Ground) -> Option<f64> {
+        let normal = self.mount.rotation * ground.plane.normal;
+        (normal.z > 0.1).then(|| (normal.dot(&self.sensor) - ground.plane.height_m) / normal.z)
+    }
+
+    /// z of the ground in each cloud that shows one, over the time of the recording.
+    fn plot(&self, clouds: &Clouds, grounds: &[(usize, Ground)], side: usize, limits: &Limits) -> Option<Plot> {
+        let start_ns = clouds.bag.start_ns.unwrap_or(0);
+        let points = grounds
+            .iter()
+            .filter(|(_, ground)| ground.side == side)
+            .filter_map(|(index, ground)| {
+                let at = &clouds.evidence.samples.get(*index)?.at;
+                Some([at.log_ns.saturating_sub(start_ns) as f64 / 1e9, self.ground_m(ground)?])
+            });
+        let points = Series::points("ground in a cloud", points);
+        let level = |label: &str, at: f64| Level {
+            label: label.to_owned(),
+            at,
+        };
+        let limits = self.expected_m.map(|expected_m| {
+            vec![
+                level("where it should be", expected_m),
+                level("highest", expected_m + limits.max_off_m),
+                level("lowest", expected_m - limits.max_off_m),
+            ]
+        });
+        (!points.points.is_empty()).then(|| Plot {
+            title: format!("Height of the ground on `{}` in `{}`", clouds.topic.topic, self.base),
+            x: Axis::new("log time after the start", "s"),
+            y: Axis::new("z of the ground", "m"),
+            equal: false,
+            series: vec![points],
+            limits: limits.unwrap_or_default(),
+        })
+    }
+
     /// The ground under the sensor where the planes have it, with the sensor where TF has it.
     fn height(&self, grounds: &[&Ground]) -> Option<Height> {
-        let z: Vec<f64> = grounds
-            .iter()
-            .filter_map(|ground| {
-                let normal = self.mount.rotation * ground.plane.normal;
-                (normal.z > 0.1).then(|| (normal.dot(&self.sensor) - ground.plane.height_m) / normal.z)
-            })
-            .collect();
+        let z: Vec<f64> = grounds.iter().filter_map(|ground| self.ground_m(ground)).collect();
         let heights: Vec<f64> = grounds.iter().map(|ground| ground.plane.height_m).collect();
         Some(Height {
             ground_m: median(&z)?,
@@ -146,7 +179,8 @@ fn judge_over(
     out: &mut Judge,
 ) {
     let subject = clouds.subject("ground");
-    let grounds = planes.grounds(clouds, &up.is_ground());
+    let by_cloud = planes.grounds_by_cloud(clouds, &up.is_ground());
+    let grounds: Vec<Ground> = by_cloud.iter().map(|(_, ground)| *ground).collect();
     let side = match up.agreed(clouds, &grounds) {
         Ok(side) => side,
         Err(why) => {
@@ -166,6 +200,7 @@ fn judge_over(
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
     let grounds: Vec<&Ground> = grounds.iter().filter(|ground| ground.side == side).collect();
+    out.plot(&subject, || over.plot(clouds, &by_cloud, side, limits));
     let Some(height) = over.height(&grounds) else { return };
     judge_height(clouds, over, &height, limits, out);
     judge_tilt(motion, clouds, (over, &grounds), limits, out);

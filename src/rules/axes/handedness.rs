@@ -4,7 +4,7 @@
 
 use nalgebra::{Vector2, Vector3};
 
-use crate::math::drifting::fit_drifting;
+use crate::math::drifting::{fit_drifting, laid_drifting};
 use crate::math::similarity2::{path_length, spread};
 use crate::math::stats::median;
 use crate::rules::motion::Track;
@@ -93,6 +93,27 @@ impl Votes {
             better.push(fits.proper.rms_m.min(fits.improper.rms_m));
         }
         median(&better)
+    }
+
+    /// The satellites' track, and the odometry laid over it turned and mirrored, in each window that voted: east and north, metres.
+    pub(super) fn laid_over(&self, satellites: &Track, odometry: &Track, limits: &Limits) -> [Vec<Vec<[f64; 2]>>; 3] {
+        let mut at = odometry.follow();
+        let mut laid: [Vec<Vec<[f64; 2]>>; 3] = Default::default();
+        for (from_s, to_s) in &self.voted_s {
+            let places = satellites.stretches.iter().flatten();
+            let both = places
+                .filter(|(t_s, _)| (*from_s..=*to_s).contains(t_s))
+                .filter_map(|(t_s, place)| Some((*t_s, (at(*t_s)?.xy(), place.xy()))));
+            let (times, (of_odometry, of_satellites)): (Vec<_>, (Vec<_>, Vec<_>)) = both.unzip();
+            let most_rad_s = limits.drift_deg_s.to_radians();
+            let Some([turned, mirrored]) = laid_drifting(&times, &of_odometry, &of_satellites, most_rad_s) else {
+                continue;
+            };
+            for (lines, track) in laid.iter_mut().zip([of_satellites, turned, mirrored]) {
+                lines.push(track.iter().map(|place| [place.x, place.y]).collect());
+            }
+        }
+        laid
     }
 
     /// First and last time that voted, seconds after the recording's start; zeros where none did.

@@ -37,6 +37,8 @@ pub(crate) struct Heading {
     pub(crate) longest_m: f64,
     /// Time of the first and last course that voted, seconds after the recording's start.
     pub(crate) span_s: Option<(f64, f64)>,
+    /// Course and yaw in the windows that voted, radians.
+    pub(crate) pairs_rad: Vec<[f64; 2]>,
 }
 
 /// A course with the yaw at that time.
@@ -111,6 +113,8 @@ impl Heading {
             self.offset_resultant = mean.resultant;
         }
         let times = || voted.iter().flat_map(|(_, window)| window).map(|pair| pair.course.t_s);
+        let pairs = voted.iter().flat_map(|(_, window)| window);
+        self.pairs_rad = pairs.map(|pair| [pair.course.angle_rad, pair.yaw_rad]).collect();
         self.span_s = times().reduce(f64::min).zip(times().reduce(f64::max));
     }
 

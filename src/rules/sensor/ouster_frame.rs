@@ -8,6 +8,7 @@ use crate::math::circular::{circular_mean, difference};
 use crate::rules::lidar::Clouds;
 use crate::rules::ouster::{self, Axes};
 use crate::rules::{Judge, Need, Rule};
+use crate::verdict::plot::{Axis, Plot, Series};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 use crate::world::cloud::CloudSample;
@@ -112,6 +113,7 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
         Ok(seen) => seen,
         Err(why) => return little(why, out),
     };
+    out.plot(&subject, || plot(clouds, limits));
     let azimuth_deg = azimuth_rad.to_degrees();
     let seen = axes;
     let frame = clouds.frame();
@@ -150,18 +152,59 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
     out.fail(measured.into_iter().fold(finding, Finding::measured));
 }
 
+fn is_organised(sample: &CloudSample) -> bool {
+    let [height, width] = sample.size;
+    height > 1 && width > 1
+}
+
+/// How far along the turn a point was measured: by its column, or by its time.
+fn share(clouds: &Clouds, sample: &CloudSample, index: usize) -> Option<f64> {
+    let point = sample.points.get(index)?;
+    if is_organised(sample) {
+        return Some(f64::from(point.cell[1]) / f64::from(sample.size[1]));
+    }
+    let (unit_s, _) = clouds.unit(sample.times.as_ref()?)?;
+    Some(point.time * unit_s / clouds.period_s()?)
+}
+
+/// The azimuth of the points of the first cloud that tells, along the turn, with how each of the two frames would have it.
+fn plot(clouds: &Clouds, limits: &Limits) -> Option<Plot> {
+    let mut samples = clouds.evidence.samples.iter();
+    let sample = samples.find(|sample| first(clouds, sample, limits).is_some())?;
+    let points = sample.points.iter().enumerate().filter_map(|(index, point)| {
+        let [x, y, _] = point.xyz;
+        Some([share(clouds, sample, index)?, y.atan2(x).to_degrees()])
+    });
+    let mut series = vec![Series::points("points of a cloud", points)];
+    for axes in Axes::BOTH {
+        // Clockwise, seen from above: from the azimuth of the first column down.
+        let lines = match axes {
+            Axes::Lidar => vec![vec![[0.0, 0.0], [0.5, -180.0]], vec![[0.5, 180.0], [1.0, 0.0]]],
+            Axes::Sensor => vec![vec![[0.0, 180.0], [1.0, -180.0]]],
+        };
+        series.extend(Series::lines(&format!("as the {} frame has it", axes.word()), lines));
+    }
+    Some(Plot {
+        title: format!("Azimuth along the turn on `{}`", clouds.topic.topic),
+        x: Axis::new(
+            if is_organised(sample) {
+                "column, share of the turn"
+            } else {
+                "time, share of the turn"
+            },
+            "1",
+        ),
+        y: Axis::new("azimuth of the point", "deg"),
+        equal: false,
+        series,
+        limits: Vec::new(),
+    })
+}
+
 /// The azimuth of the first column of a cloud; `None` where it does not show.
 fn first(clouds: &Clouds, sample: &CloudSample, limits: &Limits) -> Option<First> {
-    let [height, width] = sample.size;
-    let is_organised = height > 1 && width > 1;
-    let share = |index: usize| -> Option<f64> {
-        let point = sample.points.get(index)?;
-        if is_organised {
-            return Some(f64::from(point.cell[1]) / f64::from(width));
-        }
-        let (unit_s, _) = clouds.unit(sample.times.as_ref()?)?;
-        Some(point.time * unit_s / clouds.period_s()?)
-    };
+    let is_organised = is_organised(sample);
+    let share = |index: usize| share(clouds, sample, index);
     if !is_organised {
         // A part of a turn, or one whose first time is not that of its first column, would be turned.
         let times = sample.times.as_ref()?;

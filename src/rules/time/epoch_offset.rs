@@ -81,7 +81,10 @@ fn judge_stream(
         .limit(limits.quiet_s)
         .spread(spread)
         .samples(n);
+    // Of what is no fault here TIME02 shows the same.
+    let plot = || stream.plot(&[("quiet up to here", limits.quiet_s.copysign(offset))]);
     if let Some((factor, words)) = unit_error(stream, naming.log_s) {
+        out.plot(&subject, plot);
         return Some((
             words.to_owned(),
             wrong_unit(stream, factor, words, naming.log_s, measured),
@@ -97,6 +100,7 @@ fn judge_stream(
     match naming.explain(stream) {
         (Explanation::One(named), reference) => {
             let name = format!("{} {reference}", named.what);
+            out.plot(&subject, plot);
             Some((name, stream.tell(finding(stream, &named, reference, measured))))
         }
         (Explanation::Several(names), reference) => {

@@ -124,8 +124,8 @@ fn step(stream: &Stream<'_>, limits: &Limits) -> Option<Fault> {
     })
 }
 
-fn offset(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits) -> Option<Fault> {
-    let (offset, spread) = stream.offset_s()?;
+/// How late, and how far ahead, the stamps of a stream may be, seconds.
+pub(super) fn allowed_s(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits) -> (f64, f64) {
     let late_s = if stream.is_gnss() {
         limits.gnss_late_s
     } else {
@@ -136,6 +136,12 @@ fn offset(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits) -> Option<F
     } else {
         limits.ahead_s
     };
+    (late_s, ahead_s)
+}
+
+fn offset(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits) -> Option<Fault> {
+    let (offset, spread) = stream.offset_s()?;
+    let (late_s, ahead_s) = allowed_s(stream, naming, limits);
     if (-late_s..=ahead_s).contains(&offset) || naming.has_word(stream) {
         return None;
     }

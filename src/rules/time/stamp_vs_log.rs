@@ -8,7 +8,7 @@ use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::{BagEvidence, World};
 
 use super::epoch_offset::EpochOffset;
-use super::lateness::{Fault, faults};
+use super::lateness::{Fault, allowed_s, faults};
 use super::naming::Naming;
 use super::simulated::Time;
 use super::streams::{Clock, Of, Stream, declared_streams, log_clock};
@@ -107,6 +107,11 @@ fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: 
         return Vec::new();
     };
     let found = faults(stream, naming, limits);
+    if !naming.has_word(stream) {
+        let (late_s, ahead_s) = allowed_s(stream, naming, limits);
+        let limits_s = [("late from here on", -late_s), ("ahead from here on", ahead_s)];
+        out.plot(&stream.subject, || stream.plot(&limits_s));
+    }
     if found.is_empty() {
         let named = naming.has_word(stream);
         let measured = Measured::new("stamp minus log time", offset, "s")

@@ -8,6 +8,7 @@ use crate::rules::tf::{HeaderUse, header_use};
 use crate::source::{Place, SourceId};
 use crate::tables::leap_seconds;
 use crate::verdict::Finding;
+use crate::verdict::plot::{Axis, Level, Plot, Series};
 use crate::world::bag::{StampEvidence, TfEdge, TopicEvidence};
 use crate::world::conventions::TimeScale;
 use crate::world::{BagEvidence, FrameId, World};
@@ -25,6 +26,8 @@ pub(super) struct Stream<'w> {
     pub(super) subject: String,
     /// The stamps.
     pub(super) stamps: &'w StampEvidence,
+    /// Log time at which the recording begins, nanoseconds.
+    start_ns: i64,
     /// Whether the stream comes from one publisher as far as can be seen: one frame id, one writer.
     pub(super) single_frame: bool,
     /// The scale that the user declares its stamps in.
@@ -85,6 +88,31 @@ impl Stream<'_> {
             .filter(|(stamp, _)| *stamp != 0)
             .map(|(stamp, log)| (*stamp as f64 - *log as f64) / 1e9 - ahead_s)
             .collect()
+    }
+
+    /// `stamp - log` over the time of the recording, to look at, with the values that it should stay between.
+    pub(super) fn plot(&self, limits_s: &[(&str, f64)]) -> Option<Plot> {
+        let ahead_s = self.declared.as_ref().map_or(0.0, |scale| scale.ahead_s);
+        let samples = self.stamps.samples.iter().filter(|(stamp, _)| *stamp != 0);
+        let points = samples.map(|(stamp, log)| {
+            let at_s = log.saturating_sub(self.start_ns) as f64 / 1e9;
+            [at_s, (*stamp as f64 - *log as f64) / 1e9 - ahead_s]
+        });
+        let points = Series::points("stamp minus log time", points);
+        (points.points.len() > 1).then(|| Plot {
+            title: format!("Stamps against the log clock: {}", self.subject),
+            x: Axis::new("log time after the start", "s"),
+            y: Axis::new("stamp minus log time", "s"),
+            equal: false,
+            series: vec![points],
+            limits: limits_s
+                .iter()
+                .map(|(label, at)| Level {
+                    label: (*label).to_owned(),
+                    at: *at,
+                })
+                .collect(),
+        })
     }
 
     /// A finding that says in which scale the stamps were read, where the user declares one.
@@ -234,6 +262,7 @@ pub(super) fn streams(bag: &BagEvidence) -> Vec<Stream<'_>> {
             source: bag.source,
             subject: format!("topic `{}`", topic.topic),
             stamps: &topic.stamps,
+            start_ns: bag.start_ns.unwrap_or(0),
             single_frame: topic.header_frames.len() <= 1 && topic.writers.len() <= 1,
             declared: None,
             of: Of::Topic(topic),
@@ -243,6 +272,7 @@ pub(super) fn streams(bag: &BagEvidence) -> Vec<Stream<'_>> {
         source: bag.source,
         subject: format!("TF `{}` from `{}` on `{}`", edge.parent, edge.child, edge.topic),
         stamps: &edge.stamps,
+        start_ns: bag.start_ns.unwrap_or(0),
         single_frame: true,
         declared: None,
         of: Of::Edge(edge),
