@@ -4,6 +4,8 @@
 
 mod lines;
 
+use std::path::PathBuf;
+
 use serde::{Deserialize, Serialize};
 
 pub use lines::{LineColumn, LineIndex};
@@ -294,6 +296,13 @@ pub struct Source {
     /// Whether failing to read it makes the run incomplete. False for files met in a folder
     /// that no reader exists for.
     pub required: bool,
+    /// The files that it was read from here; none for a text that came out of another source, and for what was saved before.
+    #[serde(skip)]
+    pub files: Vec<PathBuf>,
+    /// SHA-256 of its file in hexadecimal digits; of several files a line for each, as `sha256sum` writes them. Only where a report
+    /// asks for it.
+    #[serde(skip)]
+    pub sha256: Option<String>,
 }
 
 impl Source {
@@ -310,6 +319,8 @@ impl Source {
             derived: None,
             problems: Vec::new(),
             required: true,
+            files: Vec::new(),
+            sha256: None,
         }
     }
 

@@ -142,6 +142,11 @@ impl Reader<'_> {
     fn read(&self, input: &Input, id: SourceId, index: usize) -> (Reading, Vec<Emerged>) {
         let mut source = Source::new(id, input.display.clone(), input.kind);
         source.required = input.required;
+        source.files = if input.parts.is_empty() {
+            vec![input.path.clone()]
+        } else {
+            input.parts.clone()
+        };
         let mut emerged = Vec::new();
         let facts = if let Some(refusal) = &input.refusal {
             source.problem(ReadStatus::Unreadable, Place::whole(id), refusal.clone());

@@ -3,6 +3,7 @@
 pub mod evidence;
 mod gate;
 mod gather;
+mod hash;
 mod judge;
 mod limits;
 mod parallel;
@@ -31,6 +32,7 @@ use plan::Enabled;
 
 pub use crate::read::discover::Wanted;
 pub use gate::write_baseline;
+pub use hash::hash;
 pub use sampling::Extent;
 
 /// What the user asked for.
