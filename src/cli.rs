@@ -114,10 +114,10 @@ pub fn run(arguments: impl IntoIterator<Item = OsString>, stdin: &mut dyn Read, 
         Err(error) => return refuse(&error, &arguments, surroundings),
     };
     let answer = match cli.verb {
-        Verb::Check(check) => run_check(check, stdin, surroundings),
+        Verb::Check(check) => run_check(check, &arguments, stdin, surroundings),
         Verb::Collect(collect) => run_collect(collect, stdin, surroundings),
         Verb::Tree(tree) => tree::run(tree, stdin, surroundings),
-        Verb::Chain(chain) => run_chain(chain, stdin, surroundings),
+        Verb::Chain(chain) => run_chain(chain, &arguments, stdin, surroundings),
         Verb::Convert(convert) => convert::run(convert, stdin, surroundings),
         Verb::Diff(diff) => diff::run(&diff, surroundings),
         Verb::Init(init) => init::run(init, stdin, surroundings),
@@ -166,7 +166,16 @@ fn refuse(error: &clap::Error, arguments: &[OsString], surroundings: Surrounding
     }
 }
 
-fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
+fn run_check(
+    check: Check,
+    arguments: &[OsString],
+    stdin: &mut dyn Read,
+    surroundings: Surroundings,
+) -> Result<Answer, Failure> {
+    let today = today()?;
+    let mut call = call(arguments);
+    call.settings.push(("Recordings", check.reading.extent_words()));
+    call.day = today.as_ref().map(|day| day.as_str().to_owned());
     let options = engine::Options {
         extent: check.reading.extent(),
         paths: if check.paths.is_empty() {
@@ -178,7 +187,7 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
         config: check.config,
         profile: check.profile,
         baseline: check.baseline,
-        today: today()?,
+        today,
         without_config: false,
         wanted: engine::Wanted::Facts,
         select: check.select,
@@ -201,7 +210,7 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
         let count = plural(engine::write_baseline(&mut run, &path)?, "finding");
         let _ = writeln!(said, "{count} written to {}; --baseline accepts them", path.display());
     }
-    let mut answer = tell(&run, &check.reporting, surroundings)?;
+    let mut answer = tell(&mut run, &check.reporting, call, surroundings)?;
     answer.err.insert_str(0, &said);
     if check.watch {
         let config = options.config.iter().chain(&options.baseline).cloned();
@@ -215,6 +224,20 @@ fn run_check(check: Check, stdin: &mut dyn Read, surroundings: Surroundings) -> 
         answer.err.push_str("watching; interrupt to end\n");
     }
     Ok(answer)
+}
+
+/// The command line, for those who want to give it again.
+fn call(arguments: &[OsString]) -> report::Call {
+    let given = arguments
+        .iter()
+        .skip(1)
+        .map(|argument| argument.to_string_lossy().into_owned());
+    report::Call {
+        command: std::iter::once(env!("CARGO_PKG_NAME").to_owned())
+            .chain(given)
+            .collect(),
+        ..report::Call::default()
+    }
 }
 
 /// The day that `SOURCE_DATE_EPOCH` names, where it is set: reports can be made again as they were.
@@ -231,19 +254,29 @@ fn today() -> Result<Option<Day>, Failure> {
 }
 
 /// The products of transforms in source code, judged by the one rule that speaks of them.
-fn run_chain(chain: Chain, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
-    let run = engine::check(&engine::Options {
+fn run_chain(
+    chain: Chain,
+    arguments: &[OsString],
+    stdin: &mut dyn Read,
+    surroundings: Surroundings,
+) -> Result<Answer, Failure> {
+    let mut run = engine::check(&engine::Options {
         paths: paths(chain.paths, stdin)?,
         wanted: engine::Wanted::Code,
         select: vec!["NAME08".to_owned()],
         progress: surroundings.progress,
         ..engine::Options::default()
     })?;
-    tell(&run, &chain.reporting, surroundings)
+    tell(&mut run, &chain.reporting, call(arguments), surroundings)
 }
 
 /// The reports of a run where they are wanted, and the exit code.
-fn tell(run: &Run, reporting: &Reporting, surroundings: Surroundings) -> Result<Answer, Failure> {
+fn tell(
+    run: &mut Run,
+    reporting: &Reporting,
+    mut call: report::Call,
+    surroundings: Surroundings,
+) -> Result<Answer, Failure> {
     let fail_on = reporting.fail_on.map(FailOn::from).or(run.fail_on).unwrap_or_default();
     let options = |style: Style| {
         let color = match reporting.color {
@@ -259,13 +292,31 @@ fn tell(run: &Run, reporting: &Reporting, surroundings: Surroundings) -> Result<
         }
     };
     let format = Format::from(reporting.format);
+    let mut formats = reporting
+        .output
+        .iter()
+        .map(|output| output.format.map_or(format, Format::from));
+    if format == Format::Html || formats.any(|format| format == Format::Html) {
+        engine::hash(run);
+        let origin = match (reporting.fail_on, run.fail_on) {
+            (Some(_), _) => "the command line",
+            (None, Some(_)) => "the configuration",
+            (None, None) => "the default",
+        };
+        let words = format!("{} on, by {origin}; hints never do", fail_on.word());
+        call.settings.insert(0, ("Findings count from", words));
+    }
+    let run = &*run;
     let mut answer = Answer {
         code: run.exit_code(fail_on),
         ..Answer::default()
     };
     for output in &reporting.output {
         let format = output.format.map_or(format, Format::from);
-        save(&output.file, report::render(run, format, &options(Style::PLAIN))?)?;
+        save(
+            &output.file,
+            report::render(run, format, &options(Style::PLAIN), &call)?,
+        )?;
     }
     if reporting.output.iter().any(|output| output.format.is_none()) {
         // The file has the report; whoever waits at the terminal still learns how it ended.
@@ -281,7 +332,7 @@ fn tell(run: &Run, reporting: &Reporting, surroundings: Surroundings) -> Result<
             },
         );
     } else {
-        answer.out = report::render(run, format, &options(surroundings.style))?;
+        answer.out = report::render(run, format, &options(surroundings.style), &call)?;
     }
     Ok(answer)
 }

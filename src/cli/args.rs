@@ -98,6 +98,24 @@ pub(super) struct Reading {
 }
 
 impl Reading {
+    /// The same in words.
+    pub(super) fn extent_words(&self) -> String {
+        let budget = self.budget.map_or_else(
+            || "more is read where a rule lacks evidence".to_owned(),
+            |budget| {
+                format!(
+                    "more is read for {} where a rule lacks evidence",
+                    humantime::format_duration(budget)
+                )
+            },
+        );
+        match (self.full, self.windows) {
+            (true, _) => "read wholly".to_owned(),
+            (false, Some(windows)) => format!("read in {windows} windows spread over their length; {budget}"),
+            (false, None) => format!("read in windows spread over their length, as the rules ask for; {budget}"),
+        }
+    }
+
     /// How much of recordings is read.
     pub(super) fn extent(&self) -> Extent {
         Extent {
@@ -167,7 +185,7 @@ pub(super) struct Reporting {
     /// Findings of this severity or worse give exit code 1; hints never do [default: the configuration's `fail-on`, else error]
     #[arg(long, value_enum, value_name = "SEVERITY")]
     pub(super) fail_on: Option<FailOnWord>,
-    /// Form of the report; json is described by schema/frames-lint-1.json
+    /// Form of the report; json is described by schema/frames-lint-1.json, html is the acceptance report
     #[arg(long, value_enum, default_value = "human")]
     pub(super) format: FormatWord,
     /// Colour in the report; auto: on a terminal, unless NO_COLOR is set
@@ -348,6 +366,8 @@ pub(super) enum FormatWord {
     Gitlab,
     Junit,
     Markdown,
+    /// One page with everything, to be signed by whoever accepts the data
+    Html,
 }
 
 impl From<FormatWord> for Format {
@@ -362,6 +382,7 @@ impl From<FormatWord> for Format {
             FormatWord::Gitlab => Self::Gitlab,
             FormatWord::Junit => Self::Junit,
             FormatWord::Markdown => Self::Markdown,
+            FormatWord::Html => Self::Html,
         }
     }
 }

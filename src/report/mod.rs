@@ -5,6 +5,7 @@ pub mod explain;
 mod fingerprint;
 mod github;
 mod gitlab;
+mod html;
 pub mod init;
 pub mod json;
 mod json_lines;
@@ -46,6 +47,19 @@ pub enum Format {
     Junit,
     /// For comments and job summaries.
     Markdown,
+    /// One page with everything: what the person who accepts or rejects a dataset signs.
+    Html,
+}
+
+/// How a run was asked for: for those who want to make it again.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Call {
+    /// The command line, the program first.
+    pub command: Vec<String>,
+    /// What holds for the run besides, by name.
+    pub settings: Vec<(&'static str, String)>,
+    /// The day of the report, where the user says which it is.
+    pub day: Option<String>,
 }
 
 /// Why there is no report: a fault of ours.
@@ -65,7 +79,7 @@ impl From<serde_json::Error> for ReportError {
 }
 
 /// The report of a run.
-pub fn render(run: &Run, format: Format, options: &terminal::Options) -> Result<String, ReportError> {
+pub fn render(run: &Run, format: Format, options: &terminal::Options, call: &Call) -> Result<String, ReportError> {
     let fail_on = options.fail_on;
     Ok(match format {
         Format::Human => terminal::render(run, options),
@@ -77,5 +91,6 @@ pub fn render(run: &Run, format: Format, options: &terminal::Options) -> Result<
         Format::Gitlab => gitlab::render(run, fail_on)?,
         Format::Junit => junit::render(run, fail_on)?,
         Format::Markdown => markdown::render(run, fail_on),
+        Format::Html => html::render(run, fail_on, call),
     })
 }

@@ -70,6 +70,11 @@ impl<'a> Locator<'a> {
         source.path.strip_prefix(self.folder).unwrap_or(&source.path)
     }
 
+    /// The path of a source, with the folder that is left out elsewhere.
+    pub(super) fn whole_path(&self, id: SourceId) -> &'a str {
+        self.source(id).map_or("?", |source| &source.path)
+    }
+
     /// Every source.
     pub(super) fn sources(&self) -> &'a [Source] {
         self.sources

@@ -131,7 +131,7 @@ pub(super) fn place_line(place: &Place, note: &str, locator: &Locator, style: St
 }
 
 /// `/tf message 12, stamp 2023-11-14 22:13:20.000 UTC (1700000000 s), transforms[0]`.
-fn message_words(message: &MessageRef) -> String {
+pub(in crate::report) fn message_words(message: &MessageRef) -> String {
     let when = match message.stamp_ns {
         Some(ns) => format!("stamp {}", stamp(ns)),
         None => format!("recorded {}", stamp(message.log_ns)),
@@ -145,29 +145,49 @@ fn message_words(message: &MessageRef) -> String {
 
 /// `rotation difference 90 deg, limit 1 deg, spread 0.2 deg, n=12`.
 pub(in crate::report) fn measured_words(measured: &Measured) -> String {
-    let unit = match measured.unit.as_str() {
-        "1" | "count" | "" => String::new(),
-        unit => format!(" {unit}"),
-    };
-    // As many digits as it takes to tell the value from its limit.
-    let digits = (4..=17)
-        .find(|digits| {
-            measured.limit.is_none_or(|limit| {
-                limit.total_cmp(&measured.value).is_eq() || number(limit, *digits) != number(measured.value, *digits)
-            })
-        })
-        .unwrap_or(17);
-    let mut words = format!("{} {}{unit}", measured.what, number(measured.value, digits));
-    if let Some(limit) = measured.limit {
-        let _ = write!(words, ", limit {}{unit}", number(limit, digits));
+    let spelled = Spelled::new(measured);
+    let mut words = format!("{} {}", measured.what, spelled.value);
+    if let Some(limit) = spelled.limit {
+        let _ = write!(words, ", limit {limit}");
     }
-    if let Some(spread) = measured.spread {
-        let _ = write!(words, ", spread {}{unit}", number(spread, 4));
+    if let Some(spread) = spelled.spread {
+        let _ = write!(words, ", spread {spread}");
     }
     if let Some(n) = measured.n {
         let _ = write!(words, ", n={n}");
     }
     words
+}
+
+/// The numbers of a measurement with their units.
+pub(in crate::report) struct Spelled {
+    pub(in crate::report) value: String,
+    pub(in crate::report) limit: Option<String>,
+    pub(in crate::report) spread: Option<String>,
+}
+
+impl Spelled {
+    pub(in crate::report) fn new(measured: &Measured) -> Self {
+        let unit = match measured.unit.as_str() {
+            "1" | "count" | "" => String::new(),
+            unit => format!(" {unit}"),
+        };
+        // As many digits as it takes to tell the value from its limit.
+        let digits = (4..=17)
+            .find(|digits| {
+                measured.limit.is_none_or(|limit| {
+                    limit.total_cmp(&measured.value).is_eq()
+                        || number(limit, *digits) != number(measured.value, *digits)
+                })
+            })
+            .unwrap_or(17);
+        let spell = |value: f64, digits: usize| format!("{}{unit}", number(value, digits));
+        Self {
+            value: spell(measured.value, digits),
+            limit: measured.limit.map(|limit| spell(limit, digits)),
+            spread: measured.spread.map(|spread| spell(spread, 4)),
+        }
+    }
 }
 
 fn fix_lines(fix: &Fix, locator: &Locator, style: Style, out: &mut String) {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::run::Run;
-use crate::source::{At, ReadStatus, Source};
+use crate::source::{At, Examined, ReadStatus, Source};
 
 use super::super::Style;
 use super::super::place::Locator;
@@ -100,33 +100,40 @@ pub(super) fn partly_examined(run: &Run, style: Style, out: &mut String) {
     }
     heading(style, "Examined in part", partly.len(), "recording", out);
     for source in partly {
-        let examined = &source.examined;
-        let mut parts = vec![share(
-            "",
-            &bytes(examined.bytes),
-            &bytes(examined.bytes_total),
-            examined.bytes as f64 / examined.bytes_total.max(1) as f64,
-        )];
-        match (examined.messages, examined.messages_total) {
-            (Some(read), Some(total)) if total >= read => parts.push(share(
-                " messages",
-                &read.to_string(),
-                &total.to_string(),
-                read as f64 / total.max(1) as f64,
-            )),
-            (Some(read), _) => parts.push(plural_u64(read)),
-            _ => {}
-        }
-        if let (Some(windows), Some(read), Some(total)) = (examined.windows, examined.time_ns, examined.time_total_ns) {
-            let seconds = |ns: i64| format!("{:.1}", ns as f64 / 1e9);
-            let time = share(" s", &seconds(read), &seconds(total), read as f64 / total.max(1) as f64);
-            let stretches = if windows == 1 { "stretch" } else { "stretches" };
-            parts.push(format!("{time} in {windows} {stretches}"));
+        let mut parts = examined_words(&source.examined);
+        if source.examined.windows.is_some() {
             parts.push("--full reads all of it".to_owned());
         }
         let _ = writeln!(out, "  {}: {}", one_line(&source.path), parts.join(", "));
     }
     out.push('\n');
+}
+
+/// How much of a source was examined: bytes, messages, and time in stretches.
+pub(in crate::report) fn examined_words(examined: &Examined) -> Vec<String> {
+    let mut parts = vec![share(
+        "",
+        &bytes(examined.bytes),
+        &bytes(examined.bytes_total),
+        examined.bytes as f64 / examined.bytes_total.max(1) as f64,
+    )];
+    match (examined.messages, examined.messages_total) {
+        (Some(read), Some(total)) if total >= read => parts.push(share(
+            " messages",
+            &read.to_string(),
+            &total.to_string(),
+            read as f64 / total.max(1) as f64,
+        )),
+        (Some(read), _) => parts.push(plural_u64(read)),
+        _ => {}
+    }
+    if let (Some(windows), Some(read), Some(total)) = (examined.windows, examined.time_ns, examined.time_total_ns) {
+        let seconds = |ns: i64| format!("{:.1}", ns as f64 / 1e9);
+        let time = share(" s", &seconds(read), &seconds(total), read as f64 / total.max(1) as f64);
+        let stretches = if windows == 1 { "stretch" } else { "stretches" };
+        parts.push(format!("{time} in {windows} {stretches}"));
+    }
+    parts
 }
 
 /// `3 of 100 messages (3.0 %)`.

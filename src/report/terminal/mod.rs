@@ -22,7 +22,8 @@ use super::style::Ink;
 use super::text::{one_line, plural};
 use snippet::Painter;
 
-pub(super) use finding::measured_words;
+pub(super) use finding::{Spelled, measured_words, message_words};
+pub(super) use inputs::examined_words;
 
 /// Findings shown in full; rendering a snippet costs far more than a line.
 const FULL: usize = 100;

@@ -37,7 +37,7 @@ struct Names<'a> {
 
 impl<'a> Names<'a> {
     fn new(world: &World, locator: &'a Locator<'a>) -> Self {
-        let mut paths = world.members.iter().map(|id| world.path(*id));
+        let mut paths = world.members.iter().map(|id| locator.whole_path(*id));
         let mut folder = paths.next().unwrap_or_default();
         folder = folder
             .rfind('/')
@@ -125,9 +125,13 @@ fn outsiders<'a>(world: &'a World, names: &Names) -> [BTreeMap<&'a str, Vec<Stri
 
 /// What a world is called: its robots, or its first sources, and their folder.
 fn title(world: &World, names: &Names) -> String {
-    let robots: BTreeSet<&str> = world.robots.iter().map(|robot| world.path(robot.source)).collect();
+    let robots: BTreeSet<&str> = world
+        .robots
+        .iter()
+        .map(|robot| names.locator.whole_path(robot.source))
+        .collect();
     let paths = if robots.is_empty() {
-        world.members.iter().map(|id| world.path(*id)).collect()
+        world.members.iter().map(|id| names.locator.whole_path(*id)).collect()
     } else {
         robots
     };

@@ -47,6 +47,27 @@ text { fill: #9198a1 }
 /// The drawing: roots at the left, a tree below the other, the largest first. Solid edges are constant, dashed ones move,
 /// red ones are disputed, dotted red ones lead to a frame that is drawn under another parent.
 pub fn render(run: &Run) -> String {
+    let Drawing {
+        width, height, body, ..
+    } = drawing(run);
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} \
+         {height}\">\n<title>Frame tree</title>\n<style>\n{LOOK}</style>\n<rect class=\"paper\" width=\"{width}\" \
+         height=\"{height}\"/>\n{body}</svg>\n"
+    )
+}
+
+/// The drawing without what makes it a file: for a page that says how its classes look.
+pub(in crate::report) struct Drawing {
+    pub(in crate::report) width: u32,
+    pub(in crate::report) height: u32,
+    pub(in crate::report) body: String,
+    /// Frames that are drawn.
+    pub(in crate::report) frames: usize,
+}
+
+/// Draws the worlds of a run.
+pub(in crate::report) fn drawing(run: &Run) -> Drawing {
     let sketches = sketches(run);
     let mut page = Page {
         body: String::new(),
@@ -63,13 +84,15 @@ pub fn render(run: &Run) -> String {
         page.heading("No frames");
     }
     page.legend();
-    let (width, height) = (page.width + MARGIN, page.y + MARGIN);
-    format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} \
-         {height}\">\n<title>Frame tree</title>\n<style>\n{LOOK}</style>\n<rect class=\"paper\" width=\"{width}\" \
-         height=\"{height}\"/>\n{}</svg>\n",
-        page.body
-    )
+    Drawing {
+        width: page.width + MARGIN,
+        height: page.y + MARGIN,
+        body: page.body,
+        frames: sketches
+            .iter()
+            .map(|sketch| sketch.frames.len() + sketch.outside.len())
+            .sum(),
+    }
 }
 
 /// What is drawn so far, and how far it reaches.

@@ -1,0 +1,295 @@
+//! The checklist: every rule that ran, by family, and every item of it with the evidence, or with why there is none.
+//!
+//! The choice of items works by the style alone; the script adds a search.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write;
+
+use maud::{Markup, html};
+
+use crate::page::Status;
+use crate::run::RuleInfo;
+use crate::verdict::{Measured, Outcome, Row};
+
+use super::super::terminal::Spelled;
+use super::super::text::plural;
+use super::findings::{self, Shown};
+use super::plots::Drawn;
+use super::words::{badge, outcome, plain, words};
+use super::{Page, summary};
+
+/// Items of one rule, and of all; more are only counted.
+const MAX_OF_RULE: usize = 200;
+const MAX_ITEMS: usize = 6000;
+/// Numbers of one item.
+const MAX_MEASURED: usize = 8;
+
+/// The families, in the order of the catalogue, with what they are about.
+const FAMILIES: &[(&str, &str)] = &[
+    ("TREE", "The frame tree"),
+    ("NAME", "Names of frames"),
+    ("ROT", "Rotations and transforms as written"),
+    ("AXES", "Axes, held against motion and ground"),
+    ("QUAT", "Quaternions and Euler angles"),
+    ("GEO", "Places on the Earth"),
+    ("TIME", "Stamps and clocks"),
+    ("SENSOR", "Conventions of sensors and datasets"),
+    ("CAMERA", "Cameras"),
+    ("COV", "Covariances"),
+    ("AUTH", "Who states what"),
+    ("CROSS", "Sources against each other"),
+    ("CONFIG", "Settings of programs"),
+    ("URDF", "Robot descriptions"),
+    ("PREC", "Precision of numbers"),
+    ("GATE", "Waivers"),
+];
+
+/// Where in the rows an item stands.
+type Item<'a> = (usize, &'a Row);
+
+/// The list with the choice of what is shown.
+pub(super) fn render(page: &Page, shown: &Shown, drawn: &Drawn) -> Option<Markup> {
+    let run = page.run;
+    if run.verdict.rows.is_empty() {
+        return None;
+    }
+    let mut items: BTreeMap<&str, Vec<Item>> = BTreeMap::new();
+    for (index, row) in run.verdict.rows.iter().enumerate() {
+        items.entry(&row.rule).or_default().push((index, row));
+    }
+    let mut families: Vec<(&str, Vec<&RuleInfo>)> = Vec::new();
+    for rule in &run.rules {
+        match families.last_mut() {
+            Some((family, rules)) if *family == rule.family => rules.push(rule),
+            _ => families.push((&rule.family, vec![rule])),
+        }
+    }
+    let place = |family: &str| FAMILIES.iter().position(|(known, _)| *known == family);
+    families.sort_by_key(|(family, _)| place(family).unwrap_or(FAMILIES.len()));
+    let known: BTreeSet<&str> = run.rules.iter().map(|rule| rule.code.as_str()).collect();
+    let strangers: Vec<(&&str, &Vec<Item>)> = items.iter().filter(|(code, _)| !known.contains(*code)).collect();
+    let mut room = MAX_ITEMS;
+    Some(html! {
+        (choice(page))
+        @for (family, rules) in &families {
+            @let title = FAMILIES.iter().find(|(known, _)| known == family).map_or("", |(_, title)| title);
+            (table(family, title, &html! {
+                @for rule in rules {
+                    (group(page, shown, drawn, (&rule.code, Some(rule)), items.get(rule.code.as_str()), &mut room))
+                }
+            }))
+        }
+        @if !strangers.is_empty() {
+            (table("", "Other checks", &html! {
+                @for (code, items) in strangers { (group(page, shown, drawn, (code, None), Some(items), &mut room)) }
+            }))
+        }
+        p class="nothing" role="status" { "No check is of this kind." }
+    })
+}
+
+fn table(family: &str, title: &str, groups: &Markup) -> Markup {
+    html! {
+        div class="family" {
+            h3 { (family) @if !family.is_empty() && !title.is_empty() { " – " } (title) }
+            table class="checks" {
+                thead {
+                    tr { th scope="col" { "Check" } th scope="col" { "Result" } th scope="col" { "Evidence" } }
+                }
+                (groups)
+            }
+        }
+    }
+}
+
+/// Which items are shown: of all outcomes, or of one.
+fn choice(page: &Page) -> Markup {
+    let count = |wanted: &[Outcome]| wanted.iter().map(|one| page.run.verdict.count(*one)).sum::<usize>();
+    let choices = [
+        ("all", "all", page.run.verdict.rows.len()),
+        ("fail", "✗ failed", count(&[Outcome::Fail, Outcome::Crashed])),
+        ("waived", "⊘ waived", count(&[Outcome::Waived])),
+        ("open", "– not evaluated", count(&[Outcome::NotEvaluated])),
+        ("pass", "✓ passed", count(&[Outcome::Pass])),
+    ];
+    html! {
+        fieldset class="choice" {
+            legend { "Show" }
+            @for (value, name, count) in choices {
+                label {
+                    input type="radio" name="show" id={ "show-" (value) } value=(value) checked[value == "all"];
+                    " " (name) " (" (count) ")"
+                }
+            }
+            label class="search" hidden { "Search " input type="search" id="search" autocomplete="off"; }
+        }
+    }
+}
+
+/// One rule with its items.
+fn group(
+    page: &Page,
+    shown: &Shown,
+    drawn: &Drawn,
+    (code, rule): (&str, Option<&RuleInfo>),
+    items: Option<&Vec<Item>>,
+    room: &mut usize,
+) -> Markup {
+    let none = Vec::new();
+    let mut items: Vec<Item> = items.unwrap_or(&none).clone();
+    // What went wrong is not to be among what is counted only.
+    items.sort_by_key(|(index, row)| (rank(row.outcome), *index));
+    let most = MAX_OF_RULE.min(*room);
+    let left = items.split_off(most.min(items.len()));
+    *room -= items.len();
+    let mut classes: BTreeSet<String> = BTreeSet::new();
+    for (_, row) in items.iter().chain(&left) {
+        classes.insert(format!("has-{}", class(row.outcome)));
+    }
+    let classes: Vec<String> = classes.into_iter().collect();
+    let name = rule.map(|rule| rule.name.as_str());
+    let name = name
+        .or_else(|| items.first().map(|(_, row)| row.name.as_str()))
+        .unwrap_or_default();
+    let head = html! {
+        th scope="rowgroup" id={ "rule-" (code) } {
+            strong { (code) " " (name) }
+            @if let Some(rule) = rule {
+                p { span class="label" { "Looks for: " } (words(&rule.summary)) }
+                p class="small" { (facts(rule)) }
+            }
+        }
+    };
+    // A rule with one item needs no line of its own.
+    let whole = match items.as_slice() {
+        [only] if left.is_empty() => Some(*only),
+        _ => None,
+    };
+    html! {
+        tbody class=(classes.join(" ")) {
+            @if let Some((index, row)) = whole {
+                tr class={ "rule item " (class(row.outcome)) } {
+                    (head)
+                    td { (result(page, row)) }
+                    td {
+                        @if row.subject != "platform" { p class="label" { (words(&row.subject)) } }
+                        (evidence(page, shown, drawn, index, row))
+                    }
+                }
+            } @else {
+                tr class="rule" {
+                    (head)
+                    td colspan="2" { (counts(&items, &left)) }
+                }
+                @for (index, row) in &items {
+                    tr class={ "item " (class(row.outcome)) } {
+                        th scope="row" { (words(&row.subject)) }
+                        td { (result(page, row)) }
+                        td { (evidence(page, shown, drawn, *index, row)) }
+                    }
+                }
+                @if !left.is_empty() {
+                    tr class="more" {
+                        td colspan="3" { "… and " (plural(left.len(), "more item")) ", counted and not shown: " (counts(&left, &[])) }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// `error · certain · stable since 0.1.0`.
+fn facts(rule: &RuleInfo) -> String {
+    let status = match rule.status {
+        Status::Stable => "stable",
+        Status::Trial => "on trial, its findings are hints;",
+    };
+    let (severity, confidence) = (rule.severity.word(), rule.confidence.word());
+    format!("{severity} at worst, {confidence}; {status} since {}", rule.since)
+}
+
+fn rank(outcome: Outcome) -> usize {
+    match outcome {
+        Outcome::Crashed => 0,
+        Outcome::Fail => 1,
+        Outcome::Waived => 2,
+        Outcome::Pass => 3,
+        Outcome::NotEvaluated => 4,
+    }
+}
+
+/// The class of an item. What crashed is shown with what failed.
+fn class(of: Outcome) -> &'static str {
+    match of {
+        Outcome::Crashed => "fail",
+        other => outcome(other).0,
+    }
+}
+
+fn counts(items: &[Item], left: &[Item]) -> Markup {
+    let mut counts: BTreeMap<usize, (Outcome, usize)> = BTreeMap::new();
+    for (_, row) in items.iter().chain(left) {
+        counts.entry(rank(row.outcome)).or_insert((row.outcome, 0)).1 += 1;
+    }
+    html! {
+        @if counts.is_empty() { "no item" }
+        @for (index, (of, count)) in counts.values().enumerate() {
+            @let (class, sign, word) = outcome(*of);
+            @if index > 0 { ", " }
+            (badge(class, sign, &format!("{count} {word}")))
+        }
+    }
+}
+
+fn result(page: &Page, row: &Row) -> Markup {
+    let (class, sign, word) = outcome(row.outcome);
+    // A subject that is wrong in a way that does not count is not shown as loudly as one that does.
+    let findings = page.findings_of(&row.rule, &row.subject);
+    let counts = findings.iter().any(|(_, one)| page.fail_on.counts(one));
+    let class = if row.outcome == Outcome::Fail && !counts {
+        "warning"
+    } else {
+        class
+    };
+    badge(class, sign, word)
+}
+
+fn evidence(page: &Page, shown: &Shown, drawn: &Drawn, index: usize, row: &Row) -> Markup {
+    let findings = page.findings_of(&row.rule, &row.subject);
+    html! {
+        @if let Some(reason) = &row.reason { p { (words(reason)) } }
+        @if !row.measured.is_empty() {
+            ul class="bare" {
+                @for measured in row.measured.iter().take(MAX_MEASURED) { li { (number(measured)) } }
+                @if row.measured.len() > MAX_MEASURED {
+                    li { "… and " (plural(row.measured.len() - MAX_MEASURED, "more number")) }
+                }
+            }
+        }
+        @for (number, finding) in findings.iter().take(3) {
+            p {
+                (findings::severity(finding)) " "
+                @if shown.has(*number) { a href={ "#finding-" (number + 1) } { "finding " (number + 1) } }
+                @else { "finding " (number + 1) }
+                @if !page.fail_on.counts(finding) && finding.waived.is_none() { " – does not count" }
+            }
+            @if let Some(waived) = &finding.waived { (summary::accepted(waived)) }
+        }
+        @if findings.len() > 3 { p { "… and " (plural(findings.len() - 3, "more finding")) } }
+        @for id in drawn.ids(index) { p { a href={ "#" (id) } { "plot" } } }
+    }
+}
+
+fn number(measured: &Measured) -> Markup {
+    let spelled = Spelled::new(measured);
+    let mut rest = String::new();
+    for (name, value) in [("limit", &spelled.limit), ("spread", &spelled.spread)] {
+        if let Some(value) = value {
+            let _ = write!(rest, ", {name} {value}");
+        }
+    }
+    if let Some(n) = measured.n {
+        let _ = write!(rest, ", n = {n}");
+    }
+    html! { (words(&measured.what)) ": " strong { (plain(&spelled.value)) } (plain(&rest)) }
+}

@@ -1,0 +1,252 @@
+//! Findings with all that they say: message, places with their source lines, numbers, help, edits, and who accepts them.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use maud::{Markup, html};
+
+use crate::run::Run;
+use crate::source::{At, Confidence, Place};
+use crate::verdict::{Finding, Fix, Label, Measured, Safety, Severity};
+
+use super::super::terminal::{Spelled, message_words};
+use super::super::text::plural;
+use super::plots::Drawn;
+use super::words::{badge, plain, words};
+use super::{Page, snippet, summary};
+
+/// Findings shown in full.
+const FULL: usize = 150;
+/// So many of each rule are shown in full, however many of other rules stand before them.
+const FULL_PER_RULE: usize = 3;
+/// Findings shown on a line each besides.
+const LISTED: usize = 500;
+/// Places, numbers and edits of one finding; more are only counted.
+const MAX_PLACES: usize = 12;
+const MAX_MEASURED: usize = 20;
+const MAX_EDITS: usize = 12;
+
+/// Which findings stand on the page, by their number, so that nothing links to what is not there.
+pub(super) struct Shown {
+    full: BTreeSet<usize>,
+    listed: BTreeSet<usize>,
+}
+
+impl Shown {
+    pub(super) fn new(run: &Run) -> Self {
+        let mut of_rule: BTreeMap<&str, usize> = BTreeMap::new();
+        let (mut full, mut listed) = (BTreeSet::new(), BTreeSet::new());
+        for (number, finding) in run.verdict.findings.iter().enumerate() {
+            let before = of_rule.entry(&finding.rule).or_default();
+            if full.len() < FULL || *before < FULL_PER_RULE {
+                full.insert(number);
+            } else if listed.len() < LISTED {
+                listed.insert(number);
+            }
+            *before += 1;
+        }
+        Self { full, listed }
+    }
+
+    /// Whether it is shown in full.
+    pub(super) fn is_full(&self, number: usize) -> bool {
+        self.full.contains(&number)
+    }
+
+    /// Whether it can be linked to.
+    pub(super) fn has(&self, number: usize) -> bool {
+        self.full.contains(&number) || self.listed.contains(&number)
+    }
+}
+
+/// The findings that nobody accepts.
+pub(super) fn open(page: &Page, shown: &Shown, drawn: &Drawn) -> Markup {
+    let part = part(page, shown, drawn, |finding| finding.waived.is_none());
+    part.unwrap_or_else(|| html! { p { "Nothing was found." } })
+}
+
+/// The findings that somebody accepts; they count for nothing, and stay.
+pub(super) fn waived(page: &Page, shown: &Shown, drawn: &Drawn) -> Option<Markup> {
+    let part = part(page, shown, drawn, |finding| finding.waived.is_some())?;
+    Some(html! {
+        p class="hint" { "Somebody accepts these; they do not count. Whoever signs accepts them as well." }
+        (part)
+    })
+}
+
+fn part(page: &Page, shown: &Shown, drawn: &Drawn, is_meant: impl Fn(&Finding) -> bool) -> Option<Markup> {
+    let findings: Vec<(usize, &Finding)> = page
+        .run
+        .verdict
+        .findings
+        .iter()
+        .enumerate()
+        .filter(|(_, finding)| is_meant(finding))
+        .collect();
+    if findings.is_empty() {
+        return None;
+    }
+    let listed: Vec<_> = findings
+        .iter()
+        .filter(|(number, _)| shown.listed.contains(number))
+        .collect();
+    let mut left: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    for (_, finding) in findings.iter().filter(|(number, _)| !shown.has(*number)) {
+        *left.entry((&finding.rule, &finding.name)).or_default() += 1;
+    }
+    let count: usize = left.values().sum();
+    Some(html! {
+        @for (number, finding) in findings.iter().filter(|(number, _)| shown.full.contains(number)) {
+            (full(page, drawn, *number, finding))
+        }
+        @if !listed.is_empty() {
+            h3 { "More findings, a line each" }
+            ul class="listed" { @for (number, finding) in listed { (line(page, *number, finding)) } }
+        }
+        @if count > 0 {
+            p class="left-out" {
+                (plural(count, "more finding")) " are counted here and not shown: "
+                @for (index, ((rule, name), count)) in left.iter().enumerate() {
+                    @if index > 0 { ", " }
+                    (count) " of " (rule) " " (name)
+                }
+                ". The json report has all of them."
+            }
+        }
+    })
+}
+
+/// The class and the sign of a finding: hints are no louder than notes.
+fn look(finding: &Finding) -> (&'static str, &'static str) {
+    match (finding.confidence, finding.severity) {
+        _ if finding.waived.is_some() => ("waived", "⊘"),
+        (Confidence::Hint, _) | (_, Severity::Note) => ("note", "i"),
+        (_, Severity::Error) => ("fail", "✗"),
+        (_, Severity::Warning) => ("warning", "!"),
+    }
+}
+
+/// Severity and confidence of a finding, with their sign.
+pub(super) fn severity(finding: &Finding) -> Markup {
+    let (class, sign) = look(finding);
+    let word = finding.severity.word();
+    match finding.confidence {
+        Confidence::Certain => badge(class, sign, word),
+        other => badge(class, sign, &format!("{word}, {}", other.word())),
+    }
+}
+
+fn line(page: &Page, number: usize, finding: &Finding) -> Markup {
+    html! {
+        li id={ "finding-" (number + 1) } {
+            (severity(finding)) " " a href={ "#rule-" (finding.rule) } { (finding.rule) } " " (words(&finding.message))
+            @if let Some(label) = finding.places.first() { " – " code { (plain(&page.locator.short(&label.place))) } }
+        }
+    }
+}
+
+fn full(page: &Page, drawn: &Drawn, number: usize, finding: &Finding) -> Markup {
+    let (class, _) = look(finding);
+    html! {
+        article class={ "finding " (class) } id={ "finding-" (number + 1) } {
+            h3 {
+                (severity(finding)) " "
+                a href={ "#rule-" (finding.rule) } { (finding.rule) " " (finding.name) }
+            }
+            p class="message" { (words(&finding.message)) }
+            @if let Some(waived) = &finding.waived { (summary::accepted(waived)) }
+            @if finding.confidence == Confidence::Hint {
+                p class="small" { "A hint: it never counts against a dataset." }
+            }
+            (places(page, &finding.places))
+            @if !finding.measured.is_empty() { (numbers(&finding.measured)) }
+            @if let Some(relation) = &finding.relation {
+                p { span class="label" { "Relation: " } code { (plain(relation)) } }
+            }
+            @if !finding.help.is_empty() {
+                p class="help" { span class="label" { "What to do: " } (words(&finding.help)) }
+            }
+            @if let Some(fix) = &finding.fix { (edits(page, fix)) }
+            (drawn.of_finding(number))
+        }
+    }
+}
+
+fn places(page: &Page, labels: &[Label]) -> Markup {
+    html! {
+        ul class="places" {
+            @for label in labels.iter().take(MAX_PLACES) {
+                li {
+                    code { (place(page, &label.place)) }
+                    @if !label.note.is_empty() { ": " (words(&label.note)) }
+                    @if let Some(lines) = snippet::render(&label.place, &page.locator) { (lines) }
+                }
+            }
+            @if labels.len() > MAX_PLACES { li { "… and " (plural(labels.len() - MAX_PLACES, "more place")) } }
+        }
+    }
+}
+
+/// `robot.urdf:12:5`, `drive.mcap /tf message 3, stamp ...`.
+pub(super) fn place(page: &Page, place: &Place) -> String {
+    match &place.at {
+        At::Message(message) => {
+            let path = page.locator.find(place).path;
+            plain(&format!("{path} {}", message_words(message)))
+        }
+        _ => plain(&page.locator.short(place)),
+    }
+}
+
+fn numbers(measured: &[Measured]) -> Markup {
+    let shown = measured.get(..MAX_MEASURED).unwrap_or(measured);
+    let spread = shown.iter().any(|one| one.spread.is_some());
+    let n = shown.iter().any(|one| one.n.is_some());
+    html! {
+        div class="wide" {
+            table class="numbers" {
+                thead {
+                    tr {
+                        th scope="col" { "Measured" } th scope="col" { "Value" } th scope="col" { "Limit" }
+                        @if spread { th scope="col" { "Spread" } }
+                        @if n { th scope="col" { "Samples" } }
+                    }
+                }
+                tbody {
+                    @for one in shown {
+                        @let spelled = Spelled::new(one);
+                        tr {
+                            th scope="row" { (words(&one.what)) }
+                            td { strong { (plain(&spelled.value)) } }
+                            td { (spelled.limit.as_deref().map_or_else(|| "–".to_owned(), plain)) }
+                            @if spread { td { (spelled.spread.as_deref().map_or_else(|| "–".to_owned(), plain)) } }
+                            @if n { td { (one.n.map_or_else(|| "–".to_owned(), |n| n.to_string())) } }
+                        }
+                    }
+                }
+            }
+        }
+        @if measured.len() > MAX_MEASURED { p { "… and " (plural(measured.len() - MAX_MEASURED, "more number")) } }
+    }
+}
+
+fn edits(page: &Page, fix: &Fix) -> Markup {
+    let safety = match fix.safety {
+        Safety::Safe => "safe: every reader means the same as before",
+        Safety::ChangesBehaviour => "changes how the robot behaves",
+    };
+    html! {
+        div class="fix" {
+            p { span class="label" { "Fix: " } (words(&fix.title)) " (" (safety) ")" }
+            ul {
+                @for edit in fix.edits.iter().take(MAX_EDITS) {
+                    li {
+                        code { (plain(&page.locator.short(&edit.place))) } ": "
+                        @if edit.replacement.trim().is_empty() { "remove what is marked" }
+                        @else { "write " code class="edit" { (plain(&edit.replacement)) } }
+                    }
+                }
+                @if fix.edits.len() > MAX_EDITS { li { "… and " (plural(fix.edits.len() - MAX_EDITS, "more edit")) } }
+            }
+        }
+    }
+}

@@ -1,0 +1,113 @@
+//! The inputs: what each was read as, how far, how much of it was examined, and by which hash it is known.
+
+use maud::{Markup, html};
+
+use crate::source::{Problem, ReadStatus, Source, SourceKind};
+
+use super::super::terminal::examined_words;
+use super::super::text::{bytes, plural};
+use super::Page;
+use super::findings::place;
+use super::snippet;
+use super::words::{badge, plain, words};
+
+/// Inputs that are shown; those with problems stand first.
+const MAX_INPUTS: usize = 500;
+/// Problems of one input.
+const MAX_PROBLEMS: usize = 10;
+/// Kinds of files without a reader that are named.
+const MAX_SKIPPED: usize = 40;
+
+pub(super) fn render(page: &Page) -> Option<Markup> {
+    let mut sources: Vec<&Source> = page.run.sources.iter().collect();
+    let skipped = &page.run.skipped;
+    if sources.is_empty() && skipped.is_empty() {
+        return None;
+    }
+    sources.sort_by_key(|source| (rank(source), source.id));
+    Some(html! {
+        div class="wide" role="region" aria-label="Inputs" tabindex="0" {
+            table class="inputs" {
+                thead {
+                    tr {
+                        th scope="col" { "Input" } th scope="col" { "Read" } th scope="col" { "Size" }
+                        th scope="col" { "Examined" } th scope="col" { "SHA-256" }
+                    }
+                }
+                tbody { @for source in sources.iter().take(MAX_INPUTS) { (row(page, source)) } }
+            }
+        }
+        @if sources.len() > MAX_INPUTS { p class="left-out" { "… and " (plural(sources.len() - MAX_INPUTS, "more input")) } }
+        @if !skipped.is_empty() {
+            p {
+                span class="label" { "Passed over, no reader for them: " }
+                @for (index, (kind, count)) in skipped.iter().take(MAX_SKIPPED).enumerate() {
+                    @if index > 0 { ", " }
+                    (count) " " code { (plain(kind)) }
+                }
+                @if skipped.len() > MAX_SKIPPED { " and " (plural(skipped.len() - MAX_SKIPPED, "more kind")) }
+            }
+        }
+    })
+}
+
+/// What could not be read first, then what was, then what the tool itself was told.
+fn rank(source: &Source) -> u8 {
+    match (source.status, source.kind) {
+        (ReadStatus::Read, SourceKind::Configuration) => 2,
+        (ReadStatus::Read, _) => 1,
+        _ if source.required => 0,
+        _ => 3,
+    }
+}
+
+fn row(page: &Page, source: &Source) -> Markup {
+    let (class, sign) = match (source.status, source.required) {
+        (ReadStatus::Read, _) => ("pass", "✓"),
+        (_, false) => ("open", "–"),
+        (ReadStatus::Partial, true) => ("warning", "!"),
+        (ReadStatus::Unreadable, true) => ("fail", "✗"),
+    };
+    // A text that came out of another source was examined with it.
+    let own = source.derived.is_none();
+    let said = source
+        .problems
+        .iter()
+        .any(|problem| Some(&problem.message) == source.detail.as_ref());
+    html! {
+        tr {
+            th scope="row" { code { (plain(&page.locator.name(source.id))) } p class="small" { (source.kind.word()) } }
+            td {
+                (badge(class, sign, source.status.word()))
+                @if let Some(detail) = source.detail.as_ref().filter(|_| !said) { p { (words(detail)) } }
+                @for problem in source.problems.iter().take(MAX_PROBLEMS) { (fault(page, problem)) }
+                @if source.problems.len() > MAX_PROBLEMS {
+                    p { "… and " (plural(source.problems.len() - MAX_PROBLEMS, "more problem")) }
+                }
+            }
+            td class="number" { @if own { (bytes(source.examined.bytes_total)) } @else { "–" } }
+            td {
+                @if own { ul class="bare" { @for part in examined_words(&source.examined) { li { (part) } } } } @else { "with its source" }
+            }
+            td class="hash" { (hash(source)) }
+        }
+    }
+}
+
+fn fault(page: &Page, problem: &Problem) -> Markup {
+    html! {
+        div class="problem" {
+            p { (words(&problem.message)) }
+            @if problem.place.at != crate::source::At::Whole { p { code { (place(page, &problem.place)) } } }
+            @if let Some(lines) = snippet::render(&problem.place, &page.locator) { (lines) }
+            @if let Some(help) = &problem.help { p { span class="label" { "What to do: " } (words(help)) } }
+        }
+    }
+}
+
+fn hash(source: &Source) -> Markup {
+    match &source.sha256 {
+        None => html! { "–" },
+        Some(digests) => html! { @for line in digests.lines() { code { (plain(line)) } " " } },
+    }
+}

@@ -1,0 +1,184 @@
+//! The acceptance report: one page that says what was checked, with which evidence, and what it came to, for a person who
+//! accepts or rejects a dataset and signs it.
+//!
+//! Owns the frame of the page and the order of its parts. The page loads nothing: style, script and drawings stand in it, and its
+//! policy lets nothing else run. It reads in full without the script, and has no clock: the same run makes the same bytes.
+
+mod checklist;
+mod findings;
+mod inputs;
+mod made;
+mod plots;
+mod scale;
+mod snippet;
+mod summary;
+#[cfg(test)]
+mod tests;
+mod words;
+
+use std::collections::BTreeMap;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+use sha2::{Digest, Sha256};
+
+use crate::run::{FailOn, Run};
+use crate::verdict::Finding;
+
+use super::Call;
+use super::place::Locator;
+use super::text::plural;
+use super::tree::svg;
+
+const STYLE: &str = include_str!("style.css");
+const SCRIPT: &str = include_str!("script.js");
+
+/// Frames that are drawn: nobody finds anything in a larger tree, and a hostile file has a hundred thousand.
+const MAX_FRAMES: usize = 600;
+
+/// What every part of the page needs.
+struct Page<'a> {
+    run: &'a Run,
+    fail_on: FailOn,
+    locator: Locator<'a>,
+    call: &'a Call,
+    /// Numbers of the findings of a rule and a subject.
+    found: BTreeMap<(&'a str, &'a str), Vec<usize>>,
+}
+
+impl<'a> Page<'a> {
+    fn new(run: &'a Run, fail_on: FailOn, call: &'a Call) -> Self {
+        let mut found: BTreeMap<(&str, &str), Vec<usize>> = BTreeMap::new();
+        for (number, finding) in run.verdict.findings.iter().enumerate() {
+            found.entry((&finding.rule, &finding.subject)).or_default().push(number);
+        }
+        Self {
+            run,
+            fail_on,
+            locator: Locator::new(&run.sources),
+            call,
+            found,
+        }
+    }
+
+    /// The findings of a rule on a subject, with their numbers.
+    fn findings_of(&self, rule: &str, subject: &str) -> Vec<(usize, &'a Finding)> {
+        let numbers = self.found.get(&(rule, subject)).map_or(&[] as &[usize], Vec::as_slice);
+        numbers
+            .iter()
+            .filter_map(|number| Some((*number, self.run.verdict.findings.get(*number)?)))
+            .collect()
+    }
+}
+
+/// The whole page.
+pub(super) fn render(run: &Run, fail_on: FailOn, call: &Call) -> String {
+    let page = Page::new(run, fail_on, call);
+    let shown = findings::Shown::new(run);
+    let drawn = plots::Drawn::new(run, &shown);
+    let parts = [
+        ("required", "Required, and not evaluated", summary::required(&page)),
+        ("findings", "Findings", Some(findings::open(&page, &shown, &drawn))),
+        ("waived", "Waived findings", findings::waived(&page, &shown, &drawn)),
+        ("checklist", "Checklist", checklist::render(&page, &shown, &drawn)),
+        ("plots", "Plots", drawn.others()),
+        ("tree", "Frame tree", tree(run)),
+        ("inputs", "Inputs", inputs::render(&page)),
+        ("made", "How this report was made", Some(made::render(&page))),
+        ("decision", "Decision", Some(summary::decision(&page))),
+    ];
+    let parts: Vec<(&str, &str, Markup)> = parts
+        .into_iter()
+        .filter_map(|(id, title, part)| Some((id, title, part?)))
+        .collect();
+    let title = summary::title(&page);
+    let whole = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta http-equiv="Content-Security-Policy" content=(policy());
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                meta name="color-scheme" content="light dark";
+                meta name="referrer" content="no-referrer";
+                meta name="generator" content={ "frames-lint " (env!("CARGO_PKG_VERSION")) };
+                title { (title) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                a class="skip" href="#main" { "Skip to the report" }
+                (summary::header(&page))
+                nav aria-label="Parts of the report" {
+                    ul {
+                        @for (id, title, _) in &parts { li { a href={ "#" (id) } { (title) } } }
+                    }
+                }
+                main id="main" tabindex="-1" {
+                    @for (id, title, part) in &parts {
+                        section id=(id) aria-labelledby={ (id) "-title" } {
+                            h2 id={ (id) "-title" } { (title) }
+                            (part)
+                        }
+                    }
+                }
+                footer {
+                    p {
+                        "Made by frames-lint " (env!("CARGO_PKG_VERSION"))
+                        ". This file is complete in itself: it loads nothing and sends nothing."
+                    }
+                }
+                script { (PreEscaped(SCRIPT)) }
+            }
+        }
+    };
+    whole.into_string() + "\n"
+}
+
+/// What may run and be loaded: the style and the script of this page, and nothing else.
+fn policy() -> String {
+    let hash = |text: &str| STANDARD.encode(Sha256::digest(text.as_bytes()));
+    format!(
+        "default-src 'none'; style-src 'sha256-{}'; script-src 'sha256-{}'; base-uri 'none'; form-action 'none'",
+        hash(STYLE),
+        hash(SCRIPT)
+    )
+}
+
+/// The frames with who states them.
+fn tree(run: &Run) -> Option<Markup> {
+    let frames: usize = run.worlds.iter().map(|world| world.graph().frames.len()).sum();
+    let too_many = |frames: usize| {
+        html! {
+            p {
+                (plural(frames, "frame")) " are too many to draw here. "
+                code { "frames-lint tree --format svg" } " draws them to a file of their own."
+            }
+        }
+    };
+    if frames > MAX_FRAMES {
+        return Some(too_many(frames));
+    }
+    let drawing = svg::drawing(run);
+    if drawing.frames == 0 {
+        return None;
+    }
+    if drawing.frames > MAX_FRAMES {
+        return Some(too_many(drawing.frames));
+    }
+    let (width, height) = (drawing.width, drawing.height);
+    Some(html! {
+        p class="hint" {
+            "Roots stand at the left. Each box has the pose in its parent and the file or topic that states it first; who else states it \
+             is in the tooltip."
+        }
+        div class="wide" role="region" aria-label="Frame tree" tabindex="0" {
+            svg class="tree" role="img" aria-labelledby="tree-name tree-words" width=(width) height=(height)
+                viewBox={ "0 0 " (width) " " (height) } {
+                title id="tree-name" { "Frame tree" }
+                desc id="tree-words" { (plural(drawing.frames, "frame")) " with their parents, poses and sources" }
+                (PreEscaped(&drawing.body))
+            }
+        }
+    })
+}

@@ -1,0 +1,312 @@
+//! Tests of the page as a whole: one item of every outcome, hostile words, plots by hand-computed places, bounds.
+
+#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
+
+use scraper::{Html, Selector};
+
+use super::plots::draw;
+use super::*;
+use crate::report::samples::{ROBOT, Sample, everything};
+use crate::run::Unmet;
+use crate::source::SourceKind;
+use crate::verdict::plot::{Axis, Level, Plot, Series};
+use crate::verdict::{Measured, Outcome, Waived};
+
+fn page(run: &Run) -> (String, Html) {
+    let text = render(run, FailOn::Error, &Call::default());
+    let document = Html::parse_document(&text);
+    assert!(document.errors.is_empty(), "{:?}", document.errors);
+    (text, document)
+}
+
+fn texts(document: &Html, selector: &str) -> Vec<String> {
+    let selector = Selector::parse(selector).unwrap();
+    document
+        .select(&selector)
+        .map(|element| element.text().collect::<String>())
+        .collect()
+}
+
+fn waived() -> Waived {
+    Waived {
+        reason: "remounted".to_owned(),
+        by: Some("J. Doe".to_owned()),
+        until: crate::verdict::waiver::Day::parse("2027-01-31"),
+        origin: "frames-lint.yaml:12".to_owned(),
+    }
+}
+
+#[test]
+fn every_outcome_stands_with_its_sign_its_word_and_its_evidence() {
+    let mut run = everything();
+    run.verdict
+        .rows
+        .iter_mut()
+        .find(|row| row.rule == "A01")
+        .unwrap()
+        .measured = vec![Measured::new("tilt", 0.125, "deg").limit(2.0).samples(7)];
+    run.verdict.findings[0].waived = Some(waived());
+    run.unmet = vec![Unmet {
+        rule: "A02".to_owned(),
+        name: "a-rule".to_owned(),
+        subject: Some("*lidar*".to_owned()),
+        why: vec!["missing input: no URDF".to_owned()],
+        record: Some("record `/robot_description`".to_owned()),
+        origin: "frames-lint.yaml:3".to_owned(),
+        waived: None,
+    }];
+    let (text, document) = page(&run);
+    let all = |selector: &str| texts(&document, selector).join("|");
+    for word in ["✓ passed", "✗ failed", "– not evaluated", "⊘ waived", "! crashed"] {
+        assert!(all("#checklist td").contains(word), "{word}: {}", all("#checklist td"));
+    }
+    assert!(
+        all("#checklist li").contains("tilt: 0.125 deg, limit 2 deg, n = 7"),
+        "{}",
+        all("#checklist li")
+    );
+    assert!(all("#checklist td").contains("index out of range"));
+    assert!(all("#waived .accepted").contains("remounted, by J. Doe, until 2027-01-31 (frames-lint.yaml:12)"));
+    assert!(all("#waived .fix").contains("write 0 0 1.5707963"));
+    assert!(all("#waived .places").contains("drive.mcap /tf_static message 3, stamp 2023-11-14 22:13:20.000 UTC"));
+    assert!(all("#required td").contains("record /robot_description"));
+    assert!(all("#inputs .problem").contains("the list is never closed"));
+    assert!(all("#inputs .problem").contains("What to do: close it with ]"));
+    assert!(all("#findings .finding").contains("A hint: it never counts"));
+    // What is not finite is no reason to stop.
+    assert!(text.contains("NaN deg"));
+    assert_eq!(texts(&document, "h2").len(), 7, "{:?}", texts(&document, "h2"));
+}
+
+#[test]
+fn an_empty_run_is_a_page_too() {
+    let (_, document) = page(&Run::default());
+    assert!(texts(&document, "h1")[0].contains("Incomplete"));
+    assert!(texts(&document, ".ending")[0].contains("Nothing was checked"));
+    assert_eq!(texts(&document, "#findings p"), ["Nothing was found."]);
+}
+
+#[test]
+fn hostile_words_stay_words_wherever_they_stand() {
+    const EVIL: &str =
+        "`</script></style><script>x</script>` <img src=x onerror=y> \" ' & \u{1b}[2J \u{0} \u{202e} \u{fdd0}";
+    let mut s = Sample::default();
+    let id = s.source(EVIL, SourceKind::Urdf, &format!("{EVIL}\n"));
+    let place = s.at(id, "<img");
+    let plot = Plot {
+        title: EVIL.to_owned(),
+        x: Axis::new(EVIL, EVIL),
+        y: Axis::new(EVIL, EVIL),
+        equal: false,
+        series: vec![Series::points(EVIL, [[0.0, 1.0], [1.0, 2.0]])],
+        limits: vec![Level {
+            label: EVIL.to_owned(),
+            at: 1.5,
+        }],
+    };
+    // Codes and names of rules are the tool's own.
+    s.finding(
+        "B01",
+        "b",
+        Finding::error(EVIL, EVIL, place.clone())
+            .label(EVIL)
+            .help(EVIL)
+            .relation(EVIL)
+            .measured(Measured::new(EVIL, 1.0, EVIL).limit(2.0))
+            .fix(
+                EVIL,
+                crate::verdict::Safety::Safe,
+                vec![crate::verdict::Edit {
+                    place,
+                    replacement: EVIL.to_owned(),
+                }],
+            ),
+    );
+    s.row("B02", EVIL, Outcome::NotEvaluated, Some(EVIL));
+    let mut run = s.run();
+    for row in &mut run.verdict.rows {
+        row.plots = vec![plot.clone()];
+    }
+    run.skipped.insert(EVIL.to_owned(), 2);
+    run.sources[0].problem(
+        crate::source::ReadStatus::Partial,
+        crate::source::Place::whole(id),
+        EVIL,
+    );
+    run.sources[0].sha256 = Some(EVIL.to_owned());
+    let call = Call {
+        command: vec![EVIL.to_owned()],
+        settings: vec![("x", EVIL.to_owned())],
+        day: None,
+    };
+    let text = render(&run, FailOn::Error, &call);
+    let document = Html::parse_document(&text);
+    assert!(document.errors.is_empty(), "{:?}", document.errors);
+    assert_eq!(texts(&document, "script").len(), 1);
+    assert_eq!(texts(&document, "style").len(), 1);
+    assert!(texts(&document, "img, [onerror], [style]").is_empty());
+    assert!(!text.contains(['\u{1b}', '\u{0}', '\u{202e}', '\u{fdd0}']));
+    assert!(texts(&document, "main")[0].contains("<img src=x onerror=y>"));
+}
+
+fn track() -> Plot {
+    Plot {
+        title: "track".to_owned(),
+        x: Axis::new("east", "m"),
+        y: Axis::new("north", "m"),
+        equal: false,
+        series: vec![
+            Series::points("places", [[0.0, 0.0], [10.0, 20.0], [10.0, 20.0]]),
+            Series::lines("way", [vec![[0.0, 20.0], [10.0, 0.0]]]).remove(0),
+        ],
+        limits: vec![
+            Level {
+                label: "most".to_owned(),
+                at: 10.0,
+            },
+            Level {
+                label: "far".to_owned(),
+                at: 1e7,
+            },
+        ],
+    }
+}
+
+#[test]
+fn points_are_drawn_where_they_belong() {
+    let drawn = draw(&track(), "plot-1").unwrap();
+    // The area is 600 by 250 from (74, 12), and 5 % of each range is room: x from -0.5 to 10.5, y from -1 to 21.
+    // 0 is at 74 + 600 * 0.5/11 = 101.3, 10 at 646.7; y of 0 at 262 - 250 * 1/22 = 250.6, of 20 at 23.4, of 10 at 137.
+    assert!(
+        drawn
+            .svg
+            .contains("<path class=\"p0\" d=\"M101.3 250.6h0M646.7 23.4h0\"/>"),
+        "{}",
+        drawn.svg
+    );
+    assert!(
+        drawn.svg.contains("<path class=\"l1\" d=\"M101.3 23.4L646.7 250.6\"/>"),
+        "{}",
+        drawn.svg
+    );
+    assert!(
+        drawn.svg.contains("<path class=\"limit\" d=\"M74 137H674\"/>"),
+        "{}",
+        drawn.svg
+    );
+    assert_eq!(
+        drawn.svg.matches("class=\"limit\"").count(),
+        1,
+        "the far one would flatten the rest"
+    );
+    let legend: Vec<String> = drawn
+        .legend
+        .iter()
+        .map(|(_, name, words)| format!("{name}{words}"))
+        .collect();
+    assert_eq!(
+        legend,
+        [
+            "places",
+            "way",
+            "most: 10 m",
+            "far: 10000000 m (outside of the picture)"
+        ]
+    );
+    assert!(drawn.svg.contains("east: from 0 to 10 m."));
+}
+
+#[test]
+fn a_step_is_as_long_in_both_directions_where_it_should_be() {
+    let plot = Plot {
+        equal: true,
+        limits: Vec::new(),
+        ..track()
+    };
+    // Ranges of 11 and 22 m: 420 high, and 210 wide, 19.09 a metre.
+    let drawn = draw(&plot, "plot-1").unwrap();
+    assert!(drawn.svg.contains("viewBox=\"0 0 302 482\""), "{}", drawn.svg);
+    // x: 74 + 0.5 * 19.09 = 83.5, and 10 m further 274.5; y: 432 - 19.09 = 412.9, and 20 m up 31.1.
+    assert!(drawn.svg.contains("M83.5 412.9h0M274.5 31.1h0"), "{}", drawn.svg);
+}
+
+#[test]
+fn odd_numbers_are_drawn_or_left_out() {
+    let with = |points: Vec<[f64; 2]>| Plot {
+        series: vec![Series::points("a", points)],
+        ..track()
+    };
+    assert!(draw(&with(Vec::new()), "a").is_none());
+    assert!(draw(&with(vec![[f64::MAX, 0.0], [f64::MIN, 1.0]]), "a").is_none());
+    for points in [
+        vec![[0.0, 0.0]],
+        vec![[1e300, -1e-300], [2.0, 3.0]],
+        vec![[5.0, 7.0]; 3],
+        vec![[1.7e18, 1e-9], [1.7e18, 2e-9]],
+    ] {
+        for equal in [false, true] {
+            let drawn = draw(
+                &Plot {
+                    equal,
+                    ..with(points.clone())
+                },
+                "a",
+            );
+            assert!(!drawn.unwrap().svg.contains("NaN"), "{points:?}");
+        }
+    }
+}
+
+#[test]
+fn plots_stand_with_their_findings_and_are_bounded() {
+    let mut s = Sample::default();
+    let id = s.source("robot.urdf", SourceKind::Urdf, ROBOT);
+    let place = s.at(id, "lidar_joint");
+    s.finding("B01", "b", Finding::error("x", "m", place));
+    for index in 0..200 {
+        s.row("B02", &format!("topic {index}"), Outcome::Pass, None);
+    }
+    let mut run = s.run();
+    for row in &mut run.verdict.rows {
+        row.plots = vec![track()];
+    }
+    let (_, document) = page(&run);
+    assert_eq!(texts(&document, "#findings figure").len(), 1);
+    assert_eq!(texts(&document, "#plots figure").len(), 79);
+    assert!(texts(&document, "#plots .left-out")[0].contains("121 more plots"));
+    assert_eq!(texts(&document, "#checklist a[href^='#plot-']").len(), 80);
+}
+
+#[test]
+fn a_hundred_thousand_findings_are_counted() {
+    let mut s = Sample::default();
+    let id = s.source("robot.urdf", SourceKind::Urdf, ROBOT);
+    let place = s.at(id, "lidar_joint");
+    for index in 0..100_000 {
+        let finding = Finding::error(format!("s{index}"), format!("m{index}"), place.clone());
+        s.finding("B01", "b", finding.measured(Measured::count("n", index)));
+    }
+    let (text, document) = page(&s.run());
+    assert!(text.len() < 2_000_000, "{}", text.len());
+    assert_eq!(texts(&document, "article.finding").len(), 150);
+    assert_eq!(texts(&document, ".listed li").len(), 500);
+    assert!(texts(&document, "#findings .left-out")[0].contains("99350 more findings"));
+    assert!(texts(&document, "#checklist .more")[0].contains("99800 more items"));
+}
+
+#[test]
+fn the_same_run_makes_the_same_bytes() {
+    assert_eq!(page(&everything()).0, page(&everything()).0);
+}
+
+#[test]
+fn the_policy_lets_the_style_and_the_script_of_the_page_run() {
+    use base64::Engine;
+    let (text, document) = page(&everything());
+    for (tag, rule) in [("style", "style-src"), ("script", "script-src")] {
+        let inner = texts(&document, tag).remove(0);
+        let digest = base64::engine::general_purpose::STANDARD.encode(Sha256::digest(inner.as_bytes()));
+        assert!(text.contains(&format!("{rule} 'sha256-{digest}'")), "{tag}");
+    }
+    assert!(STYLE.is_ascii() && SCRIPT.is_ascii() && !STYLE.contains("url(") && !SCRIPT.contains("</"));
+}
