@@ -26,6 +26,7 @@ mod formats;
 mod foxglove;
 mod gate;
 mod hostile_input;
+mod html;
 mod integrations;
 mod layers;
 mod messages;

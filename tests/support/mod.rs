@@ -15,6 +15,7 @@
     clippy::missing_panics_doc
 )]
 
+pub mod browser;
 pub mod camera;
 pub mod clouds;
 pub mod contents;
