@@ -9,11 +9,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use scraper::{Html, Selector};
 use serde_json::{Value, json};
 
 use crate::support;
 use crate::support::browser::Browser;
+use crate::support::page::Page;
 use crate::support::program::{self, Ran};
 
 /// A name that would be markup, script and an attribute's end where it is not escaped.
@@ -86,23 +86,15 @@ fn report(folder: &Path, environment: &[(&str, &str)]) -> (PathBuf, Ran) {
     (out.join("report.html"), ran)
 }
 
-fn texts(document: &Html, selector: &str) -> Vec<String> {
-    let selector = Selector::parse(selector).unwrap();
-    document
-        .select(&selector)
-        .map(|element| element.text().collect::<String>())
-        .collect()
-}
-
 #[test]
 fn a_page_of_a_whole_drive_is_html_without_a_fault_and_says_everything() {
     let folder = folder();
     let (path, ran) = report(folder.path(), &[]);
     assert_eq!(ran.code, 1, "{}{}", ran.err, ran.text());
     let text = fs::read_to_string(&path).unwrap();
-    let document = Html::parse_document(&text);
+    let document = Page::parse(&text);
     assert!(document.errors.is_empty(), "{:?}", document.errors);
-    let all = |selector: &str| texts(&document, selector);
+    let all = |selector: &str| document.texts(selector);
     assert_eq!(all("h1").len(), 1);
     assert!(
         all("header .ending")[0].starts_with("Not clean: "),
@@ -164,11 +156,13 @@ fn a_page_of_a_whole_drive_is_html_without_a_fault_and_says_everything() {
     }
     assert_eq!(all("script").len(), 1);
     // Links lead somewhere.
-    let anchors = Selector::parse("a[href]").unwrap();
-    for anchor in document.select(&anchors) {
-        let target = anchor.value().attr("href").unwrap().trim_start_matches('#');
-        let found = Selector::parse(&format!("[id=\"{target}\"]")).unwrap();
-        assert_eq!(document.select(&found).count(), 1, "{target}");
+    for link in document.attributes("a", "href") {
+        let target = link.strip_prefix('#').unwrap();
+        assert_eq!(
+            document.attributes(&format!("[id={target}]"), "id").len(),
+            1,
+            "{target}"
+        );
     }
 }
 
@@ -354,5 +348,5 @@ fn tens_of_thousands_of_findings_make_a_page_that_can_be_opened() {
     let text = fs::read_to_string(&path).unwrap();
     assert!(text.len() < 4_000_000, "{} bytes", text.len());
     assert!(text.contains(" are counted here and not shown: "));
-    assert!(Html::parse_document(&text).errors.is_empty());
+    assert!(Page::parse(&text).errors.is_empty());
 }

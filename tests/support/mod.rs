@@ -28,6 +28,7 @@ pub mod encode;
 pub mod foxglove;
 pub mod heard;
 pub mod motion;
+pub mod page;
 pub mod program;
 pub mod radars;
 pub mod raw;

@@ -24,8 +24,11 @@ const WIDTH: f64 = 600.0;
 const HEIGHT: f64 = 250.0;
 /// The largest area where a step is as long in both directions, and the least length of a side.
 const EQUAL: (f64, f64) = (520.0, 420.0);
-const LEAST: f64 = 140.0;
+const LEAST: f64 = 240.0;
 const LEFT: f64 = 74.0;
+/// Room at the left for the name of the axis, and for each letter of its longest number.
+const OF_NAME: f64 = 32.0;
+const OF_LETTER: f64 = 8.0;
 const TOP: f64 = 12.0;
 const RIGHT: f64 = 18.0;
 const BENEATH: f64 = 50.0;
@@ -99,7 +102,7 @@ impl Drawn {
         let with_findings: usize = self.of_finding.values().map(Vec::len).sum();
         Some(html! {
             @if with_findings > 0 {
-                p class="hint" { (plural(with_findings, "more plot")) " stand with the findings above." }
+                p class="hint" { "Of findings: " (plural(with_findings, "plot")) ", beside them above." }
             }
             div class="plots" { @for figure in &self.others { (figure) } }
             @if self.left > 0 { p class="left-out" { "… and " (plural(self.left, "more plot")) ", not drawn." } }
@@ -155,22 +158,24 @@ pub(super) fn draw(plot: &Plot, id: &str) -> Option<Picture> {
     } else {
         ((x0, x1), (y0, y1))
     };
-    let x = Scale {
-        from: x0,
-        to: x1,
-        start: LEFT,
-        end: LEFT + width,
-    };
     let y = Scale {
         from: y0,
         to: y1,
         start: TOP + height,
         end: TOP,
     };
+    let longest = ticks_of_y(plot, &y).iter().map(|(_, text)| text.chars().count()).max();
+    let left = LEFT.max(OF_NAME + OF_LETTER * longest.unwrap_or(0) as f64);
+    let x = Scale {
+        from: x0,
+        to: x1,
+        start: left,
+        end: left + width,
+    };
     let mut body = String::new();
     axes(plot, &x, &y, &mut body);
     let legend = data(plot, &x, &y, id, &mut body);
-    let (whole_width, whole_height) = (place(LEFT + width + RIGHT), place(TOP + height + BENEATH));
+    let (whole_width, whole_height) = (place(left + width + RIGHT), place(TOP + height + BENEATH));
     let count: usize = plot.series.iter().map(|series| series.points.len()).sum();
     let inner = html! {
         title id={ (id) "-name" } { (plain(&plot.title)) }
@@ -179,7 +184,7 @@ pub(super) fn draw(plot: &Plot, id: &str) -> Option<Picture> {
             (plain(&spoken(&plot.y, points().map(|point| point[1]))))
         }
         clipPath id={ (id) "-area" } {
-            rect x=(place(LEFT)) y=(place(TOP)) width=(place(width)) height=(place(height)) {}
+            rect x=(place(left)) y=(place(TOP)) width=(place(width)) height=(place(height)) {}
         }
         (PreEscaped(body))
     };
@@ -243,15 +248,21 @@ fn unit(axis: &Axis) -> String {
     }
 }
 
+/// How many numbers stand along a side.
+fn most(length: f64, each: f64) -> usize {
+    // Lengths are at most some hundred.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let count = (length / each) as usize;
+    count.clamp(2, 8)
+}
+
+fn ticks_of_y(plot: &Plot, y: &Scale) -> Vec<(f64, String)> {
+    y.ticks(&plot.y.unit, most(y.start - y.end, 45.0))
+}
+
 fn axes(plot: &Plot, x: &Scale, y: &Scale, body: &mut String) {
     let (left, right) = (place(x.start), place(x.end));
     let (top, bottom) = (place(y.end), place(y.start));
-    let most = |length: f64, each: f64| {
-        // Lengths are at most some hundred.
-        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        let count = (length / each) as usize;
-        count.clamp(2, 8)
-    };
     for (value, text) in x.ticks(&plot.x.unit, most(x.end - x.start, 80.0)) {
         let at = place(x.at(value));
         let _ = write!(
@@ -260,7 +271,7 @@ fn axes(plot: &Plot, x: &Scale, y: &Scale, body: &mut String) {
             place(y.start + 18.0)
         );
     }
-    for (value, text) in y.ticks(&plot.y.unit, most(y.start - y.end, 45.0)) {
+    for (value, text) in ticks_of_y(plot, y) {
         let at = y.at(value);
         let _ = write!(
             body,

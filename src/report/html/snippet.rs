@@ -11,6 +11,8 @@ use super::words::plain;
 const AROUND: usize = 1;
 /// Characters of a line that are shown, about the mark where the line is longer (a whole JSON file on one line).
 const LONGEST: usize = 200;
+/// Characters before the mark in a longer line.
+const BEFORE: usize = 40;
 /// Characters that are marked.
 const LONGEST_MARK: usize = 120;
 
@@ -79,7 +81,7 @@ fn cut(number: usize, whole: &str, start: usize, end: usize) -> Line<'_> {
         .map_or(marked.len(), |(at, _)| at);
     let marked = marked.get(..marked_end).unwrap_or_default();
     let after = whole.get(start + marked_end..).unwrap_or_default();
-    let kept = LONGEST / 2;
+    let kept = if whole.len() > LONGEST { BEFORE } else { LONGEST };
     let skipped = before.char_indices().rev().nth(kept).map(|(at, _)| at);
     let before = match skipped.and_then(|at| before.get(at..)) {
         Some(rest) => format!("… {rest}"),

@@ -2,8 +2,6 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
-use scraper::{Html, Selector};
-
 use super::plots::draw;
 use super::*;
 use crate::report::samples::{ROBOT, Sample, everything};
@@ -12,19 +10,17 @@ use crate::source::SourceKind;
 use crate::verdict::plot::{Axis, Level, Plot, Series};
 use crate::verdict::{Measured, Outcome, Waived};
 
-fn page(run: &Run) -> (String, Html) {
+#[path = "../../../tests/support/page.rs"]
+#[allow(clippy::expect_used, dead_code)]
+mod parsed;
+
+use parsed::Page as Parsed;
+
+fn page(run: &Run) -> (String, Parsed) {
     let text = render(run, FailOn::Error, &Call::default());
-    let document = Html::parse_document(&text);
+    let document = Parsed::parse(&text);
     assert!(document.errors.is_empty(), "{:?}", document.errors);
     (text, document)
-}
-
-fn texts(document: &Html, selector: &str) -> Vec<String> {
-    let selector = Selector::parse(selector).unwrap();
-    document
-        .select(&selector)
-        .map(|element| element.text().collect::<String>())
-        .collect()
 }
 
 fn waived() -> Waived {
@@ -56,7 +52,7 @@ fn every_outcome_stands_with_its_sign_its_word_and_its_evidence() {
         waived: None,
     }];
     let (text, document) = page(&run);
-    let all = |selector: &str| texts(&document, selector).join("|");
+    let all = |selector: &str| document.texts(selector).join("|");
     for word in ["✓ passed", "✗ failed", "– not evaluated", "⊘ waived", "! crashed"] {
         assert!(all("#checklist td").contains(word), "{word}: {}", all("#checklist td"));
     }
@@ -75,15 +71,15 @@ fn every_outcome_stands_with_its_sign_its_word_and_its_evidence() {
     assert!(all("#findings .finding").contains("A hint: it never counts"));
     // What is not finite is no reason to stop.
     assert!(text.contains("NaN deg"));
-    assert_eq!(texts(&document, "h2").len(), 7, "{:?}", texts(&document, "h2"));
+    assert_eq!(document.texts("h2").len(), 7, "{:?}", document.texts("h2"));
 }
 
 #[test]
 fn an_empty_run_is_a_page_too() {
     let (_, document) = page(&Run::default());
-    assert!(texts(&document, "h1")[0].contains("Incomplete"));
-    assert!(texts(&document, ".ending")[0].contains("Nothing was checked"));
-    assert_eq!(texts(&document, "#findings p"), ["Nothing was found."]);
+    assert!(document.texts("h1")[0].contains("Incomplete"));
+    assert!(document.texts(".ending")[0].contains("Nothing was checked"));
+    assert_eq!(document.texts("#findings p"), ["Nothing was found."]);
 }
 
 #[test]
@@ -140,13 +136,13 @@ fn hostile_words_stay_words_wherever_they_stand() {
         day: None,
     };
     let text = render(&run, FailOn::Error, &call);
-    let document = Html::parse_document(&text);
+    let document = Parsed::parse(&text);
     assert!(document.errors.is_empty(), "{:?}", document.errors);
-    assert_eq!(texts(&document, "script").len(), 1);
-    assert_eq!(texts(&document, "style").len(), 1);
-    assert!(texts(&document, "img, [onerror], [style]").is_empty());
+    assert_eq!(document.texts("script").len(), 1);
+    assert_eq!(document.texts("style").len(), 1);
+    assert!(document.texts("img, [onerror], [style]").is_empty());
     assert!(!text.contains(['\u{1b}', '\u{0}', '\u{202e}', '\u{fdd0}']));
-    assert!(texts(&document, "main")[0].contains("<img src=x onerror=y>"));
+    assert!(document.texts("main")[0].contains("<img src=x onerror=y>"));
 }
 
 fn track() -> Plot {
@@ -223,11 +219,11 @@ fn a_step_is_as_long_in_both_directions_where_it_should_be() {
         limits: Vec::new(),
         ..track()
     };
-    // Ranges of 11 and 22 m: 420 high, and 210 wide, 19.09 a metre.
+    // Ranges of 11 and 22 m: 420 high, 19.09 a metre, and no less than 240 wide: x from 5 - 6.286 to 5 + 6.286.
     let drawn = draw(&plot, "plot-1").unwrap();
-    assert!(drawn.svg.contains("viewBox=\"0 0 302 482\""), "{}", drawn.svg);
-    // x: 74 + 0.5 * 19.09 = 83.5, and 10 m further 274.5; y: 432 - 19.09 = 412.9, and 20 m up 31.1.
-    assert!(drawn.svg.contains("M83.5 412.9h0M274.5 31.1h0"), "{}", drawn.svg);
+    assert!(drawn.svg.contains("viewBox=\"0 0 332 482\""), "{}", drawn.svg);
+    // x: 74 + 1.286 * 19.09 = 98.5, and 10 m further 289.5; y: 432 - 19.09 = 412.9, and 20 m up 31.1.
+    assert!(drawn.svg.contains("M98.5 412.9h0M289.5 31.1h0"), "{}", drawn.svg);
 }
 
 #[test]
@@ -271,10 +267,10 @@ fn plots_stand_with_their_findings_and_are_bounded() {
         row.plots = vec![track()];
     }
     let (_, document) = page(&run);
-    assert_eq!(texts(&document, "#findings figure").len(), 1);
-    assert_eq!(texts(&document, "#plots figure").len(), 79);
-    assert!(texts(&document, "#plots .left-out")[0].contains("121 more plots"));
-    assert_eq!(texts(&document, "#checklist a[href^='#plot-']").len(), 80);
+    assert_eq!(document.texts("#findings figure").len(), 1);
+    assert_eq!(document.texts("#plots figure").len(), 79);
+    assert!(document.texts("#plots .left-out")[0].contains("121 more plots"));
+    assert_eq!(document.texts("#checklist a[href^=#plot-]").len(), 80);
 }
 
 #[test]
@@ -288,10 +284,10 @@ fn a_hundred_thousand_findings_are_counted() {
     }
     let (text, document) = page(&s.run());
     assert!(text.len() < 2_000_000, "{}", text.len());
-    assert_eq!(texts(&document, "article.finding").len(), 150);
-    assert_eq!(texts(&document, ".listed li").len(), 500);
-    assert!(texts(&document, "#findings .left-out")[0].contains("99350 more findings"));
-    assert!(texts(&document, "#checklist .more")[0].contains("99800 more items"));
+    assert_eq!(document.texts("article.finding").len(), 150);
+    assert_eq!(document.texts(".listed li").len(), 500);
+    assert!(document.texts("#findings .left-out")[0].contains("99350 more findings"));
+    assert!(document.texts("#checklist .more")[0].contains("99800 more items"));
 }
 
 #[test]
@@ -304,7 +300,7 @@ fn the_policy_lets_the_style_and_the_script_of_the_page_run() {
     use base64::Engine;
     let (text, document) = page(&everything());
     for (tag, rule) in [("style", "style-src"), ("script", "script-src")] {
-        let inner = texts(&document, tag).remove(0);
+        let inner = document.texts(tag).remove(0);
         let digest = base64::engine::general_purpose::STANDARD.encode(Sha256::digest(inner.as_bytes()));
         assert!(text.contains(&format!("{rule} 'sha256-{digest}'")), "{tag}");
     }

@@ -58,7 +58,12 @@ impl Rule for HeadingConvention {
                     continue;
                 }
             };
-            out.plot(&subject, || Some(decided.plot(&imu.stream.topic)));
+            // Which way it turns is no matter where it turns as it should: the zero is what is looked for then.
+            let plotted = match decided.class() {
+                causes::Heading::Against => subject.clone(),
+                causes::Heading::With => zero_of(&subject),
+            };
+            out.plot(&plotted, || Some(decided.plot(&imu.stream.topic)));
             match decided.class() {
                 causes::Heading::Against if decided.is_by_a_simulator(sensor) => {
                     let why = "it turns against the poses of a simulator, which SENSOR09 judges";
@@ -67,11 +72,16 @@ impl Rule for HeadingConvention {
                 causes::Heading::Against => judge_against(imu, subject, decided, &sensor.diagnosis, limits, out),
                 causes::Heading::With => {
                     out.pass(&subject, decided.measured(limits));
-                    judge_zero(imu, format!("zero of the {subject}"), decided, sensor, limits, out);
+                    judge_zero(imu, zero_of(&subject), decided, sensor, limits, out);
                 }
             }
         }
     }
+}
+
+/// What is judged of where a yaw is zero.
+fn zero_of(subject: &str) -> String {
+    format!("zero of the {subject}")
 }
 
 /// A yaw that turns against the course.
