@@ -4,6 +4,7 @@
 //! Does not print: that is `main`'s.
 
 mod args;
+mod call;
 mod convert;
 mod diff;
 mod fixes;
@@ -27,7 +28,6 @@ use crate::page::{Front, PageError};
 use crate::report::{self, Format, ReportError, Style, explain, plural, rules_table, terminal};
 use crate::rules::RULES;
 use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, FailOn, RuleInfo, Run};
-use crate::verdict::waiver::Day;
 
 use args::{Chain, Check, Cli, Collect, Color, Reporting, RulesFormat, Verb};
 
@@ -172,8 +172,8 @@ fn run_check(
     stdin: &mut dyn Read,
     surroundings: Surroundings,
 ) -> Result<Answer, Failure> {
-    let today = today()?;
-    let mut call = call(arguments);
+    let today = call::today()?;
+    let mut call = call::of(arguments);
     call.settings.push(("Recordings", check.reading.extent_words()));
     call.day = today.as_ref().map(|day| day.as_str().to_owned());
     let options = engine::Options {
@@ -226,33 +226,6 @@ fn run_check(
     Ok(answer)
 }
 
-/// The command line, for those who want to give it again.
-fn call(arguments: &[OsString]) -> report::Call {
-    let given = arguments
-        .iter()
-        .skip(1)
-        .map(|argument| argument.to_string_lossy().into_owned());
-    report::Call {
-        command: std::iter::once(env!("CARGO_PKG_NAME").to_owned())
-            .chain(given)
-            .collect(),
-        ..report::Call::default()
-    }
-}
-
-/// The day that `SOURCE_DATE_EPOCH` names, where it is set: reports can be made again as they were.
-fn today() -> Result<Option<Day>, Failure> {
-    let Some(text) = std::env::var_os("SOURCE_DATE_EPOCH").filter(|text| !text.is_empty()) else {
-        return Ok(None);
-    };
-    let moment = text
-        .to_str()
-        .and_then(|text| text.parse::<u64>().ok())
-        .and_then(|seconds| std::time::SystemTime::UNIX_EPOCH.checked_add(std::time::Duration::from_secs(seconds)));
-    let moment = moment.ok_or_else(|| Failure::Usage("SOURCE_DATE_EPOCH is no number of seconds".to_owned()))?;
-    Ok(Some(Day::of(moment)))
-}
-
 /// The products of transforms in source code, judged by the one rule that speaks of them.
 fn run_chain(
     chain: Chain,
@@ -267,7 +240,7 @@ fn run_chain(
         progress: surroundings.progress,
         ..engine::Options::default()
     })?;
-    tell(&mut run, &chain.reporting, call(arguments), surroundings)
+    tell(&mut run, &chain.reporting, call::of(arguments), surroundings)
 }
 
 /// The reports of a run where they are wanted, and the exit code.

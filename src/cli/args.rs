@@ -185,7 +185,7 @@ pub(super) struct Reporting {
     /// Findings of this severity or worse give exit code 1; hints never do [default: the configuration's `fail-on`, else error]
     #[arg(long, value_enum, value_name = "SEVERITY")]
     pub(super) fail_on: Option<FailOnWord>,
-    /// Form of the report; json is described by schema/frames-lint-1.json, html is the acceptance report
+    /// Form of the report
     #[arg(long, value_enum, default_value = "human")]
     pub(super) format: FormatWord,
     /// Colour in the report; auto: on a terminal, unless NO_COLOR is set
@@ -357,16 +357,25 @@ pub(super) struct Tree {
 
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(super) enum FormatWord {
+    /// For people, with source lines
     Human,
+    /// A line for each finding, as editors understand it
     Concise,
+    /// One document, described by schema/frames-lint-1.json
     Json,
+    /// The same, a line for each input, outcome and finding
     JsonLines,
+    /// SARIF 2.1.0
     Sarif,
+    /// Workflow commands of GitHub Actions
     Github,
+    /// Code quality report of GitLab
     Gitlab,
+    /// A test case for each check
     Junit,
+    /// For comments and job summaries
     Markdown,
-    /// One page with everything, to be signed by whoever accepts the data
+    /// The acceptance report: one page with everything, to be signed
     Html,
 }
 

@@ -7,12 +7,12 @@ use serde::Deserialize;
 use crate::math::stats::median;
 use crate::rules::motion::{Motion, Stream, Track};
 use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::plot::{Axis, Plot, Series};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Measured, NotEvaluated, Plot};
 use crate::world::World;
 use crate::world::motion::{FixRow, PoseRow};
 
 use super::handedness::Votes;
+use super::plots;
 use super::worlds::Worlds;
 
 /// AXES07.
@@ -79,7 +79,7 @@ impl Rule for GnssVsOdomHandedness {
     }
 }
 
-/// The satellites' track with the odometry laid over it; mirrored besides, where that fits better.
+/// The satellites' track with the odometry laid over it; mirrored besides, where that may fit better.
 fn plot(
     poses: &Stream<PoseRow>,
     fixes: &Stream<FixRow>,
@@ -87,20 +87,9 @@ fn plot(
     votes: &Votes,
     limits: &Limits,
 ) -> Option<Plot> {
-    let [fixed, turned, mirrored] = votes.laid_over(satellites, &poses.track(), limits);
-    let mut series = Series::lines("satellites", fixed);
-    series.extend(Series::lines("odometry, turned to fit", turned));
-    if votes.majority(limits) != Some(false) {
-        series.extend(Series::lines("odometry, mirrored to fit", mirrored));
-    }
-    (!series.is_empty()).then(|| Plot {
-        title: format!("Track of {} laid over that of {}", poses.subject, fixes.subject),
-        x: Axis::new("east of the first fix", "m"),
-        y: Axis::new("north of the first fix", "m"),
-        equal: true,
-        series,
-        limits: Vec::new(),
-    })
+    let title = format!("Track of {} laid over that of {}", poses.subject, fixes.subject);
+    let laid = votes.laid_over(satellites, &poses.track(), limits);
+    plots::tracks(title, laid, votes.majority(limits) != Some(false))
 }
 
 /// What one pair of tracks says.

@@ -5,14 +5,14 @@ use std::sync::Arc;
 use nalgebra::{Isometry3, Vector3};
 use serde::Deserialize;
 
+use super::plots;
 use super::up_axis_flip::{self, UpAxisFlip};
 use crate::math::stats::{mad, median};
 use crate::rules::ground::{self, Ground, Planes, SIDES};
 use crate::rules::lidar::Clouds;
 use crate::rules::motion::{Motion, mount};
 use crate::rules::{Evidence, Judge, Need, Rule, limits_of};
-use crate::verdict::plot::{Axis, Level, Plot, Series};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Measured, NotEvaluated, Plot};
 use crate::world::{FrameId, World};
 
 /// AXES09.
@@ -115,33 +115,17 @@ impl Over {
     /// z of the ground in each cloud that shows one, over the time of the recording.
     fn plot(&self, clouds: &Clouds, grounds: &[(usize, Ground)], side: usize, limits: &Limits) -> Option<Plot> {
         let start_ns = clouds.bag.start_ns.unwrap_or(0);
-        let points = grounds
-            .iter()
-            .filter(|(_, ground)| ground.side == side)
-            .filter_map(|(index, ground)| {
-                let at = &clouds.evidence.samples.get(*index)?.at;
-                Some([at.log_ns.saturating_sub(start_ns) as f64 / 1e9, self.ground_m(ground)?])
-            });
-        let points = Series::points("ground in a cloud", points);
-        let level = |label: &str, at: f64| Level {
-            label: label.to_owned(),
-            at,
-        };
-        let limits = self.expected_m.map(|expected_m| {
-            vec![
-                level("where it should be", expected_m),
-                level("highest", expected_m + limits.max_off_m),
-                level("lowest", expected_m - limits.max_off_m),
-            ]
+        let of_side = grounds.iter().filter(|(_, ground)| ground.side == side);
+        let points = of_side.filter_map(|(index, ground)| {
+            let at = &clouds.evidence.samples.get(*index)?.at;
+            Some([at.log_ns.saturating_sub(start_ns) as f64 / 1e9, self.ground_m(ground)?])
         });
-        (!points.points.is_empty()).then(|| Plot {
-            title: format!("Height of the ground on `{}` in `{}`", clouds.topic.topic, self.base),
-            x: Axis::new("log time after the start", "s"),
-            y: Axis::new("z of the ground", "m"),
-            equal: false,
-            series: vec![points],
-            limits: limits.unwrap_or_default(),
-        })
+        let title = format!("Height of the ground on `{}` in `{}`", clouds.topic.topic, self.base);
+        plots::ground(
+            title,
+            points,
+            self.expected_m.map(|expected_m| (expected_m, limits.max_off_m)),
+        )
     }
 
     /// The ground under the sensor where the planes have it, with the sensor where TF has it.

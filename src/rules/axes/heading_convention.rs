@@ -5,19 +5,18 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use crate::math::circular::wrapped;
 use crate::math::readings::Reading;
 use crate::rules::motion::{Imu, Motion, Track, Yaws};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::source::Place;
 use crate::tables::Offset;
-use crate::verdict::plot::{Axis, Plot, Series};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Measured, NotEvaluated, Plot};
 use crate::world::World;
 
 use super::causes;
 use super::diagnosis::Diagnosis;
 use super::heading::{Heading, Sense};
+use super::plots;
 use super::sensors::{Look, Sensor, Sensors, TRACK, needed};
 
 /// AXES04.
@@ -182,33 +181,9 @@ impl Decided {
         ]
     }
 
-    /// Yaw over course, with the line that a yaw of REP-103 lies on, and that which fits.
     fn plot(&self, topic: &str) -> Plot {
-        let heading = &self.heading;
-        let degrees = heading
-            .pairs_rad
-            .iter()
-            .map(|pair| pair.map(|rad| wrapped(rad).to_degrees()));
-        let mut series = vec![Series::points("yaw at each course", degrees)];
-        // Where a track does not know east, its course counts from anywhere, and no line is the right one.
-        if self.is_geodetic {
-            series.extend(Series::lines("as REP-103 has it: yaw = course", along_deg(1.0, 0.0)));
-        }
-        let (sign, words) = match heading.winner() {
-            Sense::Left => (1.0, "counter-clockwise"),
-            Sense::Right => (-1.0, "clockwise"),
-        };
-        let offset_deg = heading.offset_rad.to_degrees();
-        let fits = format!("the best fit: {words}, {offset_deg:.0} deg at course 0");
-        series.extend(Series::lines(&fits, along_deg(sign, offset_deg)));
-        Plot {
-            title: format!("Yaw of `{topic}` against the course of {}", self.track),
-            x: Axis::new("course", "deg"),
-            y: Axis::new("yaw", "deg"),
-            equal: true,
-            series,
-            limits: Vec::new(),
-        }
+        let title = format!("Yaw of `{topic}` against the course of {}", self.track);
+        plots::yaw(title, &self.heading, self.is_geodetic)
     }
 
     fn offset(&self) -> Measured {
@@ -251,23 +226,6 @@ fn is_upright(imu: &Imu) -> bool {
     });
     let (sum, count) = ups.fold((0.0, 0.0), |(sum, count), up| (sum + up, count + 1.0));
     sum >= 0.5 * count
-}
-
-/// The angles `sign * x + offset` for x from -180 to 180 degrees, broken where they wrap.
-fn along_deg(sign: f64, offset_deg: f64) -> Vec<Vec<[f64; 2]>> {
-    let mut lines = vec![Vec::new()];
-    let mut last = None;
-    for x in (-180..=180).step_by(2).map(f64::from) {
-        let y = wrapped((sign * x + offset_deg).to_radians()).to_degrees();
-        if last.is_some_and(|last: f64| (y - last).abs() > 180.0) {
-            lines.push(Vec::new());
-        }
-        last = Some(y);
-        if let Some(line) = lines.last_mut() {
-            line.push([x, y]);
-        }
-    }
-    lines
 }
 
 /// Between two angles, degrees, 0 to 180.

@@ -18,6 +18,7 @@ pub mod lidar_forward_axis;
 pub mod map_z_up;
 pub mod odom_twist_frame;
 pub mod orientation_vs_gravity;
+mod plots;
 pub mod radar_doppler;
 pub(crate) mod rates;
 pub(crate) mod sensors;
