@@ -37,6 +37,9 @@ const SCRIPT: &str = include_str!("script.js");
 /// Frames that are drawn: nobody finds anything in a larger tree, and a hostile file has a hundred thousand.
 const MAX_FRAMES: usize = 600;
 
+/// Up to this width, in pixels, the tree is drawn smaller where the window is narrower; a wider one is scrolled.
+const FITTING: u32 = 1500;
+
 /// What every part of the page needs.
 struct Page<'a> {
     run: &'a Run,
@@ -173,7 +176,7 @@ fn tree(run: &Run) -> Option<Markup> {
              is in the tooltip."
         }
         div class="wide" role="region" aria-label="Frame tree" tabindex="0" {
-            svg class="tree" role="img" aria-labelledby="tree-name tree-words" width=(width) height=(height)
+            svg class={ "tree" @if width <= FITTING { " fit" } } role="img" aria-labelledby="tree-name tree-words" width=(width) height=(height)
                 viewBox={ "0 0 " (width) " " (height) } {
                 title id="tree-name" { "Frame tree" }
                 desc id="tree-words" { (plural(drawing.frames, "frame")) " with their parents, poses and sources" }

@@ -31,11 +31,11 @@ pub(super) fn yaw(title: String, heading: &Heading, is_geodetic: bool) -> Plot {
     }
 }
 
-/// The angles `sign * x + offset` for x from -180 to 180 degrees, broken where they wrap.
+/// The angles `sign * x + offset` for x from -179 to 179 degrees, broken where they wrap.
 fn along_deg(sign: f64, offset_deg: f64) -> Vec<Vec<[f64; 2]>> {
     let mut lines = vec![Vec::new()];
     let mut last = None;
-    for x in (-180..=180).step_by(2).map(f64::from) {
+    for x in (-179..180).step_by(2).map(f64::from) {
         let y = wrapped((sign * x + offset_deg).to_radians()).to_degrees();
         if last.is_some_and(|last: f64| (y - last).abs() > 180.0) {
             lines.push(Vec::new());
@@ -101,13 +101,13 @@ mod tests {
 
     #[test]
     fn a_line_of_angles_is_broken_where_it_wraps() {
-        assert_eq!(along_deg(1.0, 0.0).iter().map(Vec::len).max(), Some(180));
+        assert_eq!(along_deg(1.0, 0.0).len(), 1);
         let lines = along_deg(-1.0, 90.0);
         assert_eq!(lines.len(), 2);
-        // From 90 + 180 = -90 at -180 to -180 at -90, then from 178 on down to -90.
-        assert!((lines[0][0][1] + 90.0).abs() < 1e-9);
-        assert!(lines[1].windows(2).all(|pair| pair[1][1] < pair[0][1]));
-        assert!((lines[1].last().map_or(0.0, |last| last[1]) + 90.0).abs() < 1e-9);
+        // From 90 + 179 = -91 at -179 down to -179 at -91, then from 179 at -89 down to -89.
+        assert!((lines[0][0][1] + 91.0).abs() < 1e-9);
+        assert!((lines[1][0][1] - 179.0).abs() < 1e-9);
+        assert!((lines[1].last().map_or(0.0, |last| last[1]) + 89.0).abs() < 1e-9);
     }
 
     #[test]
