@@ -61,7 +61,12 @@ fn is_the_same(paths: &[&Path], what: &str) {
     let text = fs::read(&file).unwrap();
 
     let saved = evidence::parse(&text).unwrap_or_else(|why| panic!("{what}: {why}"));
-    assert_eq!(format!("{:?}", saved.sources), format!("{:?}", read.sources), "{what}");
+    let mut sources = read.sources.clone();
+    for source in &mut sources {
+        // Where the files lie is a matter of this machine.
+        source.files.clear();
+    }
+    assert_eq!(format!("{:?}", saved.sources), format!("{sources:?}"), "{what}");
     assert_eq!(saved.worlds.len(), read.worlds.len(), "{what}");
     for (saved, read) in saved.worlds.iter().zip(&read.worlds) {
         assert_eq!((&saved.label, &saved.members), (&read.label, &read.members), "{what}");
