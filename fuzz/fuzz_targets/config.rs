@@ -2,14 +2,13 @@
 #![no_main]
 
 use frames_lint::config;
-use frames_lint::source::SourceId;
 use libfuzzer_sys::fuzz_target;
 
 fuzz_target!(|bytes: &[u8]| {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     match config::parse("frames-lint.yaml", text.to_owned(), std::path::Path::new("")) {
         Ok(config) => {
-            for declaration in config.conventions(Some(SourceId(0))).declarations {
+            for declaration in config.conventions(Some(0)).declarations {
                 let span = declaration.place.and_then(|place| place.span()).expect("a place");
                 assert!(text.get(span.start..span.end).is_some());
             }

@@ -58,6 +58,9 @@ impl Config {
             let path = folder.join(name);
             let whole = std::fs::canonicalize(&path)
                 .map_err(|error| reader.error(at, &format!("`{name}` cannot be read: {error}")))?;
+            if !whole.is_file() {
+                return Err(reader.error(at, &format!("`{name}` is no file")));
+            }
             if open.contains(&whole) || open.len() >= MAX_DEPTH {
                 return Err(reader.error(at, &format!("`{name}` extends itself")));
             }
