@@ -10,6 +10,7 @@ mod diff;
 mod fixes;
 mod init;
 mod stamp;
+mod stream;
 #[cfg(test)]
 mod tests;
 mod tree;
@@ -27,9 +28,10 @@ use crate::engine::{self, UsageError, evidence};
 use crate::page::{Front, PageError};
 use crate::report::{self, Format, ReportError, Style, explain, plural, rules_table, terminal};
 use crate::rules::RULES;
-use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, FailOn, RuleInfo, Run};
+use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, RuleInfo, Run};
 
 use args::{Chain, Check, Cli, Collect, Color, Reporting, RulesFormat, Verb};
+use stream::Stream;
 
 /// What the program answers: texts for standard output and standard error, and the exit code.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -108,13 +110,26 @@ impl From<serde_json::Error> for Failure {
 
 /// Answers a command line, the program's name first.
 pub fn run(arguments: impl IntoIterator<Item = OsString>, stdin: &mut dyn Read, surroundings: Surroundings) -> Answer {
+    let mut early = Vec::new();
+    let mut answer = run_to(arguments, stdin, &mut early, surroundings);
+    answer.out.insert_str(0, &String::from_utf8_lossy(&early));
+    answer
+}
+
+/// The same, where what is wanted line by line is written to `stdout` as soon as it is known, before the rest of the answer is there.
+pub fn run_to(
+    arguments: impl IntoIterator<Item = OsString>,
+    stdin: &mut dyn Read,
+    stdout: &mut dyn std::io::Write,
+    surroundings: Surroundings,
+) -> Answer {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
     let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
         Err(error) => return refuse(&error, &arguments, surroundings),
     };
     let answer = match cli.verb {
-        Verb::Check(check) => run_check(check, &arguments, stdin, surroundings),
+        Verb::Check(check) => run_check(check, &arguments, (stdin, stdout), surroundings),
         Verb::Collect(collect) => run_collect(collect, stdin, surroundings),
         Verb::Tree(tree) => tree::run(tree, stdin, surroundings),
         Verb::Chain(chain) => run_chain(chain, &arguments, stdin, surroundings),
@@ -169,7 +184,7 @@ fn refuse(error: &clap::Error, arguments: &[OsString], surroundings: Surrounding
 fn run_check(
     check: Check,
     arguments: &[OsString],
-    stdin: &mut dyn Read,
+    (stdin, stdout): (&mut dyn Read, &mut dyn std::io::Write),
     surroundings: Surroundings,
 ) -> Result<Answer, Failure> {
     let today = call::today()?;
@@ -188,6 +203,8 @@ fn run_check(
         profile: check.profile,
         baseline: check.baseline,
         today,
+        fail_on: check.reporting.fail_on,
+        together: false,
         without_config: false,
         wanted: engine::Wanted::Facts,
         select: check.select,
@@ -196,9 +213,21 @@ fn run_check(
         msg_paths: check.reading.msg_paths,
         progress: surroundings.progress,
     };
-    // The program ends with the report: freeing every name one by one first would be time for nothing.
-    let mut run = ManuallyDrop::new(engine::check(&options)?);
     let fixing = check.fixing;
+    // What is altered behind the check is told in the end.
+    let is_final = !fixing.fix && !fixing.unsafe_fixes && !fixing.diff && check.write_baseline.is_none();
+    let mut stream = if is_final {
+        Stream::open(&check.reporting, stdout)?
+    } else {
+        None
+    };
+    let checked = engine::check_each(&options, &mut |run, grown| {
+        if let Some(stream) = &mut stream {
+            stream.grown(run, grown);
+        }
+    });
+    // The program ends with the report: freeing every name one by one first would be time for nothing.
+    let mut run = ManuallyDrop::new(checked?);
     if fixing.diff {
         return Ok(fixes::show(&run, fixing.unsafe_fixes, &check.reporting));
     }
@@ -210,7 +239,7 @@ fn run_check(
         let count = plural(engine::write_baseline(&mut run, &path)?, "finding");
         let _ = writeln!(said, "{count} written to {}; --baseline accepts them", path.display());
     }
-    let mut answer = tell(&mut run, &check.reporting, call, surroundings)?;
+    let mut answer = tell(&mut run, &check.reporting, call, stream, surroundings)?;
     answer.err.insert_str(0, &said);
     if check.watch {
         let config = options.config.iter().chain(&options.baseline).cloned();
@@ -240,7 +269,7 @@ fn run_chain(
         progress: surroundings.progress,
         ..engine::Options::default()
     })?;
-    tell(&mut run, &chain.reporting, call::of(arguments), surroundings)
+    tell(&mut run, &chain.reporting, call::of(arguments), None, surroundings)
 }
 
 /// The reports of a run where they are wanted, and the exit code.
@@ -248,9 +277,10 @@ fn tell(
     run: &mut Run,
     reporting: &Reporting,
     mut call: report::Call,
+    stream: Option<Stream>,
     surroundings: Surroundings,
 ) -> Result<Answer, Failure> {
-    let fail_on = reporting.fail_on.map(FailOn::from).or(run.fail_on).unwrap_or_default();
+    let fail_on = reporting.fail_on(run);
     let options = |style: Style| {
         let color = match reporting.color {
             Color::Auto => style.color,
@@ -264,12 +294,7 @@ fn tell(
             all: reporting.all,
         }
     };
-    let format = Format::from(reporting.format);
-    let mut formats = reporting
-        .output
-        .iter()
-        .map(|output| output.format.map_or(format, Format::from));
-    if format == Format::Html || formats.any(|format| format == Format::Html) {
+    if reporting.has(Format::Html) {
         engine::hash(run);
         let origin = match (reporting.fail_on, run.fail_on) {
             (Some(_), _) => "the command line",
@@ -284,14 +309,17 @@ fn tell(
         code: run.exit_code(fail_on),
         ..Answer::default()
     };
+    let is_streamed = |format: Format| stream.is_some() && format == Format::JsonLines;
     for output in &reporting.output {
-        let format = output.format.map_or(format, Format::from);
-        save(
-            &output.file,
-            report::render(run, format, &options(Style::PLAIN), &call)?,
-        )?;
+        let format = output.format.unwrap_or(reporting.format);
+        if !is_streamed(format) {
+            save(
+                &output.file,
+                report::render(run, format, &options(Style::PLAIN), &call)?,
+            )?;
+        }
     }
-    if reporting.output.iter().any(|output| output.format.is_none()) {
+    if reporting.is_in_file() {
         // The file has the report; whoever waits at the terminal still learns how it ended.
         let style = Style {
             color: false,
@@ -304,8 +332,11 @@ fn tell(
                 ..options(style)
             },
         );
-    } else {
-        answer.out = report::render(run, format, &options(surroundings.style), &call)?;
+    } else if !is_streamed(reporting.format) {
+        answer.out = report::render(run, reporting.format, &options(surroundings.style), &call)?;
+    }
+    if let Some(stream) = stream {
+        stream.end(run, fail_on)?;
     }
     Ok(answer)
 }

@@ -22,9 +22,10 @@ fn main() -> ExitCode {
     }
     loop {
         let answer = catch_unwind(|| {
-            cli::run(
+            cli::run_to(
                 std::env::args_os(),
                 &mut std::io::stdin().lock(),
+                &mut std::io::stdout().lock(),
                 Surroundings::detect(),
             )
         })

@@ -3,9 +3,10 @@
 //! Must not know how a run comes about nor how it is shown.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use crate::page::{Front, Status};
-use crate::source::{Confidence, ReadStatus, Source};
+use crate::source::{Confidence, ReadStatus, Source, SourceId};
 use crate::verdict::waiver::FAMILY;
 use crate::verdict::{Finding, Outcome, Severity, Verdict, Waived};
 use crate::world::World;
@@ -41,6 +42,21 @@ pub struct Run {
     pub platforms: Vec<String>,
     /// What the configuration says of [`FailOn`].
     pub fail_on: Option<FailOn>,
+    /// The verdict of each recording, where there are several.
+    pub recordings: Vec<Recording>,
+}
+
+/// What came to a run: the numbers of new sources, outcomes and findings in it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Grown {
+    /// Sources.
+    pub sources: Vec<usize>,
+    /// Outcomes.
+    pub rows: Range<usize>,
+    /// Findings.
+    pub findings: Range<usize>,
+    /// The recording whose verdict they are, where there are several.
+    pub recording: Option<usize>,
 }
 
 /// A rule that had to judge, and did not.
@@ -58,8 +74,61 @@ pub struct Unmet {
     pub record: Option<String>,
     /// Where it is required, in words: `frames-lint.yaml:4`.
     pub origin: String,
+    /// The recordings that it had to judge, by their labels, where each has a verdict of its own.
+    pub recordings: Vec<String>,
     /// Set where the user accepts that it did not.
     pub waived: Option<Waived>,
+}
+
+/// So many recordings are named where a rule had to judge and did not.
+const MAX_NAMED: usize = 5;
+
+impl Unmet {
+    /// Why it did not judge, and in which recordings that is so, where there are several.
+    pub fn reasons(&self) -> Vec<String> {
+        let mut reasons = self.why.clone();
+        let (named, more) = self.recordings.split_at(self.recordings.len().min(MAX_NAMED));
+        match (named, more) {
+            ([], _) => {}
+            (named, []) => reasons.push(format!("in {}", named.join(", "))),
+            (named, more) => reasons.push(format!("in {} and {} more", named.join(", "), more.len())),
+        }
+        reasons
+    }
+
+    /// The same in one line.
+    pub fn reason(&self) -> String {
+        self.reasons().join("; ")
+    }
+
+    /// Whether `other` says the same, be it of other recordings.
+    pub fn is_like(&self, other: &Self) -> bool {
+        let told = |one: &Self| {
+            (
+                one.rule.clone(),
+                one.subject.clone(),
+                one.why.clone(),
+                one.waived.clone(),
+            )
+        };
+        told(self) == told(other)
+    }
+}
+
+/// One recording of several, with a verdict of its own: that of the recording with everything that belongs to its platform, without
+/// the other recordings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Recording {
+    /// What it is called in reports, and what its subjects open with.
+    pub label: String,
+    /// Its files: one, or several that were recorded at the same time.
+    pub sources: Vec<SourceId>,
+    /// Its counts and its verdict.
+    pub summary: Summary,
+    /// The exit code that a run of it alone would have.
+    pub code: u8,
+    /// What decides the verdict: the worst finding that counts, or what could not be looked at.
+    pub because: Option<String>,
 }
 
 /// What a report needs to know of a rule: the front matter of its page without limits and references.
@@ -220,6 +289,37 @@ impl Run {
         }
     }
 
+    /// What decides the verdict, in a few words: the worst finding that counts, else what could not be looked at.
+    pub fn because(&self, fail_on: FailOn) -> Option<String> {
+        let worst = self
+            .verdict
+            .findings
+            .iter()
+            .filter(|finding| fail_on.counts(finding))
+            .min_by_key(|finding| std::cmp::Reverse(finding.severity));
+        let crashed = self.verdict.rows.iter().find(|row| row.outcome == Outcome::Crashed);
+        if let Some(row) = crashed {
+            return Some(format!("{} {} broke, a fault of frames-lint", row.rule, row.name));
+        }
+        if let Some(finding) = worst {
+            return Some(format!("{} {}: {}", finding.rule, finding.name, finding.message));
+        }
+        if let Some(source) = self.unread().next() {
+            let is_only = self.sources.iter().all(|other| other.path == source.path);
+            let path = if is_only {
+                String::new()
+            } else {
+                format!("{}: ", source.path)
+            };
+            return Some(path + source.shortfall());
+        }
+        let lacking: Vec<&str> = self.lacking().map(|unmet| unmet.rule.as_str()).collect();
+        if !lacking.is_empty() {
+            return Some(format!("required and not evaluated: {}", lacking.join(", ")));
+        }
+        (!self.checked_anything()).then(|| "nothing could be checked".to_owned())
+    }
+
     /// The exit code where nothing was to be judged: 3 when an input could not be read in full or there is none, else 0.
     pub fn exit_code_of_reading(&self) -> u8 {
         if self.sources.is_empty() || self.unread().next().is_some() {
@@ -248,11 +348,15 @@ impl Run {
             .rows
             .iter()
             .filter(|row| !row.rule.starts_with(FAMILY))
-            .any(|row| matches!(row.outcome, Outcome::Pass | Outcome::Fail | Outcome::Waived))
+            .any(|row| row.outcome.is_judged())
     }
 
     fn is_incomplete(&self) -> bool {
-        !self.checked_anything() || self.unread().next().is_some() || self.lacking().next().is_some()
+        let is_open = |recording: &Recording| recording.summary.verdict == VerdictWord::Incomplete;
+        !self.checked_anything()
+            || self.unread().next().is_some()
+            || self.lacking().next().is_some()
+            || self.recordings.iter().any(is_open)
     }
 
     fn has_crashed(&self) -> bool {

@@ -306,6 +306,11 @@ pub struct Source {
 }
 
 impl Source {
+    /// What is missing of a source that was not read, or not in full.
+    pub fn shortfall(&self) -> &str {
+        self.detail.as_deref().unwrap_or("could not be read in full")
+    }
+
     /// A source that nothing has been read from yet.
     pub fn new(id: SourceId, path: impl Into<String>, kind: SourceKind) -> Self {
         Self {

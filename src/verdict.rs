@@ -63,6 +63,11 @@ pub enum Outcome {
 }
 
 impl Outcome {
+    /// Whether the rule came to a judgement: a row that is waived was judged before it was accepted.
+    pub fn is_judged(self) -> bool {
+        matches!(self, Self::Pass | Self::Fail | Self::Waived)
+    }
+
     /// The word used in reports.
     pub fn word(self) -> &'static str {
         match self {
@@ -403,6 +408,17 @@ impl Verdict {
                     (&a.rule, &a.subject, &a.places, &a.message).cmp(&(&b.rule, &b.subject, &b.places, &b.message))
                 })
         });
+    }
+
+    /// Adds another verdict.
+    pub fn extend(&mut self, other: Self) {
+        self.rows.extend(other.rows);
+        self.findings.extend(other.findings);
+    }
+
+    /// Findings that somebody has accepted.
+    pub fn waived(&self) -> impl Iterator<Item = &Finding> {
+        self.findings.iter().filter(|finding| finding.waived.is_some())
     }
 
     /// How many rows have this outcome.

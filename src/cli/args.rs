@@ -9,7 +9,7 @@ use clap::{Arg, Args, Command, Parser, Subcommand, ValueEnum, ValueHint};
 use crate::config::PROFILES;
 use crate::engine::Extent;
 use crate::report::Format;
-use crate::run::FailOn;
+use crate::run::{FailOn, Run};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -184,10 +184,10 @@ pub(super) struct Fixing {
 pub(super) struct Reporting {
     /// Findings of this severity or worse give exit code 1; hints never do [default: the configuration's `fail-on`, else error]
     #[arg(long, value_enum, value_name = "SEVERITY")]
-    pub(super) fail_on: Option<FailOnWord>,
+    pub(super) fail_on: Option<FailOn>,
     /// Form of the report
     #[arg(long, value_enum, default_value = "human")]
-    pub(super) format: FormatWord,
+    pub(super) format: Format,
     /// Colour in the report; auto: on a terminal, unless NO_COLOR is set
     #[arg(long, value_enum, default_value = "auto", value_name = "WHEN")]
     pub(super) color: Color,
@@ -203,11 +203,29 @@ pub(super) struct Reporting {
     pub(super) output: Vec<Output>,
 }
 
+impl Reporting {
+    /// From which severity on findings fail the run.
+    pub(super) fn fail_on(&self, run: &Run) -> FailOn {
+        self.fail_on.or(run.fail_on).unwrap_or_default()
+    }
+
+    /// Whether the report goes to a file, and only its ending to whoever waits.
+    pub(super) fn is_in_file(&self) -> bool {
+        self.output.iter().any(|output| output.format.is_none())
+    }
+
+    /// Whether some report has this form.
+    pub(super) fn has(&self, format: Format) -> bool {
+        let mut formats = self.output.iter().map(|output| output.format.unwrap_or(self.format));
+        (self.format == format && !self.is_in_file()) || formats.any(|one| one == format)
+    }
+}
+
 /// A file that a report goes to.
 #[derive(Clone, Debug)]
 pub(super) struct Output {
     /// Its form; that of `--format` where `None`.
-    pub(super) format: Option<FormatWord>,
+    pub(super) format: Option<Format>,
     pub(super) file: PathBuf,
 }
 
@@ -216,7 +234,7 @@ pub(super) struct Output {
 fn output(text: &str) -> Result<Output, String> {
     let known = text
         .split_once('=')
-        .and_then(|(word, file)| Some((FormatWord::from_str(word, false).ok()?, file)));
+        .and_then(|(word, file)| Some((Format::from_str(word, false).ok()?, file)));
     Ok(match known {
         Some((format, file)) => Output {
             format: Some(format),
@@ -355,44 +373,39 @@ pub(super) struct Tree {
     pub(super) chain: Vec<String>,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(super) enum FormatWord {
-    /// For people, with source lines
-    Human,
-    /// A line for each finding, as editors understand it
-    Concise,
-    /// One document, described by schema/frames-lint-1.json
-    Json,
-    /// The same, a line for each input, outcome and finding
-    JsonLines,
-    /// SARIF 2.1.0
-    Sarif,
-    /// Workflow commands of GitHub Actions
-    Github,
-    /// Code quality report of GitLab
-    Gitlab,
-    /// A test case for each check
-    Junit,
-    /// For comments and job summaries
-    Markdown,
-    /// The acceptance report: one page with everything, to be signed
-    Html,
-}
+impl ValueEnum for Format {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[
+            Self::Human,
+            Self::Concise,
+            Self::Json,
+            Self::JsonLines,
+            Self::Sarif,
+            Self::Github,
+            Self::Gitlab,
+            Self::Junit,
+            Self::Markdown,
+            Self::Html,
+        ]
+    }
 
-impl From<FormatWord> for Format {
-    fn from(word: FormatWord) -> Self {
-        match word {
-            FormatWord::Human => Self::Human,
-            FormatWord::Concise => Self::Concise,
-            FormatWord::Json => Self::Json,
-            FormatWord::JsonLines => Self::JsonLines,
-            FormatWord::Sarif => Self::Sarif,
-            FormatWord::Github => Self::Github,
-            FormatWord::Gitlab => Self::Gitlab,
-            FormatWord::Junit => Self::Junit,
-            FormatWord::Markdown => Self::Markdown,
-            FormatWord::Html => Self::Html,
-        }
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let (word, help) = match self {
+            Self::Human => ("human", "For people, with source lines"),
+            Self::Concise => ("concise", "A line for each finding, as editors understand it"),
+            Self::Json => ("json", "One document, described by schema/frames-lint-1.json"),
+            Self::JsonLines => (
+                "json-lines",
+                "The same, a line for each input, outcome and finding, written as soon as it is known",
+            ),
+            Self::Sarif => ("sarif", "SARIF 2.1.0"),
+            Self::Github => ("github", "Workflow commands of GitHub Actions"),
+            Self::Gitlab => ("gitlab", "Code quality report of GitLab"),
+            Self::Junit => ("junit", "A test case for each check"),
+            Self::Markdown => ("markdown", "For comments and job summaries"),
+            Self::Html => ("html", "The acceptance report: one page with everything, to be signed"),
+        };
+        Some(PossibleValue::new(word).help(help))
     }
 }
 
@@ -418,22 +431,13 @@ pub(super) enum Color {
     Never,
 }
 
-#[derive(Clone, Copy, Debug, ValueEnum)]
-pub(super) enum FailOnWord {
-    Error,
-    Warning,
-    Note,
-    Never,
-}
+impl ValueEnum for FailOn {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::Error, Self::Warning, Self::Note, Self::Never]
+    }
 
-impl From<FailOnWord> for FailOn {
-    fn from(word: FailOnWord) -> Self {
-        match word {
-            FailOnWord::Error => Self::Error,
-            FailOnWord::Warning => Self::Warning,
-            FailOnWord::Note => Self::Note,
-            FailOnWord::Never => Self::Never,
-        }
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.word()))
     }
 }
 

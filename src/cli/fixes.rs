@@ -5,8 +5,8 @@ use std::mem::ManuallyDrop;
 
 use crate::engine::{self, Options};
 use crate::fix;
-use crate::report::{Style, plural, terminal};
-use crate::run::{FailOn, Run};
+use crate::report::{plural, terminal};
+use crate::run::Run;
 
 use super::args::Reporting;
 use super::{Answer, Failure};
@@ -17,17 +17,9 @@ const ROUNDS: usize = 8;
 /// What would be fixed, as a diff on standard output. The ending of the report goes to standard error, and the exit code is the report's.
 pub(super) fn show(run: &Run, all: bool, reporting: &Reporting) -> Answer {
     let plan = fix::plan(run, all);
-    let fail_on = reporting.fail_on.map(FailOn::from).or(run.fail_on).unwrap_or_default();
+    let fail_on = reporting.fail_on(run);
     let mut err = words(&plan, "would fix");
-    err.push_str(&terminal::render_ending(
-        run,
-        &terminal::Options {
-            style: Style::PLAIN,
-            fail_on,
-            verbose: false,
-            all: false,
-        },
-    ));
+    err.push_str(&terminal::plain_ending(run, fail_on));
     Answer {
         out: plan.diff(),
         err,

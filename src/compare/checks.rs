@@ -54,7 +54,7 @@ pub(super) fn compare(a: &Run, b: &Run, out: &mut Comparison) {
 }
 
 fn judged(row: &Row) -> bool {
-    matches!(row.outcome, Outcome::Pass | Outcome::Fail | Outcome::Waived)
+    row.outcome.is_judged()
 }
 
 /// The rows by what they are about. The two have other files: a subject is known without their paths. Of rows that are then alike, the

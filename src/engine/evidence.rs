@@ -21,7 +21,6 @@ use serde::{Deserialize, Serialize};
 
 use crate::run::Run;
 use crate::source::{Place, ReadStatus, Source, SourceId, SourceKind};
-use crate::verdict::Verdict;
 use crate::world::World;
 
 /// Name of the document's form.
@@ -182,19 +181,4 @@ fn fault(document: &Document) -> Option<String> {
         .chain(robots.map(|robot| &robot.source))
         .find(|id| !is_known(id))
         .map(|id| format!("there is no source {}", id.0))
-}
-
-/// Sources and a verdict about them whose ids follow those of `before` other sources.
-pub(super) fn shift(sources: &mut [Source], verdict: &mut Verdict, before: usize) {
-    let by = u32::try_from(before).unwrap_or(u32::MAX);
-    let place = |place: &mut Place| place.source.0 = place.source.0.saturating_add(by);
-    for source in sources {
-        source.id.0 = source.id.0.saturating_add(by);
-        source.problems.iter_mut().for_each(|problem| place(&mut problem.place));
-    }
-    for finding in &mut verdict.findings {
-        finding.places.iter_mut().for_each(|label| place(&mut label.place));
-        let edits = finding.fix.iter_mut().flat_map(|fix| &mut fix.edits);
-        edits.for_each(|edit| place(&mut edit.place));
-    }
 }

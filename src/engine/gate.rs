@@ -6,87 +6,135 @@ use std::time::SystemTime;
 
 use crate::config::Config;
 use crate::gate::baseline::{self, Document};
-use crate::gate::{self, Context, Policy};
+use crate::gate::{self, Context, Laid, Policy};
 use crate::page::Front;
 use crate::read::calibration::document::Node;
 use crate::read::calibration::events;
 use crate::read::calibration::repair::OffsetMap;
 use crate::run::{RuleInfo, Run};
-use crate::source::{LineIndex, Place, Source, SourceId, SourceKind};
+use crate::source::{LineIndex, Place, Source, SourceId, SourceKind, Span};
 use crate::verdict::waiver::Day;
+use crate::verdict::{Row, Verdict};
 
-use super::plan::{self, Enabled};
+use super::plan::Enabled;
 use super::{Options, UsageError, judge};
 
-/// Lays over a run's verdict what the user asks of the gate.
-pub(super) fn pass(
-    run: &mut Run,
-    options: &Options,
-    config: Option<&Config>,
-    enabled: &[Enabled],
-    platforms: &[String],
-) -> Result<(), UsageError> {
-    let first = run
-        .sources
-        .iter()
-        .position(|source| source.kind == SourceKind::Configuration);
-    let mut policy = match (config, first.and_then(|at| u32::try_from(at).ok())) {
-        (Some(config), Some(first)) => config.policy(first),
-        _ => Policy::default(),
-    };
-    let folder = options.baseline.as_deref().and_then(Path::parent);
-    if let Some(path) = &options.baseline {
-        let (document, mut source, spans) = read_baseline(path)?;
-        let id = SourceId(u32::try_from(run.sources.len()).unwrap_or(u32::MAX));
-        source.id = id;
-        let lines = LineIndex::new(&source.text);
-        let place = |index: usize| {
-            let span = spans.get(index).copied().unwrap_or_default();
-            let line = lines.locate(&source.text, span.start).line;
-            (Place::text(id, span), format!("{}:{line}", source.path))
-        };
-        policy.exceptions.extend(baseline::exceptions(&document, place));
-        run.sources.push(source);
-    }
-    let rules = super::rules()?;
-    let asked: BTreeSet<String> = enabled.iter().map(|rule| rule.front.code.clone()).collect();
-    let paths = paths(&run.sources, folder);
-    let today = options.today.clone().unwrap_or_else(|| Day::of(SystemTime::now()));
-    let context = Context {
-        sources: &run.sources,
-        platforms,
-        rules: &rules,
-        asked: &asked,
-        paths: &paths,
-        today: &today,
-    };
-    let passed = gate::pass(&mut run.verdict, &policy, &context);
-    judge::judge_gate(&passed.applied, &passed.misspelt, enabled, &mut run.verdict);
-    run.unmet = passed.unmet;
-    for unmet in &mut run.unmet {
-        unmet.record = plan::all()?
+/// What the user asks of the gate, for every verdict of a run.
+pub(super) struct Gate<'a> {
+    policy: Policy,
+    /// Every rule of the tool.
+    rules: Vec<RuleInfo>,
+    /// Codes of the rules that are asked.
+    asked: BTreeSet<String>,
+    /// The folder that the paths of the baseline start from, where there is one.
+    folder: Option<&'a Path>,
+    today: Day,
+}
+
+/// Outcomes that are looked through for what is required.
+pub(super) struct Demanded<'a> {
+    /// Of the platform.
+    pub(super) rows: &'a [Row],
+    /// Of what stands beside it and was judged by itself.
+    pub(super) beside: &'a [Row],
+    /// Label of the recording, where each has a verdict of its own.
+    pub(super) recording: Option<&'a str>,
+}
+
+impl<'a> Gate<'a> {
+    /// Reads the baseline, which becomes a source behind these; the configuration is among them already.
+    pub(super) fn new(
+        options: &'a Options,
+        config: Option<&Config>,
+        enabled: &[Enabled],
+        sources: &mut Vec<Source>,
+    ) -> Result<Self, UsageError> {
+        let first = sources
             .iter()
-            .find(|rule| rule.front.code == unmet.rule)
-            .and_then(|rule| Front::parse(rule.entry.page).ok())
-            .and_then(|front| crate::tables::recordings::advice(&front.evidence));
+            .position(|source| source.kind == SourceKind::Configuration);
+        let mut policy = match (config, first.and_then(|at| u32::try_from(at).ok())) {
+            (Some(config), Some(first)) => config.policy(first),
+            _ => Policy::default(),
+        };
+        if let Some(path) = &options.baseline {
+            let (document, mut source, spans) = read_baseline(path)?;
+            let id = SourceId(u32::try_from(sources.len()).unwrap_or(u32::MAX));
+            source.id = id;
+            let lines = LineIndex::new(&source.text);
+            let place = |index: usize| {
+                let span = spans.get(index).copied().unwrap_or_default();
+                let line = lines.locate(&source.text, span.start).line;
+                (Place::text(id, span), format!("{}:{line}", source.path))
+            };
+            policy.exceptions.extend(baseline::exceptions(&document, place));
+            sources.push(source);
+        }
+        Ok(Self {
+            policy,
+            rules: super::rules()?,
+            asked: enabled.iter().map(|rule| rule.front.code.clone()).collect(),
+            folder: options.baseline.as_deref().and_then(Path::parent),
+            today: options.today.clone().unwrap_or_else(|| Day::of(SystemTime::now())),
+        })
     }
-    run.platforms = platforms.to_vec();
-    Ok(())
+
+    /// Lays everything over a verdict but what is required.
+    pub(super) fn lay(&self, verdict: &mut Verdict, sources: &[Source], platforms: &[String]) -> Laid {
+        self.with(sources, platforms, |context| gate::lay(verdict, &self.policy, context))
+    }
+
+    /// Whether anything is required at all.
+    pub(super) fn demands(&self) -> bool {
+        !self.policy.required.is_empty()
+    }
+
+    /// Adds to what was laid over a verdict what is required and was not judged.
+    pub(super) fn demand(&self, laid: &mut Laid, demanded: &Demanded, platforms: &[String]) {
+        let rows = (demanded.rows, demanded.beside);
+        self.with(&[], platforms, |context| {
+            laid.demand(rows, &self.policy.required, demanded.recording, context);
+        });
+    }
+
+    /// Ends a run: what was required and what became of every acceptance, with the rules that speak of that.
+    pub(super) fn close(&self, laid: Laid, run: &mut Run, enabled: &[Enabled]) {
+        let passed = self.with(&run.sources, &run.platforms, |context| {
+            laid.close(&run.verdict, context)
+        });
+        judge::judge_gate(&passed.applied, &passed.misspelt, enabled, &mut run.verdict);
+        run.unmet = passed.unmet;
+        for unmet in &mut run.unmet {
+            let rule = self.rules.iter().find(|rule| rule.code == unmet.rule);
+            let front = rule.and_then(|rule| Front::parse(rule.page).ok());
+            unmet.record = front.and_then(|front| crate::tables::recordings::advice(&front.evidence));
+        }
+    }
+
+    fn with<T>(&self, sources: &[Source], platforms: &[String], asked: impl FnOnce(&Context) -> T) -> T {
+        asked(&Context {
+            sources,
+            platforms,
+            rules: &self.rules,
+            asked: &self.asked,
+            paths: &self.folder.map(|folder| paths(sources, folder)).unwrap_or_default(),
+            today: &self.today,
+        })
+    }
 }
 
 /// Writes the findings of a run to a baseline, and accepts them in the run. Says how many they are.
 pub fn write_baseline(run: &mut Run, path: &Path) -> Result<usize, UsageError> {
-    let rules: Vec<RuleInfo> = Vec::new();
-    let paths = paths(&run.sources, path.parent());
-    let context = Context {
-        sources: &run.sources,
-        platforms: &run.platforms,
-        rules: &rules,
-        asked: &BTreeSet::new(),
-        paths: &paths,
-        today: &Day::of(SystemTime::UNIX_EPOCH),
-    };
-    let document = baseline::of(&run.verdict, &context);
+    let document = baseline::of(
+        &run.verdict,
+        &Context {
+            sources: &run.sources,
+            platforms: &run.platforms,
+            rules: &[],
+            asked: &BTreeSet::new(),
+            paths: &paths(&run.sources, path.parent().unwrap_or(Path::new(""))),
+            today: &Day::of(SystemTime::UNIX_EPOCH),
+        },
+    );
     let failed = |what: String| UsageError(format!("cannot write `{}`: {what}", path.display()));
     let text = serde_json::to_string_pretty(&document).map_err(|error| failed(error.to_string()))?;
     std::fs::write(path, text + "\n").map_err(|error| failed(error.to_string()))?;
@@ -95,15 +143,13 @@ pub fn write_baseline(run: &mut Run, path: &Path) -> Result<usize, UsageError> {
 }
 
 /// The paths of sources from a folder, where they lie below it; else as they are.
-fn paths(sources: &[Source], folder: Option<&Path>) -> Vec<String> {
-    let folder = folder.map(|folder| {
-        if folder.as_os_str().is_empty() {
-            Path::new(".")
-        } else {
-            folder
-        }
-    });
-    let folder = folder.and_then(|folder| std::fs::canonicalize(folder).ok());
+fn paths(sources: &[Source], folder: &Path) -> Vec<String> {
+    let folder = if folder.as_os_str().is_empty() {
+        Path::new(".")
+    } else {
+        folder
+    };
+    let folder = std::fs::canonicalize(folder).ok();
     let path = |source: &Source| {
         let below = folder.as_ref().and_then(|folder| {
             let whole = std::fs::canonicalize(&source.path).ok()?;
@@ -121,7 +167,7 @@ fn paths(sources: &[Source], folder: Option<&Path>) -> Vec<String> {
 }
 
 /// A baseline, as a source of the run, and where its entries stand.
-fn read_baseline(path: &Path) -> Result<(Document, Source, Vec<crate::source::Span>), UsageError> {
+fn read_baseline(path: &Path) -> Result<(Document, Source, Vec<Span>), UsageError> {
     let shown = path.display().to_string();
     let failed = |what: String| UsageError(format!("baseline `{shown}`: {what}"));
     let text = std::fs::read_to_string(path).map_err(|error| failed(error.to_string()))?;

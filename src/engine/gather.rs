@@ -39,15 +39,22 @@ struct Emerged {
     input: usize,
 }
 
-/// Reads all inputs. Readings are ordered by source id.
+/// Reads these of the inputs, whose ids are their numbers; what comes out of them has ids from `emerged_from` on. Readings are ordered by
+/// source id.
 pub(super) fn gather(
     inputs: &Inputs,
+    which: &[usize],
+    emerged_from: usize,
     xacro_args: &[String],
     how: &How,
     dialects: &Dialects,
     progress: &Progress,
 ) -> Vec<Reading> {
-    let included = included_xacros(inputs);
+    let which = which
+        .iter()
+        .filter_map(|index| Some((*index, inputs.files.get(*index)?)));
+    let which: Vec<(usize, &Input)> = which.collect();
+    let included = included_xacros(&which);
     let reader = Reader {
         inputs,
         xacro_args,
@@ -56,24 +63,22 @@ pub(super) fn gather(
         progress,
         included: &included,
     };
-    let first = parallel::map(inputs.files.iter().enumerate().collect(), |(index, input)| {
-        reader.read(input, source_id(index), index)
-    });
+    let first = parallel::map(which, |(index, input)| reader.read(input, source_id(index), index));
     let mut readings = Vec::with_capacity(first.len());
     let mut emerged = Vec::new();
     for (reading, texts) in first {
         readings.push(reading);
         emerged.extend(texts);
     }
-    let base = readings.len();
     readings.extend(parallel::map(
         emerged.into_iter().enumerate().collect(),
-        |(offset, text)| read_emerged(text, source_id(base + offset), inputs, dialects),
+        |(offset, text)| read_emerged(text, source_id(emerged_from + offset), inputs, dialects),
     ));
     readings
 }
 
-fn source_id(index: usize) -> SourceId {
+/// The id of the source with this number.
+pub(super) fn source_id(index: usize) -> SourceId {
     SourceId(u32::try_from(index).unwrap_or(u32::MAX))
 }
 
@@ -116,12 +121,11 @@ fn read_emerged(emerged: Emerged, id: SourceId, inputs: &Inputs, dialects: &Dial
 }
 
 /// File names that some xacro of the run includes: these are parts, not robots, and are not expanded by themselves.
-fn included_xacros(inputs: &Inputs) -> Vec<String> {
+fn included_xacros(inputs: &[(usize, &Input)]) -> Vec<String> {
     let mut included: Vec<String> = inputs
-        .files
         .iter()
-        .filter(|input| input.kind == SourceKind::Xacro)
-        .filter_map(|input| read_bounded(&input.path).ok())
+        .filter(|(_, input)| input.kind == SourceKind::Xacro)
+        .filter_map(|(_, input)| read_bounded(&input.path).ok())
         .flat_map(|bytes| xacro_parts::includes(&String::from_utf8_lossy(&bytes)))
         .collect();
     included.sort();

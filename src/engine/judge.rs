@@ -2,7 +2,7 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use crate::page::Status;
+use crate::page::{PageError, Status};
 use crate::rules::Judge;
 use crate::source::{Confidence, ReadStatus};
 use crate::verdict::waiver::{Applied, Misspelt};
@@ -12,10 +12,15 @@ use crate::world::{BagEvidence, World};
 use super::plan::Enabled;
 
 /// Judges one world with every enabled rule. `label` is put before each subject when the run has several platforms.
-pub(super) fn judge(world: &World, rules: &[Enabled], label: Option<&str>) -> Verdict {
+pub(super) fn judge<'r>(
+    world: &World,
+    rules: impl IntoIterator<Item = &'r Enabled> + Clone,
+    label: Option<&str>,
+) -> Verdict {
     let mut verdict = Verdict::default();
     for rule in rules
-        .iter()
+        .clone()
+        .into_iter()
         .filter(|rule| rule.entry.review.is_none() && rule.entry.gate.is_none())
     {
         let mut out = Judge::default();
@@ -28,12 +33,7 @@ pub(super) fn judge(world: &World, rules: &[Enabled], label: Option<&str>) -> Ve
             .collect();
         let mut crash = None;
         if missing.is_empty() {
-            let asked = AssertUnwindSafe(|| (rule.entry.run)(world, rule.whole()?, &mut out));
-            match catch_unwind(asked) {
-                Ok(Ok(())) => {}
-                Ok(Err(error)) => crash = Some(error.to_string()),
-                Err(panic) => crash = Some(panic_words(panic.as_ref())),
-            }
+            crash = crash_of(|| (rule.entry.run)(world, rule.whole()?, &mut out));
         } else {
             not_asked(world, &missing, &mut out);
         }
@@ -53,12 +53,8 @@ pub(super) fn judge(world: &World, rules: &[Enabled], label: Option<&str>) -> Ve
     for rule in rules {
         if let Some(review) = rule.entry.review {
             let mut out = Judge::default();
-            let asked = AssertUnwindSafe(|| review(&mut verdict.findings, &verdict.rows, rule.whole()?, &mut out));
-            let crash = match catch_unwind(asked) {
-                Ok(Ok(())) => unmeasured(&out),
-                Ok(Err(error)) => Some(error.to_string()),
-                Err(panic) => Some(panic_words(panic.as_ref())),
-            };
+            let crash = crash_of(|| review(&mut verdict.findings, &verdict.rows, rule.whole()?, &mut out));
+            let crash = crash.or_else(|| unmeasured(&out));
             take(out, rule, label, crash, &mut verdict);
         }
     }
@@ -70,16 +66,20 @@ pub(super) fn judge_gate(applied: &[Applied], misspelt: &[Misspelt], rules: &[En
     for rule in rules {
         let Some(gate) = rule.entry.gate else { continue };
         let mut out = Judge::default();
-        let asked = AssertUnwindSafe(|| gate(applied, misspelt, rule.whole()?, &mut out));
-        let crash = match catch_unwind(asked) {
-            Ok(Ok(())) => {
-                not_silent(rule, &mut out);
-                unmeasured(&out)
-            }
-            Ok(Err(error)) => Some(error.to_string()),
-            Err(panic) => Some(panic_words(panic.as_ref())),
-        };
+        let crash = crash_of(|| gate(applied, misspelt, rule.whole()?, &mut out)).or_else(|| {
+            not_silent(rule, &mut out);
+            unmeasured(&out)
+        });
         take(out, rule, None, crash, verdict);
+    }
+}
+
+/// Asks a rule. How it broke, where it did.
+fn crash_of(asked: impl FnOnce() -> Result<(), PageError>) -> Option<String> {
+    match catch_unwind(AssertUnwindSafe(asked)) {
+        Ok(Ok(())) => None,
+        Ok(Err(error)) => Some(error.to_string()),
+        Err(panic) => Some(panic_words(panic.as_ref())),
     }
 }
 
@@ -242,7 +242,7 @@ mod tests {
 
     fn run_with(entry: &'static Entry) -> Verdict {
         let rule = Enabled::new(entry).unwrap();
-        judge(&World::default(), &[rule], None)
+        judge(&World::default(), [&rule], None)
     }
 
     #[test]
@@ -254,6 +254,7 @@ mod tests {
             run: |_, _, _| panic!("must not be asked"),
             review: None,
             gate: None,
+            across: false,
             check_limits: |_| Ok(()),
         };
         let verdict = run_with(&ENTRY);
@@ -271,6 +272,7 @@ mod tests {
             run: |_, _, _| Ok(()),
             review: None,
             gate: None,
+            across: false,
             check_limits: |_| Ok(()),
         };
         let verdict = run_with(&ENTRY);
@@ -292,6 +294,7 @@ mod tests {
             },
             review: None,
             gate: None,
+            across: false,
             check_limits: |_| Ok(()),
         };
         let verdict = run_with(&ENTRY);
@@ -313,6 +316,7 @@ mod tests {
             },
             review: None,
             gate: None,
+            across: false,
             check_limits: |_| Ok(()),
         };
         assert_eq!(run_with(&ENTRY).count(Outcome::Crashed), 1);
@@ -330,6 +334,7 @@ mod tests {
             },
             review: None,
             gate: None,
+            across: false,
             check_limits: |_| Ok(()),
         };
         let verdict = run_with(&ENTRY);

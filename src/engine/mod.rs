@@ -9,9 +9,13 @@ mod limits;
 mod parallel;
 mod plan;
 mod platform;
+mod recordings;
 mod references;
+mod renumber;
 mod sampling;
+mod sessions;
 
+use std::collections::BTreeMap;
 use std::fmt;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -21,14 +25,18 @@ use crate::config::{self, Config, ConfigError};
 use crate::progress::Progress;
 use crate::read::discover::{Inputs, discover_of};
 use crate::read::messages::definition::Definitions;
-use crate::run::{RuleInfo, Run};
+use crate::run::{FailOn, Grown, RuleInfo, Run};
 use crate::source::Source;
+use crate::tables::Tables;
 use crate::verdict::Verdict;
 use crate::verdict::waiver::Day;
-use crate::world::World;
+use crate::world::{Conventions, NamedDataset, World};
 
 use evidence::Saved;
+use gate::{Demanded, Gate};
 use plan::Enabled;
+use platform::Member;
+use renumber::Renumber;
 
 pub use crate::read::discover::Wanted;
 pub use gate::write_baseline;
@@ -58,6 +66,10 @@ pub struct Options {
     pub profile: Option<String>,
     /// A baseline: its findings are accepted.
     pub baseline: Option<PathBuf>,
+    /// From which severity on findings fail a run, for the verdicts of recordings; as the configuration says where `None`.
+    pub fail_on: Option<FailOn>,
+    /// Whether several recordings have one verdict.
+    pub together: bool,
     /// The day on which waivers must still hold; this one in UTC where `None`.
     pub today: Option<Day>,
     /// How much of recordings is read.
@@ -94,58 +106,137 @@ pub fn rules() -> Result<Vec<RuleInfo>, UsageError> {
         .collect())
 }
 
-/// Reads the inputs, judges them, and lays over the verdict what the user asks of the gate.
+/// Reads the inputs, judges them, and lays over the verdict what the user asks of the gate. Of several recordings each has a verdict of
+/// its own.
 pub fn check(options: &Options) -> Result<Run, UsageError> {
+    check_each(options, &mut |_, _| {})
+}
+
+/// The same, and tells what was judged as soon as it is: a recording after the other, where there are several. Every source, outcome
+/// and finding is told once.
+pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Result<Run, UsageError> {
     let config = configuration(options)?;
-    let rules = plan::enabled(&options.select, &options.ignore, config.as_ref())?;
+    let setup = Setup {
+        options,
+        rules: plan::enabled(&options.select, &options.ignore, config.as_ref())?,
+        definitions: definitions(options)?,
+        config,
+    };
     let inputs = inputs(options)?;
     let saved: Vec<Saved> = options.evidence.iter().map(|path| evidence::read(path)).collect();
+    let sessions = if options.together {
+        Vec::new()
+    } else {
+        sessions::of(&inputs)
+    };
+    let in_saved = |saved: &Saved| sessions::of_worlds(&saved.worlds, &saved.sources).len();
+    if sessions.len() + saved.iter().map(in_saved).sum::<usize>() > 1 && !options.together {
+        return recordings::check(&setup, &inputs, &sessions, saved, told);
+    }
+    let mut run = together(&setup, inputs, saved)?;
+    run.verdict.sort();
+    let grown = Grown {
+        sources: (0..run.sources.len()).collect(),
+        rows: 0..run.verdict.rows.len(),
+        findings: 0..run.verdict.findings.len(),
+        recording: None,
+    };
+    told(&run, &grown);
+    Ok(run)
+}
+
+/// What is the same for everything that a run reads and judges.
+struct Setup<'o> {
+    options: &'o Options,
+    config: Option<Config>,
+    rules: Vec<Enabled>,
+    definitions: Arc<Definitions>,
+}
+
+impl Setup<'_> {
+    /// A run of these rules that has nothing yet.
+    fn run(&self, sources: Vec<Source>, skipped: BTreeMap<String, usize>) -> Run {
+        Run {
+            sources,
+            rules: self
+                .rules
+                .iter()
+                .map(|rule| RuleInfo::new(&rule.front, rule.entry.page))
+                .collect(),
+            skipped,
+            fail_on: self.config.as_ref().and_then(Config::fail_on),
+            ..Run::default()
+        }
+    }
+}
+
+/// One verdict for everything.
+fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, UsageError> {
     let others = saved.iter().map(|saved| saved.worlds.len()).sum();
-    let (mut worlds, verdicts) = settle(&inputs, options, config.as_ref(), &rules, others)?;
-    let mut verdict = merged(verdicts);
+    let (mut worlds, verdicts) = settle(
+        &inputs,
+        setup.options,
+        setup.config.as_ref(),
+        (&setup.rules, &setup.definitions),
+        others,
+    );
     let several = worlds.len() + others > 1;
     let mut labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
-    let mut sources = take_sources(&mut worlds);
-    let mut skipped = inputs.skipped;
-    for Saved {
-        worlds: mut known,
-        sources: mut read,
-        skipped: met,
-    } in saved
-    {
-        if let Some(config) = &config {
-            read = add_config(&mut known, read, config);
-        }
-        labels.extend(known.iter().map(|world| world.label.clone()));
-        let mut part = merged(judge_all(&known, &rules, several));
-        drop(known);
-        let mut read = Arc::unwrap_or_clone(read);
-        evidence::shift(&mut read, &mut part, sources.len());
-        sources.extend(read);
-        verdict.rows.extend(part.rows);
-        verdict.findings.extend(part.findings);
-        for (what, count) in met {
-            *skipped.entry(what).or_default() += count;
-        }
+    let mut run = setup.run(take_sources(&mut worlds), inputs.skipped);
+    run.verdict = merged(verdicts);
+    run.worlds = worlds;
+    for saved in saved {
+        let judged = judge_saved(setup, saved, several, &mut run);
+        labels.extend(judged.worlds.into_iter().map(|world| world.label));
+        run.sources.extend(judged.sources);
+        run.verdict.extend(judged.verdict);
     }
-    if !several {
-        labels.clear();
+    if several {
+        run.platforms = labels;
     }
-    let mut run = Run {
-        sources,
-        verdict,
-        worlds,
-        rules: rules
-            .iter()
-            .map(|rule| RuleInfo::new(&rule.front, rule.entry.page))
-            .collect(),
-        skipped,
-        fail_on: config.as_ref().and_then(Config::fail_on),
-        ..Run::default()
+    let gate = Gate::new(setup.options, setup.config.as_ref(), &setup.rules, &mut run.sources)?;
+    let mut laid = gate.lay(&mut run.verdict, &run.sources, &run.platforms);
+    let demanded = Demanded {
+        rows: &run.verdict.rows,
+        beside: &[],
+        recording: None,
     };
-    gate::pass(&mut run, options, config.as_ref(), &rules, &labels)?;
-    run.verdict.sort();
+    gate.demand(&mut laid, &demanded, &run.platforms);
+    gate.close(laid, &mut run, &setup.rules);
     Ok(run)
+}
+
+/// A document of evidence that was judged, with the ids that its sources have behind those of the run.
+struct JudgedSaved {
+    sources: Vec<Source>,
+    /// Without sources.
+    worlds: Vec<World>,
+    verdict: Verdict,
+}
+
+fn judge_saved(setup: &Setup, saved: Saved, several: bool, run: &mut Run) -> JudgedSaved {
+    let Saved {
+        mut worlds,
+        mut sources,
+        skipped,
+    } = saved;
+    if let Some(config) = &setup.config {
+        sources = add_config(&mut worlds, sources, config);
+    }
+    let mut verdict = merged(judge_all(&worlds, &setup.rules, several));
+    for world in &mut worlds {
+        world.sources = Arc::default();
+    }
+    let mut sources = Arc::unwrap_or_clone(sources);
+    Renumber::behind(0, run.sources.len()).all(&mut sources, &mut verdict);
+    for (what, count) in skipped {
+        *run.skipped.entry(what).or_default() += count;
+    }
+    JudgedSaved {
+        sources,
+        worlds,
+        verdict,
+    }
 }
 
 /// A choice of rules, ready to judge worlds that are in memory: saved, altered or made.
@@ -169,7 +260,7 @@ impl Rules {
 /// Reads the inputs as far as [`check`] with every rule would, and keeps no judgement.
 pub fn collect(options: &Options) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;
-    let (mut worlds, _) = settle(&inputs, options, None, &plan::all()?, 0)?;
+    let (mut worlds, _) = settle(&inputs, options, None, (&plan::all()?, &definitions(options)?), 0);
     Ok(Run {
         sources: take_sources(&mut worlds),
         worlds,
@@ -183,16 +274,15 @@ fn settle(
     inputs: &Inputs,
     options: &Options,
     config: Option<&Config>,
-    rules: &[Enabled],
+    (rules, definitions): (&[Enabled], &Arc<Definitions>),
     others: usize,
-) -> Result<(Vec<World>, Vec<Verdict>), UsageError> {
-    let definitions = definitions(options)?;
+) -> (Vec<World>, Vec<Verdict>) {
     let mut plan = sampling::Plan::new(options.extent, rules);
     loop {
-        let worlds = worlds(inputs, options, config, &definitions, &plan);
+        let worlds = worlds(inputs, options, config, definitions, &plan);
         let verdicts = judge_all(&worlds, rules, worlds.len() + others > 1);
         if !plan.widen(&worlds, &verdicts) {
-            return Ok((worlds, verdicts));
+            return (worlds, verdicts);
         }
     }
 }
@@ -207,8 +297,7 @@ fn judge_all(worlds: &[World], rules: &[Enabled], several: bool) -> Vec<Verdict>
 fn merged(verdicts: Vec<Verdict>) -> Verdict {
     let mut verdict = Verdict::default();
     for part in verdicts {
-        verdict.rows.extend(part.rows);
-        verdict.findings.extend(part.findings);
+        verdict.extend(part);
     }
     verdict
 }
@@ -271,16 +360,39 @@ fn add_config(worlds: &mut [World], sources: Arc<Vec<Source>>, config: &Config) 
         world.sources = Arc::default();
     }
     let mut sources = Arc::unwrap_or_clone(sources);
-    let id = u32::try_from(sources.len()).ok();
-    sources.extend(id.into_iter().flat_map(|id| config.sources(id)));
-    let (sources, conventions) = (Arc::new(sources), Arc::new(config.conventions(id)));
+    let declared = Declared::new(config, &mut sources);
+    let sources = Arc::new(sources);
     for world in worlds {
         world.sources = Arc::clone(&sources);
-        world.tables = config.tables();
-        world.dataset = config.dataset(id);
-        world.declare(Arc::clone(&conventions));
+        declared.tell(world);
     }
     sources
+}
+
+/// What a configuration declares of every world.
+struct Declared {
+    conventions: Arc<Conventions>,
+    tables: Arc<Tables>,
+    dataset: Option<NamedDataset>,
+}
+
+impl Declared {
+    /// Adds the configuration to the sources.
+    fn new(config: &Config, sources: &mut Vec<Source>) -> Self {
+        let id = u32::try_from(sources.len()).ok();
+        sources.extend(id.into_iter().flat_map(|id| config.sources(id)));
+        Self {
+            conventions: Arc::new(config.conventions(id)),
+            tables: config.tables(),
+            dataset: config.dataset(id),
+        }
+    }
+
+    fn tell(&self, world: &mut World) {
+        world.tables = Arc::clone(&self.tables);
+        world.dataset.clone_from(&self.dataset);
+        world.declare(Arc::clone(&self.conventions));
+    }
 }
 
 fn worlds(
@@ -291,20 +403,57 @@ fn worlds(
     plan: &sampling::Plan,
 ) -> Vec<World> {
     let progress = Progress::new(options.progress);
-    let how = How {
-        sampling: plan.sampling(),
-        definitions: Arc::clone(definitions),
-        time_fields: config.map(Config::time_fields).unwrap_or_default(),
-        ..How::default()
+    let reading = Reading {
+        inputs,
+        options,
+        config,
+        definitions,
+        progress: &progress,
     };
-    let tables = config.map_or_else(Arc::default, Config::tables);
-    let readings = gather::gather(inputs, &options.xacro_args, &how, tables.dialects(), &progress);
-    let mut worlds = platform::platforms(readings, inputs);
-    if let (Some(config), Some(first)) = (config, worlds.first()) {
-        let sources = Arc::clone(&first.sources);
+    let every: Vec<usize> = (0..inputs.files.len()).collect();
+    let (sources, members) = reading.members(&every, inputs.files.len(), plan);
+    let sources = Arc::new(sources);
+    let mut worlds = platform::platforms(members);
+    for world in &mut worlds {
+        world.sources = Arc::clone(&sources);
+    }
+    if let (Some(config), false) = (config, worlds.is_empty()) {
         add_config(&mut worlds, sources, config);
     }
     worlds
+}
+
+/// How inputs are read.
+struct Reading<'a> {
+    inputs: &'a Inputs,
+    options: &'a Options,
+    config: Option<&'a Config>,
+    definitions: &'a Arc<Definitions>,
+    progress: &'a Progress,
+}
+
+impl Reading<'_> {
+    /// Reads these of the inputs; see [`gather::gather`].
+    fn members(&self, which: &[usize], emerged_from: usize, plan: &sampling::Plan) -> (Vec<Source>, Vec<Member>) {
+        let how = How {
+            sampling: plan.sampling(),
+            definitions: Arc::clone(self.definitions),
+            time_fields: self.config.map(Config::time_fields).unwrap_or_default(),
+            ..How::default()
+        };
+        let tables = self.config.map_or_else(Arc::default, Config::tables);
+        let xacro_args = &self.options.xacro_args;
+        let readings = gather::gather(
+            self.inputs,
+            which,
+            emerged_from,
+            xacro_args,
+            &how,
+            tables.dialects(),
+            self.progress,
+        );
+        platform::members(readings, self.inputs)
+    }
 }
 
 /// The sources of all worlds, moved out: texts are large, and a judged world is looked at no more.

@@ -7,16 +7,19 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
 
-use crate::read::discover::Inputs;
+use crate::read::discover::{Input, Inputs};
 use crate::source::{Derived, Source, SourceId};
 use crate::world::{Facts, FrameId, FrameRole, World};
 
 use super::gather::Reading;
 
-struct Member {
-    id: SourceId,
+/// A source with its facts, and what says which platform it belongs to.
+#[derive(Clone)]
+pub(super) struct Member {
+    /// The source.
+    pub(super) id: SourceId,
+    group: usize,
     display: String,
     in_recording: bool,
     facts: Facts,
@@ -25,42 +28,46 @@ struct Member {
     path: PathBuf,
 }
 
-/// Splits readings into worlds, ordered by their first source, each with all sources.
-pub(super) fn platforms(readings: Vec<Reading>, inputs: &Inputs) -> Vec<World> {
-    let mut groups: BTreeMap<usize, Vec<Member>> = BTreeMap::new();
-    let mut sources = Vec::with_capacity(readings.len());
-    for reading in readings {
-        let Reading { source, facts, input } = reading;
-        let (id, display) = (source.id, source.path.clone());
-        let in_recording = matches!(source.derived, Some(Derived::Message(_)));
-        sources.push(source);
-        let Some(input) = inputs.files.get(input) else {
-            continue;
-        };
-        groups.entry(input.group).or_default().push(Member {
-            id,
-            display,
-            in_recording,
+impl Member {
+    /// A source that was read from this input, or came out of it.
+    pub(super) fn new(source: &Source, facts: Facts, input: &Input) -> Self {
+        Self {
+            id: source.id,
+            group: input.group,
+            display: source.path.clone(),
+            in_recording: matches!(source.derived, Some(Derived::Message(_))),
             facts,
             dir: input.path.parent().unwrap_or(Path::new("")).to_path_buf(),
             root: input.root.clone(),
             path: input.path.clone(),
-        });
-    }
-    let sources = Arc::new(sources);
-    let mut worlds: Vec<World> = Vec::new();
-    for members in groups.into_values() {
-        for cluster in clusters(members) {
-            worlds.push(world(cluster, &sources));
         }
     }
+}
+
+/// The sources of readings, and all of them with their facts.
+pub(super) fn members(readings: Vec<Reading>, inputs: &Inputs) -> (Vec<Source>, Vec<Member>) {
+    let mut members = Vec::with_capacity(readings.len());
+    let mut sources = Vec::with_capacity(readings.len());
+    for Reading { source, facts, input } in readings {
+        members.extend(inputs.files.get(input).map(|input| Member::new(&source, facts, input)));
+        sources.push(source);
+    }
+    (sources, members)
+}
+
+/// Splits sources into worlds, ordered by their first one. Their lists of sources are empty.
+pub(super) fn platforms(members: Vec<Member>) -> Vec<World> {
+    let mut groups: BTreeMap<usize, Vec<Member>> = BTreeMap::new();
+    for member in members {
+        groups.entry(member.group).or_default().push(member);
+    }
+    let mut worlds: Vec<World> = groups.into_values().flat_map(clusters).map(world).collect();
     worlds.sort_by(|a, b| a.members.cmp(&b.members));
     worlds
 }
 
-fn world(members: Vec<Member>, sources: &Arc<Vec<Source>>) -> World {
+fn world(members: Vec<Member>) -> World {
     let mut world = World::default();
-    world.sources = Arc::clone(sources);
     world.label = label(&members);
     for member in members {
         world.members.push(member.id);

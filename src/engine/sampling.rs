@@ -233,6 +233,7 @@ mod tests {
             run: |_, _, _| Ok(()),
             review: None,
             gate: None,
+            across: false,
             check_limits: |_| Ok(()),
         };
         static CONTENT: Entry = Entry {

@@ -15,7 +15,8 @@ use crate::page::names_rule;
 use crate::run::{RuleInfo, Unmet};
 use crate::source::{Place, Source, SourceId, Span};
 use crate::verdict::waiver::{Applied, Day, Misspelt, Waiver, plain_subject};
-use crate::verdict::{Finding, Outcome, Severity, Verdict};
+use crate::verdict::{Finding, Outcome, Row, Severity, Verdict};
+use crate::world::conventions::ends_with;
 
 use baseline::Accepted;
 
@@ -105,7 +106,15 @@ pub struct Context<'a> {
     pub today: &'a Day,
 }
 
-/// What the gate has to say besides the marks in the verdict.
+/// What was laid over one verdict, besides the marks in it.
+#[derive(Clone, Debug, Default)]
+pub struct Laid {
+    applied: Vec<(Applied, Scope)>,
+    misspelt: Vec<Misspelt>,
+    unmet: Vec<Unmet>,
+}
+
+/// What the gate has to say of a run besides the marks in its verdict.
 #[derive(Clone, Debug, Default)]
 pub struct Passed {
     /// What became of every acceptance.
@@ -116,31 +125,92 @@ pub struct Passed {
     pub unmet: Vec<Unmet>,
 }
 
-/// Lays a policy, and the comments in the sources, over a verdict.
-pub fn pass(verdict: &mut Verdict, policy: &Policy, context: &Context) -> Passed {
+/// Lays a policy, and the comments in the sources, over a verdict: everything but what is required.
+pub fn lay(verdict: &mut Verdict, policy: &Policy, context: &Context) -> Laid {
     weigh(verdict, policy, context);
     let (comments, misspelt) = comments::all(context);
     let mut known = comments;
     known.extend(policy.exceptions.iter().cloned());
-    let mut applied = accept(verdict, known, context);
+    let applied = accept(verdict, known, context);
     settle_rows(verdict);
-    let unmet = require::unmet(verdict, &policy.required, &mut applied, context);
-    for (one, scope) in &mut applied {
-        if one.matched == 0 {
-            one.unjudged = scope.unjudged(&one.waiver, verdict, context);
-        }
-    }
-    Passed {
-        applied: applied.into_iter().map(|(one, _)| one).collect(),
+    Laid {
+        applied,
         misspelt,
-        unmet,
+        unmet: Vec::new(),
     }
 }
 
-/// Whether a path, or what stands behind one of its slashes, is meant.
-fn ends_with(glob: &GlobMatcher, path: &str) -> bool {
-    let behind = path.match_indices('/').filter_map(|(at, _)| path.get(at + 1..));
-    glob.is_match(path) || behind.into_iter().any(|end| glob.is_match(end))
+impl Laid {
+    /// What was required and not judged, as far as it is known.
+    pub fn unmet(&self) -> &[Unmet] {
+        &self.unmet
+    }
+
+    /// Adds what is required and was not judged in these outcomes, nor in those of what stands beside. Where they are of one of
+    /// several recordings, `recording` is its label.
+    pub fn demand(
+        &mut self,
+        (rows, beside): (&[Row], &[Row]),
+        required: &[Requirement],
+        recording: Option<&str>,
+        context: &Context,
+    ) {
+        let mut unmet = require::unmet((rows, beside), required, &mut self.applied, context);
+        for one in &mut unmet {
+            one.recordings.extend(recording.map(str::to_owned));
+        }
+        self.unmet.extend(unmet);
+    }
+
+    /// Adds what was laid over another verdict of the same run: an acceptance is for both, and what is required of both and was judged
+    /// in neither for the same reasons is told once.
+    pub fn join(&mut self, other: Self) {
+        let key = |one: &Applied| (one.waiver.kind, one.waiver.origin.clone(), one.waiver.rule.clone());
+        let known: BTreeMap<_, usize> = (0..).zip(&self.applied).map(|(at, (one, _))| (key(one), at)).collect();
+        for (one, scope) in other.applied {
+            match known.get(&key(&one)).and_then(|at| self.applied.get_mut(*at)) {
+                Some((known, _)) => known.matched += one.matched,
+                None => self.applied.push((one, scope)),
+            }
+        }
+        for one in other.misspelt {
+            if !self.misspelt.contains(&one) {
+                self.misspelt.push(one);
+            }
+        }
+        for one in other.unmet {
+            match self.unmet.iter_mut().find(|known| known.is_like(&one)) {
+                Some(known) => known.recordings.extend(one.recordings),
+                None => self.unmet.push(one),
+            }
+        }
+    }
+
+    /// Moves every place as the sources of a run are numbered.
+    pub fn renumber(&mut self, place: impl Fn(&mut Place)) {
+        for (one, scope) in &mut self.applied {
+            place(&mut one.waiver.place);
+            if let Scope::Region(source, span) = scope {
+                let mut whole = Place::text(*source, *span);
+                place(&mut whole);
+                *source = whole.source;
+            }
+        }
+        self.misspelt.iter_mut().for_each(|one| place(&mut one.place));
+    }
+
+    /// What is to be said when every verdict of the run is there.
+    pub fn close(self, verdict: &Verdict, context: &Context) -> Passed {
+        let mut applied = self.applied;
+        for (one, scope) in applied.iter_mut().filter(|(one, _)| one.matched == 0) {
+            one.unjudged = scope.unjudged(&one.waiver, verdict, context);
+        }
+        Passed {
+            applied: applied.into_iter().map(|(one, _)| one).collect(),
+            misspelt: self.misspelt,
+            unmet: self.unmet,
+        }
+    }
 }
 
 impl Context<'_> {
@@ -291,17 +361,16 @@ impl Scope {
         };
         let codes: BTreeSet<&str> = asked.map(|rule| rule.code.as_str()).collect();
         let rows = || verdict.rows.iter().filter(|row| codes.contains(row.rule.as_str()));
-        let is_judged = |outcome| matches!(outcome, Outcome::Pass | Outcome::Fail | Outcome::Waived);
-        if rows().any(|row| is_judged(row.outcome) && meant(&row.subject)) {
+        if rows().any(|row| row.outcome.is_judged() && meant(&row.subject)) {
             return None;
         }
         // Of a rule that judged other subjects, this one is no more: that is nothing left to accept.
         let reason = rows()
-            .find(|row| !is_judged(row.outcome) && meant(&row.subject))
+            .find(|row| !row.outcome.is_judged() && meant(&row.subject))
             .or_else(|| {
                 rows()
-                    .find(|row| !is_judged(row.outcome))
-                    .filter(|_| !rows().any(|row| is_judged(row.outcome)))
+                    .find(|row| !row.outcome.is_judged())
+                    .filter(|_| !rows().any(|row| row.outcome.is_judged()))
             });
         reason.map(|row| row.reason.clone().unwrap_or_else(|| row.outcome.word().to_owned()))
     }

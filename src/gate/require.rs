@@ -2,19 +2,19 @@
 
 use crate::page::names_rule;
 use crate::run::{RuleInfo, Unmet};
+use crate::verdict::Row;
 use crate::verdict::waiver::{Applied, plain_subject};
-use crate::verdict::{Outcome, Verdict};
 
 use super::{Context, Requirement, Scope};
 
 /// So many reasons are told of one rule.
 const MAX_REASONS: usize = 3;
 
-/// The requirements that a verdict does not meet, in the order in which they stand; a rule that is required twice is told once.
+/// The requirements that outcomes do not meet, in the order in which they stand; a rule that is required twice is told once.
 ///
 /// A waiver for the whole rule, or for the same subjects, accepts that it was not judged.
 pub(super) fn unmet(
-    verdict: &Verdict,
+    rows: (&[Row], &[Row]),
     required: &[Requirement],
     applied: &mut [(Applied, Scope)],
     context: &Context,
@@ -26,7 +26,7 @@ pub(super) fn unmet(
             .iter()
             .filter(|rule| names_rule(&requirement.rule, &rule.code, &rule.name));
         for rule in rules {
-            let Some(mut one) = missing(verdict, requirement, rule, context) else {
+            let Some(mut one) = missing(rows, requirement, rule, context) else {
                 continue;
             };
             for (waiver, scope) in applied.iter_mut().filter(|(waiver, _)| waiver.expired_days.is_none()) {
@@ -50,8 +50,13 @@ pub(super) fn unmet(
     unmet
 }
 
-fn missing(verdict: &Verdict, requirement: &Requirement, rule: &RuleInfo, context: &Context) -> Option<Unmet> {
-    let rows: Vec<_> = verdict.rows.iter().filter(|row| row.rule == rule.code).collect();
+fn missing(
+    (rows, beside): (&[Row], &[Row]),
+    requirement: &Requirement,
+    rule: &RuleInfo,
+    context: &Context,
+) -> Option<Unmet> {
+    let rows: Vec<_> = rows.iter().filter(|row| row.rule == rule.code).collect();
     let meant = |subject: &str| {
         let subject = plain_subject(subject, context.platforms);
         requirement
@@ -59,15 +64,16 @@ fn missing(verdict: &Verdict, requirement: &Requirement, rule: &RuleInfo, contex
             .as_ref()
             .is_none_or(|(_, glob)| glob.is_match(subject))
     };
-    let is_judged = |outcome| matches!(outcome, Outcome::Pass | Outcome::Fail | Outcome::Waived);
-    if rows.iter().any(|row| is_judged(row.outcome) && meant(&row.subject)) {
+    let beside = beside.iter().filter(|row| row.rule == rule.code);
+    let mut known = rows.iter().copied().chain(beside);
+    if known.any(|row| row.outcome.is_judged() && meant(&row.subject)) {
         return None;
     }
     let mut why: Vec<String> = Vec::new();
     if !context.asked.contains(&rule.code) {
         why.push("the rule is not among those that were asked (`select`, `ignore`)".to_owned());
     }
-    let not_judged: Vec<_> = rows.iter().filter(|row| !is_judged(row.outcome)).collect();
+    let not_judged: Vec<_> = rows.iter().filter(|row| !row.outcome.is_judged()).collect();
     let about: Vec<_> = not_judged.iter().filter(|row| meant(&row.subject)).collect();
     let told = if about.is_empty() {
         not_judged.iter().collect()
@@ -96,6 +102,7 @@ fn missing(verdict: &Verdict, requirement: &Requirement, rule: &RuleInfo, contex
         subject: requirement.subject.as_ref().map(|(words, _)| words.clone()),
         why,
         record: None,
+        recordings: Vec::new(),
         origin: requirement.origin.clone(),
         waived: None,
     })

@@ -20,7 +20,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> String {
     }
     for unmet in run.lacking() {
         let mut words = format!("{} had to be evaluated ({}) and was not: ", unmet.name, unmet.origin);
-        words.push_str(&unmet.why.join("; "));
+        words.push_str(&unmet.reason());
         if let Some(record) = &unmet.record {
             let _ = write!(words, "\nneeded: {record}");
         }
@@ -32,11 +32,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> String {
         );
     }
     for source in run.unread() {
-        let words = format!(
-            "{}: {}",
-            source.status.word(),
-            source.detail.as_deref().unwrap_or("could not be read in full")
-        );
+        let words = format!("{}: {}", source.status.word(), source.shortfall());
         command(
             "error",
             &[("file", &source.path), ("title", "input not read")],

@@ -8,8 +8,8 @@ use std::fmt::Write;
 
 use crate::page::Front;
 use crate::run::Run;
+use crate::verdict::Severity;
 use crate::verdict::waiver::FAMILY;
-use crate::verdict::{Outcome, Severity};
 use crate::world::{ClaimKind, FrameId, World};
 
 use super::place::Locator;
@@ -131,7 +131,7 @@ fn required(run: &Run, out: &mut String) {
         run.verdict
             .rows
             .iter()
-            .any(|row| row.rule == code && matches!(row.outcome, Outcome::Pass | Outcome::Fail | Outcome::Waived))
+            .any(|row| row.rule == code && row.outcome.is_judged())
     };
     let asks_for_more = |page: &str| {
         Front::parse(page).is_ok_and(|front| front.evidence.iter().any(|kind| kind != "urdf" && kind != "names"))

@@ -9,7 +9,7 @@ mod tests;
 
 use serde::Serialize;
 
-use crate::run::{FailOn, Run, Unmet};
+use crate::run::{FailOn, Recording, Run, Summary, Unmet};
 use crate::source::{Problem, Source};
 use crate::verdict::waiver::Day;
 use crate::verdict::{Finding, Fix, Label, Measured, PlaceRole, Row, Safety, Waived};
@@ -21,13 +21,33 @@ pub const SCHEMA: &str = "frames-lint/1";
 
 #[derive(Serialize)]
 struct Document<'a> {
-    schema: &'static str,
-    tool: Tool,
+    #[serde(flatten)]
+    made: Made,
     inputs: Rows<'a, Source, Input<'a>>,
     outcomes: Rows<'a, Row, OutcomeRow<'a>>,
     findings: Rows<'a, Finding, FindingRow<'a>>,
     required: Vec<UnmetRow<'a>>,
+    recordings: Vec<RecordingRow<'a>>,
     summary: Counts,
+}
+
+/// What made the document, and its form.
+#[derive(Serialize)]
+pub(super) struct Made {
+    schema: &'static str,
+    tool: Tool,
+}
+
+impl Made {
+    pub(super) fn new() -> Self {
+        Self {
+            schema: SCHEMA,
+            tool: Tool {
+                name: env!("CARGO_PKG_NAME"),
+                version: env!("CARGO_PKG_VERSION"),
+            },
+        }
+    }
 }
 
 /// Items that become rows one by one while they are written: a hostile file may have a hundred thousand findings.
@@ -50,7 +70,7 @@ struct Tool {
 }
 
 #[derive(Serialize)]
-struct Input<'a> {
+pub(super) struct Input<'a> {
     path: &'a str,
     kind: &'static str,
     status: &'static str,
@@ -79,7 +99,7 @@ struct InputProblem<'a> {
 }
 
 #[derive(Serialize)]
-struct OutcomeRow<'a> {
+pub(super) struct OutcomeRow<'a> {
     rule: &'a str,
     name: &'a str,
     subject: &'a str,
@@ -89,7 +109,7 @@ struct OutcomeRow<'a> {
 }
 
 #[derive(Serialize)]
-struct FindingRow<'a> {
+pub(super) struct FindingRow<'a> {
     rule: &'a str,
     name: &'a str,
     subject: &'a str,
@@ -113,14 +133,24 @@ struct WaivedRow<'a> {
 }
 
 #[derive(Serialize)]
-struct UnmetRow<'a> {
+pub(super) struct UnmetRow<'a> {
     rule: &'a str,
     name: &'a str,
     subject: Option<&'a str>,
     why: &'a [String],
     record: Option<&'a str>,
     origin: &'a str,
+    recordings: &'a [String],
     waived: Option<WaivedRow<'a>>,
+}
+
+#[derive(Serialize)]
+pub(super) struct RecordingRow<'a> {
+    label: &'a str,
+    #[serde(flatten)]
+    counts: Counts,
+    exit_code: u8,
+    because: Option<&'a str>,
 }
 
 #[derive(Serialize)]
@@ -172,7 +202,7 @@ struct EditRow<'a> {
 }
 
 #[derive(Serialize)]
-struct Counts {
+pub(super) struct Counts {
     errors: usize,
     warnings: usize,
     notes: usize,
@@ -185,31 +215,9 @@ struct Counts {
 
 /// The document, indented, with a newline at its end.
 pub fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
-    whole(run, fail_on, |document| {
-        let mut text = serde_json::to_string_pretty(document)?;
-        text.push('\n');
-        Ok(text)
-    })
-}
-
-/// The document as a value.
-pub(super) fn document(run: &Run, fail_on: FailOn) -> Result<serde_json::Value, serde_json::Error> {
-    whole(run, fail_on, |document| serde_json::to_value(document))
-}
-
-fn whole<T>(
-    run: &Run,
-    fail_on: FailOn,
-    written: impl FnOnce(&Document) -> Result<T, serde_json::Error>,
-) -> Result<T, serde_json::Error> {
     let locator = Locator::new(&run.sources);
-    let summary = run.summary(fail_on);
     let document = Document {
-        schema: SCHEMA,
-        tool: Tool {
-            name: env!("CARGO_PKG_NAME"),
-            version: env!("CARGO_PKG_VERSION"),
-        },
+        made: Made::new(),
         inputs: Rows {
             items: &run.sources,
             locator: &locator,
@@ -226,21 +234,37 @@ fn whole<T>(
             row: finding_row,
         },
         required: run.unmet.iter().map(unmet).collect(),
-        summary: Counts {
-            errors: summary.errors,
-            warnings: summary.warnings,
-            notes: summary.notes,
-            passed: summary.passed,
-            not_evaluated: summary.not_evaluated,
-            waived: summary.waived,
-            crashed: summary.crashed,
-            verdict: summary.verdict.word(),
-        },
+        recordings: run.recordings.iter().map(recording).collect(),
+        summary: counts(&run.summary(fail_on)),
     };
-    written(&document)
+    let mut text = serde_json::to_string_pretty(&document)?;
+    text.push('\n');
+    Ok(text)
 }
 
-fn input<'a>(source: &'a Source, locator: &Locator) -> Input<'a> {
+pub(super) fn counts(summary: &Summary) -> Counts {
+    Counts {
+        errors: summary.errors,
+        warnings: summary.warnings,
+        notes: summary.notes,
+        passed: summary.passed,
+        not_evaluated: summary.not_evaluated,
+        waived: summary.waived,
+        crashed: summary.crashed,
+        verdict: summary.verdict.word(),
+    }
+}
+
+pub(super) fn recording(recording: &Recording) -> RecordingRow<'_> {
+    RecordingRow {
+        label: &recording.label,
+        counts: counts(&recording.summary),
+        exit_code: recording.code,
+        because: recording.because.as_deref(),
+    }
+}
+
+pub(super) fn input<'a>(source: &'a Source, locator: &Locator) -> Input<'a> {
     Input {
         path: &source.path,
         kind: source.kind.word(),
@@ -267,7 +291,7 @@ fn fault<'a>(problem: &'a Problem, locator: &Locator) -> InputProblem<'a> {
     }
 }
 
-fn outcome(row: &Row) -> OutcomeRow<'_> {
+pub(super) fn outcome(row: &Row) -> OutcomeRow<'_> {
     OutcomeRow {
         rule: &row.rule,
         name: &row.name,
@@ -278,7 +302,7 @@ fn outcome(row: &Row) -> OutcomeRow<'_> {
     }
 }
 
-fn finding_row<'a>(finding: &'a Finding, locator: &Locator) -> FindingRow<'a> {
+pub(super) fn finding_row<'a>(finding: &'a Finding, locator: &Locator) -> FindingRow<'a> {
     FindingRow {
         rule: &finding.rule,
         name: &finding.name,
@@ -304,7 +328,7 @@ fn waived(waived: &Waived) -> WaivedRow<'_> {
     }
 }
 
-fn unmet(unmet: &Unmet) -> UnmetRow<'_> {
+pub(super) fn unmet(unmet: &Unmet) -> UnmetRow<'_> {
     UnmetRow {
         rule: &unmet.rule,
         name: &unmet.name,
@@ -312,6 +336,7 @@ fn unmet(unmet: &Unmet) -> UnmetRow<'_> {
         why: &unmet.why,
         record: unmet.record.as_deref(),
         origin: &unmet.origin,
+        recordings: &unmet.recordings,
         waived: unmet.waived.as_ref().map(waived),
     }
 }

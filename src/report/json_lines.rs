@@ -1,37 +1,75 @@
 //! The JSON document of a run, a line for each of its parts: `{"type": "finding", ...}`. The keys are those of
-//! `schema/frames-lint-1.json`; the last line is the summary.
+//! `schema/frames-lint-1.json`; the last line is the summary. Of several recordings each is told when it has been judged: its outcomes and
+//! findings, and behind them a line with its verdict.
 
-use serde_json::{Value, json};
+use serde::Serialize;
 
-use crate::run::{FailOn, Run};
+use crate::run::{FailOn, Grown, Run};
 
 use super::json;
+use super::place::Locator;
 
-pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
+/// A part of the document with its type.
+#[derive(Serialize)]
+struct Line<T> {
+    r#type: &'static str,
+    #[serde(flatten)]
+    part: T,
+}
+
+fn line<T: Serialize>(kind: &'static str, part: T, out: &mut String) -> Result<(), serde_json::Error> {
+    out.push_str(&serde_json::to_string(&Line { r#type: kind, part })?);
+    out.push('\n');
+    Ok(())
+}
+
+/// The first line.
+pub fn start() -> Result<String, serde_json::Error> {
     let mut out = String::new();
-    let mut line = |kind: &str, value: &Value| -> Result<(), serde_json::Error> {
-        let mut object = serde_json::Map::new();
-        object.insert("type".to_owned(), kind.into());
-        if let Value::Object(keys) = value {
-            object.extend(keys.clone());
-        }
-        out.push_str(&serde_json::to_string(&object)?);
-        out.push('\n');
-        Ok(())
-    };
-    let document = json::document(run, fail_on)?;
-    let part = |key: &str| document.get(key).cloned().unwrap_or_default();
-    line("run", &json!({"schema": part("schema"), "tool": part("tool")}))?;
-    for (key, kind) in [
-        ("inputs", "input"),
-        ("outcomes", "outcome"),
-        ("findings", "finding"),
-        ("required", "required"),
-    ] {
-        for item in document.get(key).and_then(Value::as_array).into_iter().flatten() {
-            line(kind, item)?;
-        }
-    }
-    line("summary", &part("summary"))?;
+    line("run", json::Made::new(), &mut out)?;
     Ok(out)
+}
+
+/// What came to a run.
+pub fn grown(run: &Run, grown: &Grown) -> Result<String, serde_json::Error> {
+    let mut out = String::new();
+    let locator = Locator::new(&run.sources);
+    for source in grown.sources.iter().filter_map(|number| run.sources.get(*number)) {
+        line("input", json::input(source, &locator), &mut out)?;
+    }
+    for row in run.verdict.rows.get(grown.rows.clone()).unwrap_or_default() {
+        line("outcome", json::outcome(row), &mut out)?;
+    }
+    for finding in run.verdict.findings.get(grown.findings.clone()).unwrap_or_default() {
+        line("finding", json::finding_row(finding, &locator), &mut out)?;
+    }
+    if let Some(recording) = grown.recording.and_then(|number| run.recordings.get(number)) {
+        line("recording", json::recording(recording), &mut out)?;
+    }
+    Ok(out)
+}
+
+/// What is known when everything has been judged.
+pub fn end(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
+    let mut out = String::new();
+    for unmet in &run.unmet {
+        line("required", json::unmet(unmet), &mut out)?;
+    }
+    line("summary", json::counts(&run.summary(fail_on)), &mut out)?;
+    Ok(out)
+}
+
+/// All lines of a run that has ended.
+pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
+    let all = Grown {
+        sources: (0..run.sources.len()).collect(),
+        rows: 0..run.verdict.rows.len(),
+        findings: 0..run.verdict.findings.len(),
+        recording: None,
+    };
+    let mut out = start()? + &grown(run, &all)?;
+    for recording in &run.recordings {
+        line("recording", json::recording(recording), &mut out)?;
+    }
+    Ok(out + &end(run, fail_on)?)
 }

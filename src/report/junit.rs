@@ -37,12 +37,12 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, ReportError> 
     for unmet in &run.unmet {
         let words = match (&unmet.waived, &unmet.record) {
             (Some(waived), _) => format!("waived: {}", waived.words()),
-            (None, Some(record)) => format!("{}\nneeded: {record}", unmet.why.join("\n")),
-            (None, None) => unmet.why.join("\n"),
+            (None, Some(record)) => format!("{}\nneeded: {record}", unmet.reasons().join("\n")),
+            (None, None) => unmet.reasons().join("\n"),
         };
         let status = match unmet.waived {
             Some(_) => skipped(&words),
-            None => failed(NonSuccessKind::Error, "not evaluated", &unmet.why.join("; "), &words),
+            None => failed(NonSuccessKind::Error, "not evaluated", &unmet.reason(), &words),
         };
         let subject = unmet.subject.as_deref().unwrap_or("any subject");
         let mut case = TestCase::new(subject, status);
@@ -53,7 +53,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, ReportError> 
     for source in run.sources.iter().filter(|source| source.required) {
         let unread = run.unread().any(|other| other.id == source.id);
         let status = if unread {
-            let words = source.detail.as_deref().unwrap_or("could not be read in full");
+            let words = source.shortfall();
             failed(NonSuccessKind::Error, source.status.word(), words, words)
         } else {
             TestCaseStatus::success()

@@ -13,22 +13,20 @@ use super::text::{one_line, plural};
 
 /// Comments have an end: so many findings are shown.
 const MAX_FINDINGS: usize = 100;
+/// And so many recordings.
+const MAX_RECORDINGS: usize = 200;
 
 pub(super) fn render(run: &Run, fail_on: FailOn) -> String {
     let locator = Locator::new(&run.sources);
     let mut out = String::new();
-    let sign = match run.summary(fail_on).verdict {
-        VerdictWord::Clean => ":white_check_mark:",
-        VerdictWord::Findings => ":x:",
-        VerdictWord::Incomplete => ":warning:",
-    };
-    let _ = writeln!(out, "## {sign} frames-lint\n");
+    let _ = writeln!(out, "## {} frames-lint\n", sign(run.summary(fail_on).verdict));
     for line in plain_ending(run, fail_on).lines() {
         let _ = writeln!(out, "{}  ", escaped(line));
     }
+    recordings(run, &mut out);
     table(run, &locator, &mut out);
     unmet(run, &mut out);
-    let waived: Vec<&Finding> = run.verdict.findings.iter().filter(|one| one.waived.is_some()).collect();
+    let waived: Vec<&Finding> = run.verdict.waived().collect();
     if !waived.is_empty() {
         let _ = writeln!(
             out,
@@ -53,6 +51,43 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> String {
     }
     not_evaluated(run, &mut out);
     out
+}
+
+fn sign(verdict: VerdictWord) -> &'static str {
+    match verdict {
+        VerdictWord::Clean => ":white_check_mark:",
+        VerdictWord::Findings => ":x:",
+        VerdictWord::Incomplete => ":warning:",
+    }
+}
+
+/// The verdict of each recording, where there are several.
+fn recordings(run: &Run, out: &mut String) {
+    if run.recordings.is_empty() {
+        return;
+    }
+    out.push_str(
+        "\n| | recording | errors | warnings | passed | not evaluated | because |\n|---|---|--:|--:|--:|--:|---|\n",
+    );
+    for recording in run.recordings.iter().take(MAX_RECORDINGS) {
+        let summary = &recording.summary;
+        let _ = writeln!(
+            out,
+            "| {} {} | {} | {} | {} | {} | {} | {} |",
+            sign(summary.verdict),
+            summary.verdict.word(),
+            code(&recording.label),
+            summary.errors,
+            summary.warnings,
+            summary.passed,
+            summary.not_evaluated,
+            escaped(recording.because.as_deref().unwrap_or_default())
+        );
+    }
+    if run.recordings.len() > MAX_RECORDINGS {
+        let more = plural(run.recordings.len() - MAX_RECORDINGS, "more recording");
+        let _ = writeln!(out, "\n... and {more}");
+    }
 }
 
 fn table(run: &Run, locator: &Locator, out: &mut String) {
@@ -94,7 +129,7 @@ fn unmet(run: &Run, out: &mut String) {
     }
     out.push_str("\n### Required, and not evaluated\n\n");
     for unmet in &run.unmet {
-        let mut words = escaped(&unmet.why.join("; "));
+        let mut words = escaped(&unmet.reason());
         match (&unmet.waived, &unmet.record) {
             (Some(waived), _) => {
                 let _ = write!(words, "  \n  waived: {}", escaped(&waived.words()));

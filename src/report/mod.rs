@@ -8,7 +8,7 @@ mod gitlab;
 mod html;
 pub mod init;
 pub mod json;
-mod json_lines;
+pub mod json_lines;
 mod junit;
 mod markdown;
 mod place;

@@ -173,11 +173,7 @@ fn notifications(run: &Run, numbers: &BTreeMap<&str, usize>) -> Vec<Value> {
         }));
     }
     for unmet in &run.unmet {
-        let mut text = format!(
-            "{} had to be evaluated and was not: {}",
-            unmet.rule,
-            unmet.why.join("; ")
-        );
+        let mut text = format!("{} had to be evaluated and was not: {}", unmet.rule, unmet.reason());
         if let Some(waived) = &unmet.waived {
             text = format!("{text} (waived: {})", waived.words());
         } else if let Some(record) = &unmet.record {
@@ -190,7 +186,7 @@ fn notifications(run: &Run, numbers: &BTreeMap<&str, usize>) -> Vec<Value> {
         }));
     }
     for source in run.unread() {
-        let detail = source.detail.as_deref().unwrap_or("could not be read in full");
+        let detail = source.shortfall();
         notifications.push(json!({
             "level": "error",
             "message": {"text": format!("{}: {}: {detail}", source.path, source.status.word())},

@@ -70,6 +70,9 @@ pub trait Rule {
     /// that the world holds no subject.
     fn judge(world: &World, limits: &Self::Limits, out: &mut Judge);
 
+    /// Whether the rule compares recordings of one platform: it is asked for each of them, and once more for all together.
+    const ACROSS: bool = false;
+
     /// Whether the rule speaks of what the user accepts.
     const OF_GATE: bool = false;
 
@@ -152,6 +155,8 @@ pub struct Entry {
     pub review: Option<Review>,
     /// Loads the limits and judges what the user accepts, where the rule does that instead.
     pub gate: Option<Gate>,
+    /// Whether it compares recordings.
+    pub across: bool,
     /// Loads the limits only.
     pub check_limits: fn(&Front) -> Result<(), PageError>,
 }
@@ -167,6 +172,7 @@ const fn entry<R: Rule>() -> Entry {
         },
         review: if R::REVIEWS { Some(review::<R>) } else { None },
         gate: if R::OF_GATE { Some(gate::<R>) } else { None },
+        across: R::ACROSS,
         check_limits: |front| front.limits::<R::Limits>().map(|_| ()),
     }
 }

@@ -278,7 +278,7 @@ impl Scope {
 }
 
 /// Whether the whole path, or what stands behind one of its slashes, is meant.
-fn ends_with(glob: &GlobMatcher, path: &str) -> bool {
+pub(crate) fn ends_with(glob: &GlobMatcher, path: &str) -> bool {
     let behind = path.match_indices('/').filter_map(|(at, _)| path.get(at + 1..));
     glob.is_match(path) || behind.into_iter().any(|end| glob.is_match(end))
 }

@@ -182,6 +182,39 @@ impl World {
         })
     }
 
+    /// The same platform with nothing but what these sources say.
+    #[must_use]
+    pub fn only(&self, has: impl Fn(SourceId) -> bool) -> Self {
+        fn kept<T: Clone>(facts: &[T], has: impl Fn(&T) -> bool) -> Vec<T> {
+            facts.iter().filter(|fact| has(fact)).cloned().collect()
+        }
+        let at = |place: &Place| has(place.source);
+        Self {
+            label: self.label.clone(),
+            sources: Arc::clone(&self.sources),
+            members: kept(&self.members, |id| has(*id)),
+            claims: kept(&self.claims, |one| at(&one.place)),
+            robots: kept(&self.robots, |one| has(one.source)),
+            frames: kept(&self.frames, |one| at(&one.place)),
+            bags: kept(&self.bags, |one| has(one.source)),
+            chains: kept(&self.chains, |one| at(&one.place)),
+            references: kept(&self.references, |one| at(&one.path.place)),
+            conventions: Arc::clone(&self.conventions),
+            origins: kept(&self.origins, |one| at(&one.place)),
+            ousters: kept(&self.ousters, |one| at(&one.place)),
+            tables: Arc::clone(&self.tables),
+            dataset: self.dataset.clone(),
+            projections: kept(&self.projections, |one| at(&one.place)),
+            publishers: kept(&self.publishers, |one| at(&one.place)),
+            localizations: kept(&self.localizations, |one| {
+                one.values.values().next().is_none_or(|value| at(&value.place))
+            }),
+            jpl: kept(&self.jpl, |one| at(&one.place)),
+            graph: OnceLock::new(),
+            derived: Derived::default(),
+        }
+    }
+
     /// Adds what a reader found.
     pub fn absorb(&mut self, facts: Facts) {
         self.claims.extend(facts.claims);

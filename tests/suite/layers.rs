@@ -29,7 +29,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
             &["source", "world", "read", "tables", "verdict", "run", "gate"],
         ),
         ("fix", &["source", "verdict", "run"]),
-        ("gate", &["source", "verdict", "page", "run"]),
+        ("gate", &["source", "world", "verdict", "page", "run"]),
         (
             "engine",
             &[

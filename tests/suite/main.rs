@@ -33,6 +33,7 @@ mod messages;
 mod pages;
 mod readme;
 mod recipe;
+mod recordings;
 mod relations;
 mod robots;
 mod rosbag1;

@@ -21,7 +21,7 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::source::{Place, ReadStatus, Source};
+use crate::source::{Place, ReadStatus, Source, SourceId, SourceKind};
 
 use compressed::Inflate;
 use metadata::Metadata;
@@ -227,6 +227,34 @@ pub fn read(
         task.source.detail.get_or_insert(detail);
     }
     extent
+}
+
+/// First and last log time of a recording, nanoseconds, as its index says; without one, of what little of it is read for that. `None`
+/// where it holds no messages, or can't be read.
+pub fn span_ns(recording: &Recording<'_>) -> Option<(i64, i64)> {
+    struct Times(Option<(i64, i64)>);
+    impl Visit for Times {
+        fn channel(&mut self, _channel: &Channel) {}
+        fn message(&mut self, _channel: &Channel, message: &Message<'_>) {
+            let (first, last) = self.0.unwrap_or((message.log_ns, message.log_ns));
+            self.0 = Some((first.min(message.log_ns), last.max(message.log_ns)));
+        }
+        fn seam(&mut self) {}
+    }
+    let wanted = Wanted {
+        sampling: Some(Sampling {
+            windows: 1,
+            seconds: 0.0,
+            bytes: 0,
+            carried: None,
+        }),
+        throughout: &|_| false,
+        in_a_row: &|_| false,
+    };
+    let mut times = Times(None);
+    let mut nowhere = Source::new(SourceId(0), "", SourceKind::Unsupported);
+    let extent = read(recording, &wanted, &mut nowhere, &|_, _| {}, &mut times);
+    extent.span_ns.or(times.0)
 }
 
 /// Reads one file. `metadata` is what the recording's `metadata.yaml` says, where there is one.

@@ -9,6 +9,7 @@ use maud::{Markup, html};
 
 use crate::page::Status;
 use crate::run::RuleInfo;
+use crate::verdict::waiver::plain_subject;
 use crate::verdict::{Measured, Outcome, Row};
 
 use super::super::terminal::Spelled;
@@ -44,8 +45,15 @@ const FAMILIES: &[(&str, &str)] = &[
     ("GATE", "Waivers"),
 ];
 
-/// Where in the rows an item stands.
-type Item<'a> = (usize, &'a Row);
+/// An item of the list.
+#[derive(Clone, Copy)]
+struct Item<'a> {
+    /// Where in the rows it stands.
+    index: usize,
+    row: &'a Row,
+    /// For how many recordings it stands.
+    times: usize,
+}
 
 /// The list with the choice of what is shown.
 pub(super) fn render(page: &Page, shown: &Shown, drawn: &Drawn) -> Option<Markup> {
@@ -55,7 +63,12 @@ pub(super) fn render(page: &Page, shown: &Shown, drawn: &Drawn) -> Option<Markup
     }
     let mut items: BTreeMap<&str, Vec<Item>> = BTreeMap::new();
     for (index, row) in run.verdict.rows.iter().enumerate() {
-        items.entry(&row.rule).or_default().push((index, row));
+        items.entry(&row.rule).or_default().push(Item { index, row, times: 1 });
+    }
+    if !run.recordings.is_empty() {
+        for items in items.values_mut() {
+            joined(items, &run.platforms);
+        }
     }
     let mut families: Vec<(&str, Vec<&RuleInfo>)> = Vec::new();
     for rule in &run.rules {
@@ -86,6 +99,23 @@ pub(super) fn render(page: &Page, shown: &Shown, drawn: &Drawn) -> Option<Markup
         }
         p class="nothing" role="status" { "No check is of this kind." }
     })
+}
+
+/// What could not be judged in several recordings for one reason is one item.
+fn joined(items: &mut Vec<Item>, platforms: &[String]) {
+    let mut known: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    let mut kept: Vec<Item> = Vec::with_capacity(items.len());
+    for item in items.drain(..) {
+        let subject = plain_subject(&item.row.subject, platforms);
+        let reason = item.row.reason.as_deref().unwrap_or_default();
+        let at =
+            (item.row.outcome == Outcome::NotEvaluated).then(|| *known.entry((subject, reason)).or_insert(kept.len()));
+        match at.and_then(|at| kept.get_mut(at)) {
+            Some(same) => same.times += 1,
+            None => kept.push(item),
+        }
+    }
+    *items = kept;
 }
 
 fn table(family: &str, title: &str, groups: &Markup) -> Markup {
@@ -138,18 +168,18 @@ fn group(
     let none = Vec::new();
     let mut items: Vec<Item> = items.unwrap_or(&none).clone();
     // What went wrong is not to be among what is counted only.
-    items.sort_by_key(|(index, row)| (rank(row.outcome), *index));
+    items.sort_by_key(|item| (rank(item.row.outcome), item.index));
     let most = MAX_OF_RULE.min(*room);
     let left = items.split_off(most.min(items.len()));
     *room -= items.len();
     let mut classes: BTreeSet<String> = BTreeSet::new();
-    for (_, row) in items.iter().chain(&left) {
-        classes.insert(format!("has-{}", class(row.outcome)));
+    for item in items.iter().chain(&left) {
+        classes.insert(format!("has-{}", class(item.row.outcome)));
     }
     let classes: Vec<String> = classes.into_iter().collect();
     let name = rule.map(|rule| rule.name.as_str());
     let name = name
-        .or_else(|| items.first().map(|(_, row)| row.name.as_str()))
+        .or_else(|| items.first().map(|item| item.row.name.as_str()))
         .unwrap_or_default();
     let head = html! {
         th scope="rowgroup" id={ "rule-" (code) } {
@@ -167,13 +197,13 @@ fn group(
     };
     html! {
         tbody class=(classes.join(" ")) {
-            @if let Some((index, row)) = whole {
-                tr class={ "rule item " (class(row.outcome)) } {
+            @if let Some(item) = whole {
+                tr class={ "rule item " (class(item.row.outcome)) } {
                     (head)
-                    td { (result(page, row)) }
+                    td { (result(page, item.row)) }
                     td {
-                        @if row.subject != "platform" { p class="label" { (words(&row.subject)) } }
-                        (evidence(page, shown, drawn, index, row))
+                        @if item.row.subject != "platform" { p class="label" { (subject(page, &item)) } }
+                        (evidence(page, shown, drawn, &item))
                     }
                 }
             } @else {
@@ -181,11 +211,11 @@ fn group(
                     (head)
                     td colspan="2" { (counts(&items, &left)) }
                 }
-                @for (index, row) in &items {
-                    tr class={ "item " (class(row.outcome)) } {
-                        th scope="row" { (words(&row.subject)) }
-                        td { (result(page, row)) }
-                        td { (evidence(page, shown, drawn, *index, row)) }
+                @for item in &items {
+                    tr class={ "item " (class(item.row.outcome)) } {
+                        th scope="row" { (subject(page, item)) }
+                        td { (result(page, item.row)) }
+                        td { (evidence(page, shown, drawn, item)) }
                     }
                 }
                 @if !left.is_empty() {
@@ -228,8 +258,8 @@ fn class(of: Outcome) -> &'static str {
 
 fn counts(items: &[Item], left: &[Item]) -> Markup {
     let mut counts: BTreeMap<usize, (Outcome, usize)> = BTreeMap::new();
-    for (_, row) in items.iter().chain(left) {
-        counts.entry(rank(row.outcome)).or_insert((row.outcome, 0)).1 += 1;
+    for Item { row, times, .. } in items.iter().chain(left) {
+        counts.entry(rank(row.outcome)).or_insert((row.outcome, 0)).1 += times;
     }
     html! {
         @if counts.is_empty() { "no item" }
@@ -254,7 +284,16 @@ fn result(page: &Page, row: &Row) -> Markup {
     badge(class, sign, word)
 }
 
-fn evidence(page: &Page, shown: &Shown, drawn: &Drawn, index: usize, row: &Row) -> Markup {
+fn subject(page: &Page, item: &Item) -> Markup {
+    if item.times == 1 {
+        return words(&item.row.subject);
+    }
+    let subject = plain_subject(&item.row.subject, &page.run.platforms);
+    html! { (words(subject)) " in " (plural(item.times, "recording")) }
+}
+
+fn evidence(page: &Page, shown: &Shown, drawn: &Drawn, item: &Item) -> Markup {
+    let (index, row) = (item.index, item.row);
     let findings = page.findings_of(&row.rule, &row.subject);
     html! {
         @if let Some(reason) = &row.reason { p { (words(reason)) } }

@@ -82,6 +82,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn, call: &Call) -> String {
     let drawn = plots::Drawn::new(run, &shown);
     let parts = [
         ("required", "Required, and not evaluated", summary::required(&page)),
+        ("recordings", "Recordings", summary::recordings(&page)),
         ("findings", "Findings", Some(findings::open(&page, &shown, &drawn))),
         ("waived", "Waived findings", findings::waived(&page, &shown, &drawn)),
         ("checklist", "Checklist", checklist::render(&page, &shown, &drawn)),
@@ -171,6 +172,9 @@ fn tree(run: &Run) -> Option<Markup> {
     }
     let (width, height) = (drawing.width, drawing.height);
     Some(html! {
+        @if let Some(first) = run.recordings.first() {
+            p { "This is the tree of " code { (words::plain(&first.label)) } ", the first recording." }
+        }
         p class="hint" {
             "Roots stand at the left. Each box has the pose in its parent and the file or topic that states it first; who else states it \
              is in the tooltip."

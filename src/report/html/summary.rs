@@ -3,7 +3,7 @@
 
 use maud::{Markup, html};
 
-use crate::run::{Unmet, VerdictWord};
+use crate::run::{Recording, Unmet, VerdictWord};
 use crate::source::{Source, SourceKind};
 use crate::verdict::Waived;
 
@@ -19,11 +19,7 @@ const MAX_UNMET: usize = 200;
 
 /// What the page is called.
 pub(super) fn title(page: &Page) -> String {
-    let word = match page.run.summary(page.fail_on).verdict {
-        VerdictWord::Clean => "Clean",
-        VerdictWord::Findings => "Findings",
-        VerdictWord::Incomplete => "Incomplete",
-    };
+    let (_, _, word) = signed(page.run.summary(page.fail_on).verdict);
     let name = inputs(page).next().map_or_else(String::new, |input| {
         let path = plain(&input.path);
         let last = path.rsplit('/').next().unwrap_or(&path);
@@ -47,21 +43,17 @@ fn inputs<'a>(page: &Page<'a>) -> impl Iterator<Item = &'a Source> {
 pub(super) fn header(page: &Page) -> Markup {
     let run = page.run;
     let summary = run.summary(page.fail_on);
-    let (class, sign, word) = match summary.verdict {
-        VerdictWord::Clean => ("pass", "✓", "Clean"),
-        VerdictWord::Findings => ("fail", "✗", "Findings"),
-        VerdictWord::Incomplete => ("open", "!", "Incomplete"),
-    };
+    let (class, sign, word) = signed(summary.verdict);
     let ending = plain_ending(run, page.fail_on);
     let (_, sentence) = ending.split_once('\n').unwrap_or(("", &ending));
     let tiles = [
-        ("fail", summary.errors, "errors", "#findings"),
-        ("warning", summary.warnings, "warnings", "#findings"),
-        ("note", summary.notes, "notes", "#findings"),
-        ("pass", summary.passed, "checks passed", "#checklist"),
-        ("open", summary.not_evaluated, "not evaluated", "#checklist"),
-        ("waived", summary.waived, "waived", "#checklist"),
-        ("crashed", summary.crashed, "crashed", "#checklist"),
+        ("fail", summary.errors, "errors"),
+        ("warning", summary.warnings, "warnings"),
+        ("note", summary.notes, "notes"),
+        ("pass", summary.passed, "checks passed"),
+        ("open", summary.not_evaluated, "not evaluated"),
+        ("waived", summary.waived, "waived"),
+        ("crashed", summary.crashed, "crashed"),
     ];
     // What there is nothing of need not be looked at, but for faults and passes.
     let is_shown = |count: usize, name: &str| count > 0 || !["waived", "crashed"].contains(&name);
@@ -74,7 +66,7 @@ pub(super) fn header(page: &Page) -> Markup {
             }
             p class="ending" { (words(sentence.trim())) }
             dl class="counts" {
-                @for (class, count, name, _) in tiles.iter().filter(|tile| is_shown(tile.1, tile.2)) {
+                @for (class, count, name) in tiles.iter().filter(|tile| is_shown(tile.1, tile.2)) {
                     div class={ (class) @if *count == 0 { " none" } } {
                         dt { (name) }
                         dd { (count) }
@@ -91,6 +83,61 @@ pub(super) fn header(page: &Page) -> Markup {
             }
             @if let Some(day) = &page.call.day { p class="of" { span class="label" { "Day: " } (day) } }
         }
+    }
+}
+
+/// The verdict of each recording, where there are several.
+pub(super) fn recordings(page: &Page) -> Option<Markup> {
+    let recordings = &page.run.recordings;
+    if recordings.is_empty() {
+        return None;
+    }
+    Some(html! {
+        p class="hint" {
+            "Each recording was judged with the files that belong to its platform, and without the other recordings. What was found in \
+             those files counts for each of them, and stands once below."
+        }
+        div class="wide" role="region" aria-label="Recordings" tabindex="0" {
+            table {
+                thead {
+                    tr {
+                        th scope="col" { "Recording" }
+                        th scope="col" { "Verdict" }
+                        th scope="col" { "Errors" }
+                        th scope="col" { "Warnings" }
+                        th scope="col" { "Passed" }
+                        th scope="col" { "Not evaluated" }
+                        th scope="col" { "Because" }
+                    }
+                }
+                tbody { @for recording in recordings { (recording_row(recording)) } }
+            }
+        }
+    })
+}
+
+fn recording_row(recording: &Recording) -> Markup {
+    let summary = &recording.summary;
+    let (class, sign, word) = signed(summary.verdict);
+    html! {
+        tr {
+            th scope="row" { code { (plain(&recording.label)) } }
+            td { (badge(class, sign, word)) }
+            td { (summary.errors) }
+            td { (summary.warnings) }
+            td { (summary.passed) }
+            td { (summary.not_evaluated) }
+            td { @if let Some(because) = &recording.because { (words(because)) } }
+        }
+    }
+}
+
+/// Class, sign and word of a verdict.
+fn signed(verdict: VerdictWord) -> (&'static str, &'static str, &'static str) {
+    match verdict {
+        VerdictWord::Clean => ("pass", "✓", "Clean"),
+        VerdictWord::Findings => ("fail", "✗", "Findings"),
+        VerdictWord::Incomplete => ("open", "!", "Incomplete"),
     }
 }
 
@@ -120,7 +167,7 @@ fn row(unmet: &Unmet) -> Markup {
                 @if let Some(subject) = &unmet.subject { " of " code { (plain(subject)) } }
                 p class="small" { "required in " (plain(&unmet.origin)) }
             }
-            td { ul class="bare" { @for why in &unmet.why { li { (words(why)) } } } }
+            td { ul class="bare" { @for why in unmet.reasons() { li { (words(&why)) } } } }
             td {
                 @if let Some(waived) = &unmet.waived { (accepted(waived)) }
                 @else if let Some(record) = &unmet.record { (words(record)) }

@@ -49,6 +49,7 @@ fn every_outcome_stands_with_its_sign_its_word_and_its_evidence() {
         why: vec!["missing input: no URDF".to_owned()],
         record: Some("record `/robot_description`".to_owned()),
         origin: "frames-lint.yaml:3".to_owned(),
+        recordings: Vec::new(),
         waived: None,
     }];
     let (text, document) = page(&run);

@@ -12,6 +12,7 @@ use super::super::style::Ink;
 use super::super::text::{list, one_line, plural, wrap};
 use super::Options;
 use super::gate::unmet_words;
+use super::recordings;
 
 pub(super) fn ending(run: &Run, options: &Options, out: &mut String) {
     let summary = run.summary(options.fail_on);
@@ -67,6 +68,7 @@ fn verdict(run: &Run, summary: &Summary, options: &Options) -> (Ink, String) {
     let ink = match summary.verdict {
         VerdictWord::Findings => {
             sentences.push(format!("Not clean: {}.", counting(run, options.fail_on)));
+            sentences.extend(recordings::sentence(run));
             sentences.extend(crash);
             sentences.extend(unread(run));
             sentences.extend(unmet_words(run));
@@ -81,7 +83,8 @@ fn verdict(run: &Run, summary: &Summary, options: &Options) -> (Ink, String) {
             Ink::Error
         }
         VerdictWord::Incomplete => {
-            let why: Vec<String> = crash.into_iter().chain(unread(run)).chain(unmet_words(run)).collect();
+            let why = crash.into_iter().chain(unread(run)).chain(unmet_words(run));
+            let why: Vec<String> = why.chain(recordings::sentence(run)).collect();
             sentences.push(format!("Incomplete: {}", why.join(" ")));
             sentences.push(format!(
                 "What could be checked: {} passed.",
@@ -99,6 +102,7 @@ fn verdict(run: &Run, summary: &Summary, options: &Options) -> (Ink, String) {
                     plural(inputs, "input")
                 ),
             });
+            sentences.extend(recordings::sentence(run));
             Ink::Good
         }
     };

@@ -91,8 +91,8 @@ fn told(unmet: &Unmet, style: Style, out: &mut String) {
         .map_or_else(String::new, |subject| format!(" of `{subject}`"));
     let head = style.paint(Ink::Strong, &format!("{} {}", unmet.rule, unmet.name));
     let _ = writeln!(out, "  {head}{} ({})", one_line(&subject), one_line(&unmet.origin));
-    for why in &unmet.why {
-        let _ = writeln!(out, "{}", wrap(&one_line(why), style.width, "    ", "      "));
+    for why in unmet.reasons() {
+        let _ = writeln!(out, "{}", wrap(&one_line(&why), style.width, "    ", "      "));
     }
 }
 
@@ -105,7 +105,7 @@ pub(super) fn unmet_words(run: &Run) -> Option<String> {
 
 /// Waived findings and required rules that were not evaluated, a line each.
 pub(super) fn concise(run: &Run, locator: &Locator, style: Style, out: &mut String) {
-    for one in run.verdict.findings.iter().filter(|one| one.waived.is_some()) {
+    for one in run.verdict.waived() {
         let words = one.waived.as_ref().map(Waived::words).unwrap_or_default();
         out.push_str("waived: ");
         finding::line(one, locator, style, out);
@@ -113,7 +113,7 @@ pub(super) fn concise(run: &Run, locator: &Locator, style: Style, out: &mut Stri
         let _ = writeln!(out, " [{}]", one_line(&words));
     }
     for unmet in run.lacking() {
-        let why = one_line(&unmet.why.join("; "));
+        let why = one_line(&unmet.reason());
         let _ = writeln!(
             out,
             "{}: required {} was not evaluated: {why}",

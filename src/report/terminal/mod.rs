@@ -6,6 +6,7 @@ mod ending;
 mod finding;
 mod gate;
 mod inputs;
+mod recordings;
 mod rows;
 mod snippet;
 #[cfg(test)]
@@ -58,6 +59,7 @@ pub fn render(run: &Run, options: &Options) -> String {
     inputs::skipped(run, options, &mut out);
     rows::not_evaluated(run, options, &mut out);
     rows::crashed(run, options.style, &mut out);
+    recordings::table(run, options.style, &mut out);
     ending::ending(run, options, &mut out);
     out
 }
@@ -71,7 +73,7 @@ pub fn render_concise(run: &Run, options: &Options) -> String {
     }
     gate::concise(run, &locator, options.style, &mut out);
     for source in run.unread() {
-        let detail = source.detail.as_deref().unwrap_or("could not be read in full");
+        let detail = source.shortfall();
         let _ = writeln!(out, "{}: {}", one_line(&locator.name(source.id)), one_line(detail));
     }
     ending::ending(run, options, &mut out);
@@ -79,7 +81,7 @@ pub fn render_concise(run: &Run, options: &Options) -> String {
 }
 
 /// The last two lines of the report, without colour and line breaks.
-pub(super) fn plain_ending(run: &Run, fail_on: FailOn) -> String {
+pub fn plain_ending(run: &Run, fail_on: FailOn) -> String {
     render_ending(
         run,
         &Options {

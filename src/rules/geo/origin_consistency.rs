@@ -43,6 +43,7 @@ impl Rule for OriginConsistency {
     const PAGE: &'static str = include_str!("../../../rules/geo/origin-consistency.md");
     const NEEDS: &'static [Need] = &[];
     const EVIDENCE: Evidence = Evidence::MOTION;
+    const ACROSS: bool = true;
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {

@@ -31,6 +31,7 @@ pub struct Limits {
 impl Rule for StaticTransformChanges {
     const PAGE: &'static str = include_str!("../../../rules/tree/static-transform-changes.md");
     const NEEDS: &'static [Need] = &[Need::Tf];
+    const ACROSS: bool = true;
     type Limits = Limits;
 
     fn judge(world: &World, limits: &Limits, out: &mut Judge) {

@@ -1,0 +1,570 @@
+//! Several recordings in one run: each is judged with everything that belongs to its platform but without the others, and has a
+//! verdict of its own, the same as if it had been checked alone. What compares recordings is asked once more for all together.
+//!
+//! Owns what is kept of a recording when it has been judged, so that a run needs memory for a few of them at a time.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::{Arc, Mutex, PoisonError};
+
+use crate::gate::Laid;
+use crate::progress::Progress;
+use crate::read::discover::Inputs;
+use crate::run::{Grown, Recording, Run};
+use crate::source::{Derived, Source, SourceId, SourceKind};
+use crate::verdict::waiver::plain_subject;
+use crate::verdict::{Finding, Label, Outcome, Row, Verdict};
+use crate::world::{Facts, World};
+
+use super::evidence::Saved;
+use super::gather::source_id;
+use super::{
+    Declared, Demanded, Gate, Member, Reading, Renumber, Setup, UsageError, add_config, judge, judge_all, merged,
+    parallel, platform, sampling, sessions,
+};
+
+/// Several recordings, of which each has its verdict.
+pub(super) fn check(
+    setup: &Setup,
+    inputs: &Inputs,
+    drives: &[Vec<usize>],
+    saved: Vec<Saved>,
+    told: &mut dyn FnMut(&Run, &Grown),
+) -> Result<Run, UsageError> {
+    let progress = Progress::new(setup.options.progress);
+    let reading = Reading {
+        inputs,
+        options: setup.options,
+        config: setup.config.as_ref(),
+        definitions: &setup.definitions,
+        progress: &progress,
+    };
+    let mut shared = Shared::read(&reading, drives);
+    let declared = setup
+        .config
+        .as_ref()
+        .map(|config| Declared::new(config, &mut shared.sources));
+    let gate = Gate::new(setup.options, setup.config.as_ref(), &setup.rules, &mut shared.sources)?;
+    let room = Room {
+        setup,
+        reading,
+        shared: &shared,
+        declared: declared.as_ref(),
+        gate: &gate,
+        beside: Mutex::default(),
+    };
+    let mut whole = Whole {
+        run: setup.run(shared.sources.clone(), inputs.skipped.clone()),
+        laid: Laid::default(),
+        of_files: OfFiles::default(),
+        told,
+    };
+    let given = (0..shared.sources.len()).filter(|number| !drives.iter().flatten().any(|index| index == number));
+    whole.tell(given.collect(), 0, 0, None);
+    let mut covered = BTreeSet::new();
+    let mut left = Vec::new();
+    // As many at a time as there are cores: what is read of the others waits for nothing and fills no memory.
+    for drives in drives.chunks(rayon::current_num_threads().max(1)) {
+        for mut drive in parallel::map(drives.iter().collect(), |drive| room.judge(drive)) {
+            covered.extend(drive.covered.iter().copied());
+            left.push(std::mem::take(&mut drive.left));
+            let renumber = Renumber::behind(shared.sources.len(), whole.run.sources.len());
+            whole.add(drive, renumber);
+        }
+    }
+    room.judge_rest(&covered, &mut whole);
+    room.judge_across(left, &mut whole);
+    for saved in saved {
+        judge_evidence(&room, saved, &mut whole);
+    }
+    Ok(whole.end(&room))
+}
+
+/// What is no recording: read once, and judged with each of them.
+struct Shared {
+    /// Every input of the run at its number, recordings still unread; behind them what came out of the files that are none, and the
+    /// configuration.
+    sources: Vec<Source>,
+    members: Vec<Member>,
+}
+
+impl Shared {
+    fn read(reading: &Reading, drives: &[Vec<usize>]) -> Self {
+        let inputs = reading.inputs;
+        let recordings: BTreeSet<usize> = drives.iter().flatten().copied().collect();
+        let files: Vec<usize> = (0..inputs.files.len())
+            .filter(|index| !recordings.contains(index))
+            .collect();
+        // Files are read whole, whatever is asked of recordings.
+        let plan = sampling::Plan::new(reading.options.extent, &[]);
+        let (read, members) = reading.members(&files, inputs.files.len(), &plan);
+        let mut sources: Vec<Source> = inputs
+            .files
+            .iter()
+            .enumerate()
+            .map(|(index, input)| Source::new(source_id(index), input.display.clone(), input.kind))
+            .collect();
+        put(&mut sources, read);
+        Self { sources, members }
+    }
+}
+
+/// Puts sources where they belong; those that are new, at the end.
+fn put(sources: &mut Vec<Source>, read: Vec<Source>) {
+    for source in read {
+        match sources.get_mut(source.id.0 as usize) {
+            Some(known) => *known = source,
+            None => sources.push(source),
+        }
+    }
+}
+
+/// What is needed to judge.
+struct Room<'a> {
+    setup: &'a Setup<'a>,
+    reading: Reading<'a>,
+    shared: &'a Shared,
+    declared: Option<&'a Declared>,
+    gate: &'a Gate<'a>,
+    /// Verdicts of the platforms that a recording does not belong to, by their sources.
+    beside: Mutex<BTreeMap<Vec<SourceId>, Arc<Verdict>>>,
+}
+
+/// Recordings of one drive, judged.
+struct Drive {
+    recording: Recording,
+    /// The recordings, and what came out of them.
+    sources: Vec<Source>,
+    worlds: Vec<World>,
+    verdict: Verdict,
+    laid: Laid,
+    /// The sources that were judged with it.
+    covered: Vec<SourceId>,
+    /// What is compared with other recordings.
+    left: Vec<(usize, Facts)>,
+}
+
+impl Room<'_> {
+    fn judge(&self, recordings: &[usize]) -> Drive {
+        let mut plan = sampling::Plan::new(self.setup.options.extent, &self.setup.rules);
+        loop {
+            let (own, members) = self.reading.members(recordings, self.shared.sources.len(), &plan);
+            let mut sources = self.shared.sources.clone();
+            put(&mut sources, own.clone());
+            let sources = Arc::new(sources);
+            let from = self.shared.sources.len();
+            let members = self.shared.members.iter().cloned().chain(members);
+            let mut worlds = platform::platforms(members.collect());
+            self.furnish(&mut worlds, &sources);
+            let is_own = |id: &SourceId| recordings.contains(&(id.0 as usize)) || id.0 as usize >= from;
+            let (mut worlds, others): (Vec<World>, Vec<World>) =
+                worlds.into_iter().partition(|world| world.members.iter().any(is_own));
+            let label = name(recordings, &mut worlds, &sources);
+            let verdicts = judge_all(&worlds, &self.setup.rules, true);
+            if !plan.widen(&worlds, &verdicts) {
+                let drive = self.drive(label, recordings, (worlds, &others), merged(verdicts));
+                return Drive { sources: own, ..drive };
+            }
+        }
+    }
+
+    /// Gives worlds their sources and what the configuration declares.
+    fn furnish(&self, worlds: &mut [World], sources: &Arc<Vec<Source>>) {
+        for world in worlds {
+            world.sources = Arc::clone(sources);
+            if let Some(declared) = self.declared {
+                declared.tell(world);
+            }
+        }
+    }
+
+    fn drive(
+        &self,
+        label: String,
+        recordings: &[usize],
+        (mut worlds, others): (Vec<World>, &[World]),
+        mut verdict: Verdict,
+    ) -> Drive {
+        let platforms: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
+        let sources = worlds
+            .first()
+            .map(|world| Arc::clone(&world.sources))
+            .unwrap_or_default();
+        let mut laid = self.gate.lay(&mut verdict, &sources, &platforms);
+        let demanded = Demanded {
+            rows: &verdict.rows,
+            beside: &self.beside(others),
+            recording: Some(&label),
+        };
+        self.gate.demand(&mut laid, &demanded, &platforms);
+        verdict.sort();
+        let covered: Vec<SourceId> = worlds.iter().flat_map(|world| world.members.iter().copied()).collect();
+        let read = covered.iter().filter_map(|id| sources.get(id.0 as usize));
+        let ids = recordings.iter().map(|index| source_id(*index)).collect();
+        let recording = self.recording((label, ids), read, &mut verdict, &laid);
+        let left = worlds.iter_mut().flat_map(slim).collect();
+        for world in &mut worlds {
+            world.sources = Arc::default();
+        }
+        Drive {
+            recording,
+            sources: Vec::new(),
+            worlds,
+            verdict,
+            laid,
+            covered,
+            left,
+        }
+    }
+
+    /// What a run of these sources alone would have come to, with this verdict.
+    fn recording<'s>(
+        &self,
+        (label, sources): (String, Vec<SourceId>),
+        read: impl Iterator<Item = &'s Source>,
+        verdict: &mut Verdict,
+        laid: &Laid,
+    ) -> Recording {
+        let light = |source: &Source| Source {
+            status: source.status,
+            detail: source.detail.clone(),
+            required: source.required,
+            ..Source::new(source.id, source.path.clone(), source.kind)
+        };
+        let run = Run {
+            sources: read.map(light).collect(),
+            verdict: std::mem::take(verdict),
+            unmet: laid.unmet().to_vec(),
+            ..Run::default()
+        };
+        let configured = self.setup.config.as_ref().and_then(crate::config::Config::fail_on);
+        let fail_on = self.setup.options.fail_on.or(configured).unwrap_or_default();
+        let recording = Recording {
+            label,
+            sources,
+            summary: run.summary(fail_on),
+            code: run.exit_code(fail_on),
+            because: run.because(fail_on),
+        };
+        *verdict = run.verdict;
+        recording
+    }
+
+    /// What was judged of platforms beside a recording, where something is required that may have been judged there.
+    fn beside(&self, others: &[World]) -> Vec<Row> {
+        if others.is_empty() || !self.gate.demands() {
+            return Vec::new();
+        }
+        let known = |members: &[SourceId]| {
+            let beside = self.beside.lock().unwrap_or_else(PoisonError::into_inner);
+            beside.get(members).cloned()
+        };
+        let judged = parallel::map(others.iter().collect(), |world| {
+            known(&world.members).unwrap_or_else(|| {
+                let verdict = Arc::new(judge::judge(world, &self.setup.rules, Some(&world.label)));
+                let mut beside = self.beside.lock().unwrap_or_else(PoisonError::into_inner);
+                beside.insert(world.members.clone(), Arc::clone(&verdict));
+                verdict
+            })
+        });
+        judged.iter().flat_map(|verdict| verdict.rows.iter().cloned()).collect()
+    }
+
+    /// Files that belong to the platform of no recording.
+    fn judge_rest(&self, covered: &BTreeSet<SourceId>, whole: &mut Whole) {
+        let members = self
+            .shared
+            .members
+            .iter()
+            .filter(|member| !covered.contains(&member.id));
+        let mut worlds = platform::platforms(members.cloned().collect());
+        if worlds.is_empty() {
+            return;
+        }
+        let sources = Arc::new(self.shared.sources.clone());
+        self.furnish(&mut worlds, &sources);
+        let verdict = merged(judge_all(&worlds, &self.setup.rules, true));
+        let labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
+        whole.lay(verdict, &labels, self.gate);
+    }
+
+    /// What compares the recordings of a platform. Of what it says, everything is left out that was said of one of them.
+    fn judge_across(&self, left: Vec<Vec<(usize, Facts)>>, whole: &mut Whole) {
+        let drives: Vec<Vec<usize>> = left
+            .iter()
+            .map(|left| left.iter().map(|(recording, _)| *recording).collect())
+            .collect();
+        let mut members = self.shared.members.clone();
+        for (recording, facts) in left.into_iter().flatten() {
+            let input = self.reading.inputs.files.get(recording);
+            let read = input.zip(whole.run.sources.get(recording));
+            members.extend(read.map(|(input, source)| Member::new(source, facts, input)));
+        }
+        let mut worlds = platform::platforms(members);
+        let sources = Arc::new(std::mem::take(&mut whole.run.sources));
+        self.furnish(&mut worlds, &sources);
+        let compared = self.compare(&worlds, &drives, whole);
+        drop(worlds);
+        whole.run.sources = Arc::unwrap_or_clone(sources);
+        if let Some((verdict, labels)) = compared {
+            whole.lay(verdict, &labels, self.gate);
+        }
+    }
+
+    /// What the rules that compare recordings say of platforms with several drives, with the names of these platforms.
+    fn compare(&self, worlds: &[World], drives: &[Vec<usize>], whole: &Whole) -> Option<(Verdict, Vec<String>)> {
+        let drive_of: BTreeMap<usize, usize> = (0..)
+            .zip(drives)
+            .flat_map(|(drive, recordings)| recordings.iter().map(move |recording| (*recording, drive)))
+            .collect();
+        let are_several = |ids: &mut dyn Iterator<Item = SourceId>| {
+            let drives: BTreeSet<&usize> = ids.filter_map(|id| drive_of.get(&(id.0 as usize))).collect();
+            drives.len() > 1
+        };
+        let worlds: Vec<&World> = worlds
+            .iter()
+            .filter(|world| are_several(&mut world.members.iter().copied()))
+            .collect();
+        if worlds.is_empty() {
+            return None;
+        }
+        let labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
+        let rules: Vec<_> = self.setup.rules.iter().filter(|rule| rule.entry.across).collect();
+        let mut verdict = merged(parallel::map(worlds, |world| {
+            judge::judge(world, rules.iter().copied(), Some(&world.label))
+        }));
+        let compares = |finding: &Finding| are_several(&mut finding.places.iter().map(|label| label.place.source));
+        verdict.findings.retain(compares);
+        let key = |row: &Row, platforms: &[String]| {
+            let subject = plain_subject(&row.subject, platforms);
+            (row.rule.clone(), subject.to_owned())
+        };
+        let before = &whole.run;
+        let known: BTreeSet<_> = before
+            .verdict
+            .rows
+            .iter()
+            .map(|row| key(row, &before.platforms))
+            .collect();
+        let found: BTreeSet<(&str, &str)> = verdict
+            .findings
+            .iter()
+            .map(|finding| (finding.rule.as_str(), finding.subject.as_str()))
+            .collect();
+        verdict.rows.retain(|row| match row.outcome {
+            Outcome::Fail => found.contains(&(row.rule.as_str(), row.subject.as_str())),
+            _ => !known.contains(&key(row, &labels)),
+        });
+        Some((verdict, labels))
+    }
+}
+
+/// Calls worlds by their recordings; the name of all of them.
+fn name(recordings: &[usize], worlds: &mut [World], sources: &[Source]) -> String {
+    let path = |id: usize| {
+        let source = sources.get(id)?;
+        // A rosbag2 is its folder.
+        let is_folder = source.kind == SourceKind::Rosbag2;
+        let folder = source.path.strip_suffix("/metadata.yaml").filter(|_| is_folder);
+        Some(folder.unwrap_or(&source.path))
+    };
+    for world in worlds {
+        let own = world.members.iter().map(|id| id.0 as usize);
+        let names: Vec<&str> = own.filter(|id| recordings.contains(id)).filter_map(path).collect();
+        world.label = names.join(" + ");
+    }
+    let names: Vec<&str> = recordings.iter().filter_map(|id| path(*id)).collect();
+    names.join(" + ")
+}
+
+/// Takes out of the recordings of a judged world what nobody compares: the points of clouds and scans. What is left, by the recordings'
+/// numbers.
+fn slim(world: &mut World) -> Vec<(usize, Facts)> {
+    let frames = &world.frames;
+    let bags = world.bags.iter_mut().map(|bag| {
+        for topic in bag.topics.values_mut() {
+            topic.content.clouds = None;
+            topic.content.lasers = None;
+            topic.content.radar = None;
+            topic.content.grids = None;
+            topic.content.images = None;
+        }
+        let frames = frames.iter().filter(|used| used.place.source == bag.source).cloned();
+        let facts = Facts {
+            frames: frames.collect(),
+            bags: vec![bag.clone()],
+            ..Facts::default()
+        };
+        (bag.source.0 as usize, facts)
+    });
+    bags.collect()
+}
+
+/// The run as it grows.
+struct Whole<'a> {
+    run: Run,
+    laid: Laid,
+    of_files: OfFiles,
+    told: &'a mut dyn FnMut(&Run, &Grown),
+}
+
+/// What was found in files that are no recordings: it is the same with every recording, and told once, as of none.
+#[derive(Default)]
+struct OfFiles {
+    findings: BTreeSet<(String, String, String, Vec<Label>)>,
+    rows: BTreeSet<(String, String, Outcome)>,
+}
+
+impl OfFiles {
+    /// The verdict of a drive without what was told before.
+    fn once(&mut self, mut verdict: Verdict, platforms: &[String], sources: &[Source]) -> Verdict {
+        let is_file = |label: &Label| {
+            let source = sources.get(label.place.source.0 as usize);
+            source.is_some_and(|source| !source.kind.is_bag() && !matches!(source.derived, Some(Derived::Message(_))))
+        };
+        let key = |rule: &str, subject: &str| (rule.to_owned(), subject.to_owned());
+        let (mut of_files, mut of_drive) = (BTreeSet::new(), BTreeSet::new());
+        verdict.findings.retain_mut(|finding| {
+            let known = key(&finding.rule, &finding.subject);
+            if !finding.places.iter().all(is_file) {
+                of_drive.insert(known);
+                return true;
+            }
+            of_files.insert(known);
+            finding.subject = plain_subject(&finding.subject, platforms).to_owned();
+            self.findings.insert((
+                finding.rule.clone(),
+                finding.subject.clone(),
+                finding.message.clone(),
+                finding.places.clone(),
+            ))
+        });
+        let mut rows = Vec::with_capacity(verdict.rows.len());
+        for row in verdict.rows {
+            let known = key(&row.rule, &row.subject);
+            if !of_files.contains(&known) {
+                rows.push(row);
+                continue;
+            }
+            let subject = plain_subject(&row.subject, platforms).to_owned();
+            if self.rows.insert((row.rule.clone(), subject.clone(), row.outcome)) {
+                rows.push(Row { subject, ..row.clone() });
+            }
+            if of_drive.contains(&known) {
+                rows.push(row);
+            }
+        }
+        verdict.rows = rows;
+        verdict
+    }
+}
+
+impl Whole<'_> {
+    fn add(&mut self, mut drive: Drive, renumber: Renumber) {
+        renumber.all(&mut drive.sources, &mut drive.verdict);
+        drive.laid.renumber(|place| renumber.place(place));
+        let new: Vec<usize> = drive.sources.iter().map(|source| source.id.0 as usize).collect();
+        put(&mut self.run.sources, drive.sources);
+        self.run
+            .platforms
+            .extend(drive.worlds.iter().map(|world| world.label.clone()));
+        if self.run.worlds.is_empty() && renumber.is_none() {
+            self.run.worlds = drive.worlds;
+        }
+        let verdict = self
+            .of_files
+            .once(drive.verdict, &self.run.platforms, &self.run.sources);
+        self.take(verdict, drive.laid, new, Some(drive.recording));
+    }
+
+    /// Lays what is asked of the gate over what was judged apart from the recordings, and adds it.
+    fn lay(&mut self, mut verdict: Verdict, labels: &[String], gate: &Gate) {
+        let laid = gate.lay(&mut verdict, &self.run.sources, labels);
+        verdict.sort();
+        self.run.platforms.extend(labels.iter().cloned());
+        self.take(verdict, laid, Vec::new(), None);
+    }
+
+    fn take(&mut self, verdict: Verdict, laid: Laid, new: Vec<usize>, recording: Option<Recording>) {
+        let (rows, findings) = (self.run.verdict.rows.len(), self.run.verdict.findings.len());
+        self.laid.join(laid);
+        self.run.verdict.extend(verdict);
+        let number = recording.is_some().then_some(self.run.recordings.len());
+        self.run.recordings.extend(recording);
+        self.tell(new, rows, findings, number);
+    }
+
+    fn tell(&mut self, sources: Vec<usize>, rows: usize, findings: usize, recording: Option<usize>) {
+        let grown = Grown {
+            sources,
+            rows: rows..self.run.verdict.rows.len(),
+            findings: findings..self.run.verdict.findings.len(),
+            recording,
+        };
+        (self.told)(&self.run, &grown);
+    }
+
+    fn end(mut self, room: &Room) -> Run {
+        let (rows, findings) = (self.run.verdict.rows.len(), self.run.verdict.findings.len());
+        room.gate
+            .close(std::mem::take(&mut self.laid), &mut self.run, &room.setup.rules);
+        self.tell(Vec::new(), rows, findings, None);
+        self.run.verdict.sort();
+        self.run
+    }
+}
+
+/// A document of evidence: recordings that were read elsewhere.
+fn judge_evidence(room: &Room, saved: Saved, whole: &mut Whole) {
+    let Saved {
+        mut worlds,
+        mut sources,
+        skipped,
+    } = saved;
+    if let Some(config) = &room.setup.config {
+        sources = add_config(&mut worlds, sources, config);
+    }
+    let before = whole.run.sources.len();
+    let renumber = Renumber::behind(0, before);
+    let mut own = sources.to_vec();
+    renumber.all(&mut own, &mut Verdict::default());
+    whole.run.sources.extend(own);
+    let (rows, findings) = (whole.run.verdict.rows.len(), whole.run.verdict.findings.len());
+    whole.tell((before..whole.run.sources.len()).collect(), rows, findings, None);
+    for (what, count) in skipped {
+        *whole.run.skipped.entry(what).or_default() += count;
+    }
+    let drives = sessions::of_worlds(&worlds, &sources);
+    for recordings in &drives {
+        let is_of = |id: SourceId| recordings.contains(&(id.0 as usize));
+        // What came out of a recording has its path.
+        let others = worlds
+            .iter()
+            .flat_map(|world| &world.bags)
+            .filter(|bag| !is_of(bag.source));
+        let others: BTreeSet<&str> = others
+            .filter_map(|bag| sources.get(bag.source.0 as usize))
+            .map(|source| source.path.as_str())
+            .collect();
+        let stays = |id: SourceId| {
+            let source = sources.get(id.0 as usize);
+            is_of(id) || source.is_none_or(|source| !others.contains(source.path.as_str()))
+        };
+        let of_drive = worlds.iter().filter(|world| world.members.iter().any(|id| is_of(*id)));
+        let mut parts: Vec<World> = of_drive.map(|world| world.only(stays)).collect();
+        let label = name(recordings, &mut parts, &sources);
+        let verdict = merged(judge_all(&parts, &room.setup.rules, true));
+        let mut drive = room.drive(label, recordings, (parts, &[]), verdict);
+        for id in &mut drive.recording.sources {
+            *id = source_id(id.0 as usize + before);
+        }
+        whole.add(drive, renumber);
+    }
+    let rest: Vec<World> = worlds.iter().filter(|world| world.bags.is_empty()).cloned().collect();
+    let rest_labels: Vec<String> = rest.iter().map(|world| world.label.clone()).collect();
+    let rest = (merged(judge_all(&rest, &room.setup.rules, true)), rest_labels);
+    let compared = room.compare(&worlds, &drives, whole);
+    for (mut verdict, labels) in [Some(rest), compared].into_iter().flatten() {
+        renumber.all(&mut [], &mut verdict);
+        whole.lay(verdict, &labels, room.gate);
+    }
+}

@@ -1,0 +1,54 @@
+//! Sources that were numbered in a part of a run get the numbers that they have in the whole.
+
+use crate::source::{Place, Source, SourceId};
+use crate::verdict::Verdict;
+
+/// From which id on sources are moved, and by how many.
+#[derive(Clone, Copy)]
+pub(super) struct Renumber {
+    from: u32,
+    by: u32,
+}
+
+impl Renumber {
+    /// What was numbered from `from` on stands at `at` and behind it.
+    pub(super) fn behind(from: usize, at: usize) -> Self {
+        let whole = |number: usize| u32::try_from(number).unwrap_or(u32::MAX);
+        Self {
+            from: whole(from),
+            by: whole(at.saturating_sub(from)),
+        }
+    }
+
+    /// Whether every source keeps its number.
+    pub(super) fn is_none(self) -> bool {
+        self.by == 0
+    }
+
+    fn id(self, id: &mut SourceId) {
+        if id.0 >= self.from {
+            id.0 = id.0.saturating_add(self.by);
+        }
+    }
+
+    /// A place.
+    pub(super) fn place(self, place: &mut Place) {
+        self.id(&mut place.source);
+    }
+
+    /// Sources, and a verdict about them.
+    pub(super) fn all(self, sources: &mut [Source], verdict: &mut Verdict) {
+        for source in sources {
+            self.id(&mut source.id);
+            source
+                .problems
+                .iter_mut()
+                .for_each(|problem| self.place(&mut problem.place));
+        }
+        for finding in &mut verdict.findings {
+            finding.places.iter_mut().for_each(|label| self.place(&mut label.place));
+            let edits = finding.fix.iter_mut().flat_map(|fix| &mut fix.edits);
+            edits.for_each(|edit| self.place(&mut edit.place));
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! Which recordings have one verdict: those of one folder that were recorded at the same time are of one drive, each of the others is by
+//! itself.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use crate::read::bag::{self, Recording};
+use crate::read::discover::{Input, Inputs};
+use crate::source::{Source, SourceKind};
+use crate::world::World;
+
+use super::parallel;
+
+/// Share of the shorter one that two recordings of one drive have in common.
+const TOGETHER: f64 = 0.5;
+
+/// Log times before this, in September 2001, are of no clock that several recordings share.
+const EARLIEST_NS: i64 = 1_000_000_000_000_000_000;
+
+/// What tells which drive a recording is of.
+struct Known {
+    number: usize,
+    folder: Folder,
+    /// First and last log time, nanoseconds, as far as anybody asks for them.
+    span_ns: Option<(i64, i64)>,
+}
+
+/// The argument that a recording came with, and the folder that it stands in.
+type Folder = (usize, Option<PathBuf>);
+
+impl Known {
+    fn is_with(&self, other: &Self) -> bool {
+        let spans = self.span_ns.zip(other.span_ns);
+        self.folder == other.folder && spans.is_some_and(|(own, its)| overlap(own, its))
+    }
+}
+
+/// The numbers of the inputs that are recordings: a list for each drive, in the order of the inputs.
+pub(super) fn of(inputs: &Inputs) -> Vec<Vec<usize>> {
+    let recordings: Vec<(usize, &Input)> = inputs
+        .files
+        .iter()
+        .enumerate()
+        .filter(|(_, input)| input.kind.is_bag())
+        .collect();
+    let folder_of = |input: &Input| (input.group, folder(&input.path, input.kind));
+    let mut neighbours: BTreeMap<Folder, usize> = BTreeMap::new();
+    for (_, input) in &recordings {
+        *neighbours.entry(folder_of(input)).or_default() += 1;
+    }
+    drives(parallel::map(recordings, |(number, input)| {
+        let folder = folder_of(input);
+        // A recording that is alone in its folder need not be looked into.
+        let is_asked = input.refusal.is_none() && neighbours.get(&folder).is_some_and(|count| *count > 1);
+        Known {
+            number,
+            folder,
+            span_ns: is_asked.then(|| span_ns(input)).flatten(),
+        }
+    }))
+}
+
+/// The same for the recordings of saved worlds: the numbers of their sources.
+pub(super) fn of_worlds(worlds: &[World], sources: &[Source]) -> Vec<Vec<usize>> {
+    let bags = worlds.iter().flat_map(|world| &world.bags);
+    let known = bags.filter_map(|bag| {
+        let source = sources.get(bag.source.0 as usize)?;
+        Some(Known {
+            number: bag.source.0 as usize,
+            folder: (0, folder(Path::new(&source.path), source.kind)),
+            span_ns: bag.share.span_ns.or(bag.start_ns.zip(bag.end_ns)),
+        })
+    });
+    drives(known.collect())
+}
+
+fn drives(known: Vec<Known>) -> Vec<Vec<usize>> {
+    let mut drives: Vec<Vec<Known>> = Vec::new();
+    for recording in known {
+        let is_of = |drive: &Vec<Known>| drive.iter().any(|other| recording.is_with(other));
+        let (joined, apart): (Vec<_>, Vec<_>) = drives.into_iter().partition(is_of);
+        let drive = joined.into_iter().flatten().chain([recording]).collect();
+        drives = apart;
+        drives.push(drive);
+    }
+    let numbers = |drive: Vec<Known>| {
+        let mut numbers: Vec<usize> = drive.iter().map(|one| one.number).collect();
+        numbers.sort_unstable();
+        numbers
+    };
+    let mut drives: Vec<Vec<usize>> = drives.into_iter().map(numbers).collect();
+    drives.sort_unstable();
+    drives
+}
+
+fn span_ns(input: &Input) -> Option<(i64, i64)> {
+    bag::span_ns(&Recording {
+        path: &input.path,
+        // A rosbag2 folder's metadata names its files itself.
+        parts: if input.kind == SourceKind::Rosbag2 {
+            &[]
+        } else {
+            &input.parts
+        },
+    })
+}
+
+/// The folder that a recording stands in; that of a rosbag2 is the one around its own.
+fn folder(path: &Path, kind: SourceKind) -> Option<PathBuf> {
+    let own = path.parent()?;
+    let folder = if kind == SourceKind::Rosbag2 {
+        own.parent()?
+    } else {
+        own
+    };
+    Some(folder.to_path_buf())
+}
+
+fn overlap(a: (i64, i64), b: (i64, i64)) -> bool {
+    let length = |(first, last): (i64, i64)| last.saturating_sub(first) as f64;
+    let common = length((a.0.max(b.0), a.1.min(b.1)));
+    // The clock of a simulation begins anew each time.
+    let is_on_clock = a.0.min(b.0) >= EARLIEST_NS;
+    is_on_clock && common > 0.0 && common >= TOGETHER * length(a).min(length(b))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn recordings_are_of_one_drive_where_half_of_the_shorter_lies_in_the_other() {
+        let later = |(first, last)| (EARLIEST_NS + first, EARLIEST_NS + last);
+        let overlap = |a, b| overlap(later(a), later(b)) && overlap(later(b), later(a));
+        assert!(overlap((0, 100), (10, 90)));
+        assert!(overlap((0, 100), (50, 150)));
+        assert!(!overlap((0, 100), (60, 160)));
+        assert!(!overlap((0, 100), (100, 200)));
+        assert!(!overlap((0, 100), (200, 300)));
+        assert!(!overlap((0, 0), (0, 0)));
+    }
+
+    #[test]
+    fn drives_of_a_simulation_are_not_joined_by_a_clock_that_begins_anew() {
+        assert!(!overlap((0, 100), (0, 100)));
+    }
+}

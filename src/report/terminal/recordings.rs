@@ -1,0 +1,74 @@
+//! The verdicts of several recordings: a line each, and below what decides where it is not clean.
+
+use std::fmt::Write;
+
+use crate::run::{Recording, Run, VerdictWord};
+
+use super::super::Style;
+use super::super::style::Ink;
+use super::super::text::{list, one_line, plural};
+use super::heading;
+
+/// What decides is cut off behind so many characters: it stands in full above.
+const WIDTH: usize = 120;
+
+/// The table; nothing where there is one recording, or none.
+pub(super) fn table(run: &Run, style: Style, out: &mut String) {
+    if run.recordings.is_empty() {
+        return;
+    }
+    heading(style, "recordings", run.recordings.len(), "recording", out);
+    let _ = writeln!(
+        out,
+        "  {:<10}  {:>6}  {:>8}  {:>6}  {:>13}  recording",
+        "verdict", "errors", "warnings", "passed", "not evaluated"
+    );
+    for recording in &run.recordings {
+        let summary = &recording.summary;
+        let (ink, word) = match summary.verdict {
+            VerdictWord::Clean => (Ink::Good, "clean"),
+            VerdictWord::Findings => (Ink::Error, "findings"),
+            VerdictWord::Incomplete => (Ink::Warning, "incomplete"),
+        };
+        let _ = writeln!(
+            out,
+            "  {}  {:>6}  {:>8}  {:>6}  {:>13}  {}",
+            style.paint(ink, &format!("{word:<10}")),
+            summary.errors,
+            summary.warnings,
+            summary.passed,
+            summary.not_evaluated,
+            one_line(&recording.label)
+        );
+        if let Some(because) = &recording.because {
+            let because = one_line(because);
+            let mut words: String = because.chars().take(WIDTH).collect();
+            if words.len() < because.len() {
+                words.push_str(style.pick("…", "..."));
+            }
+            let _ = writeln!(out, "              {words}");
+        }
+    }
+    out.push('\n');
+}
+
+/// `Of 12 recordings 9 are clean, 2 have findings and 1 is incomplete.`
+pub(super) fn sentence(run: &Run) -> Option<String> {
+    let count = |word: VerdictWord| {
+        let is_it = |recording: &&Recording| recording.summary.verdict == word;
+        run.recordings.iter().filter(is_it).count()
+    };
+    let parts = [
+        (VerdictWord::Clean, "is clean", "are clean"),
+        (VerdictWord::Findings, "has findings", "have findings"),
+        (VerdictWord::Incomplete, "is incomplete", "are incomplete"),
+    ];
+    let parts: Vec<String> = parts
+        .into_iter()
+        .map(|(word, one, many)| (count(word), one, many))
+        .filter(|(count, _, _)| *count > 0)
+        .map(|(count, one, many)| format!("{count} {}", if count == 1 { one } else { many }))
+        .collect();
+    let of = plural(run.recordings.len(), "recording");
+    (!parts.is_empty()).then(|| format!("Of {of} {}.", list(&parts)))
+}
