@@ -9,6 +9,7 @@
 )]
 
 use std::collections::BTreeMap;
+use std::f64::consts::FRAC_PI_2;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -21,7 +22,7 @@ use frames_lint::rules::RULES;
 use frames_lint::run::Run;
 use frames_lint::tables::{Writing, WrittenTransform, writings};
 use frames_lint::verdict::Finding;
-use frames_lint::world::ClaimKind;
+use frames_lint::world::{Claim, ClaimKind, Literal, Spelling};
 use nalgebra::Isometry3;
 use rayon::prelude::*;
 
@@ -219,21 +220,6 @@ fn corpus() -> Option<PathBuf> {
     folder.is_dir().then_some(folder)
 }
 
-fn urdfs(folder: &Path, found: &mut Vec<PathBuf>) {
-    let mut entries: Vec<PathBuf> = fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().path())
-        .collect();
-    entries.sort();
-    for path in entries {
-        if path.is_dir() {
-            urdfs(&path, found);
-        } else if path.extension().is_some_and(|ending| ending == "urdf") {
-            found.push(path);
-        }
-    }
-}
-
 /// A fault in a text: what is replaced where, and the rule that says so. `None` where the text has no place for it.
 type Inject = fn(&str) -> Option<(String, &'static str)>;
 
@@ -248,7 +234,28 @@ fn put(text: &str, at: usize, old: &str, new: &str) -> String {
     format!("{}{new}{}", &text[..at], &text[at + old.len()..])
 }
 
-const FAULTS: [(&str, Inject); 6] = [
+/// The angles of the first joint to an optical frame, where they are those of REP-103 to three digits.
+fn optical(text: &str) -> Option<(usize, &str)> {
+    let mut from = 0;
+    while let Some(at) = text[from..].find("<joint ") {
+        let start = from + at;
+        let end = start + text[start..].find("</joint>")?;
+        from = end;
+        let (_, child) = between(&text[start..end], "<child link=\"", "\"").unwrap_or_default();
+        let Some((at, rpy)) = between(&text[start..end], "rpy=\"", "\"") else {
+            continue;
+        };
+        let angles: Vec<f64> = rpy.split_whitespace().filter_map(|angle| angle.parse().ok()).collect();
+        let is_near = |(angle, right): (&f64, f64)| (angle - right).abs() < 1e-2;
+        let right = [-FRAC_PI_2, 0.0, -FRAC_PI_2];
+        if child.ends_with("optical_frame") && angles.len() == 3 && angles.iter().zip(right).all(is_near) {
+            return Some((start + at, rpy));
+        }
+    }
+    None
+}
+
+const FAULTS: [(&str, Inject); 7] = [
     ("a blank behind a parent's name", |text| {
         let (at, name) = between(text, "<parent link=\"", "\"")?;
         Some((put(text, at, name, &format!("{name} ")), "NAME02"))
@@ -277,6 +284,10 @@ const FAULTS: [(&str, Inject); 6] = [
         let (at, rpy) = between(text, "rpy=\"", "\"")?;
         rpy.starts_with("0 0 0")
             .then(|| (put(text, at, rpy, "0 0 90"), "ROT08"))
+    }),
+    ("an optical frame that is not turned", |text| {
+        let (at, rpy) = optical(text)?;
+        Some((put(text, at, rpy, "0 0 0"), "NAME06"))
     }),
     ("a comma between numbers", |text| {
         let (at, xyz) = between(text, "xyz=\"", "\"")?;
@@ -319,9 +330,13 @@ fn mended(healthy: &str, broken: &str, rule: &str) -> Result<bool, String> {
         "NAME01" | "NAME02" => mended == healthy,
         "URDF10" => said(&mended) == said(healthy),
         _ => {
-            let (at, rpy) = between(healthy, "rpy=\"", "\"").unwrap();
+            let (at, rpy, turned) = match rule {
+                "NAME06" => optical(healthy).map(|(at, rpy)| (at, rpy, format!("-{FRAC_PI_2} 0 -{FRAC_PI_2}"))),
+                _ => between(healthy, "rpy=\"", "\"").map(|(at, rpy)| (at, rpy, format!("0 0 {FRAC_PI_2}"))),
+            }
+            .unwrap();
             let end = at + rpy.len();
-            let right = format!("{}0 0 1.5707963267948966{}", &healthy[..at], &healthy[end..]);
+            let right = format!("{}{turned}{}", &healthy[..at], &healthy[end..]);
             said(&mended) == said(&right) && mended.starts_with(&healthy[..at]) && mended.ends_with(&healthy[end..])
         }
     };
@@ -336,7 +351,7 @@ fn mended(healthy: &str, broken: &str, rule: &str) -> Result<bool, String> {
 fn faults_put_into_healthy_descriptions_are_mended_and_nothing_else_changes() {
     let Some(corpus) = corpus() else { return };
     let mut files = Vec::new();
-    urdfs(&corpus, &mut files);
+    with_ending(&corpus, &["urdf"], &mut files);
     // Faults are handed back: what a thread of the pool prints is lost.
     let results: Vec<(BTreeMap<&str, usize>, Vec<String>)> = files
         .par_iter()
@@ -374,6 +389,210 @@ fn faults_put_into_healthy_descriptions_are_mended_and_nothing_else_changes() {
     eprintln!("{} descriptions, mended: {total:#?}", files.len());
     for (what, _) in FAULTS {
         assert!(total.get(what).is_some_and(|count| *count >= 5), "{what}: {total:?}");
+    }
+}
+
+/// A fault in the numbers of a statement: the texts of its literals, rotation first, and the rule that says so.
+type Misstate = fn(&Claim) -> Option<(Vec<String>, &'static str)>;
+
+const MISSTATEMENTS: [(&str, Misstate); 5] = [
+    ("a quaternion that is not of length one", |claim| {
+        matches!(claim.spelling, Spelling::Quaternion { .. }).then(|| (scaled(claim, 1.01, 1.0), "ROT04"))
+    }),
+    ("a 4x4 matrix stored transposed", |claim| {
+        let moves = claim.pose.as_ref()?.isometry().translation.vector.norm() > 1e-3;
+        (moves && matches!(claim.matrix()?, (4, 4, _))).then(|| (reordered(claim, |at| at % 4 * 4 + at / 4), "ROT03"))
+    }),
+    ("a 3x4 matrix stored column by column", |claim| {
+        matches!(claim.matrix()?, (3, 4, _)).then(|| (reordered(claim, |at| at % 3 * 4 + at / 3), "ROT03"))
+    }),
+    ("angles in degrees", |claim| {
+        matches!(claim.spelling, Spelling::Rpy { .. }).then(|| (scaled(claim, 1f64.to_degrees(), 1.0), "ROT08"))
+    }),
+    ("a translation in millimetres", |claim| {
+        let is_matrix = claim.matrix().is_some();
+        (claim.has_translation && !is_matrix).then(|| (scaled(claim, 1.0, 1000.0), "ROT06"))
+    }),
+];
+
+/// Every number of a statement once: a matrix of four columns has its translation within.
+fn literals(claim: &Claim) -> Vec<&Literal> {
+    let is_whole = claim.matrix().is_some_and(|(_, cols, _)| cols == 4);
+    let translation = if is_whole {
+        &[]
+    } else {
+        claim.translation_literals.as_slice()
+    };
+    claim.rotation_literals.iter().chain(translation).collect()
+}
+
+fn scaled(claim: &Claim, rotation: f64, translation: f64) -> Vec<String> {
+    let spell = |literal: &Literal, factor: f64| {
+        if factor == 1.0 {
+            literal.text.to_string()
+        } else {
+            format!("{:?}", literal.value * factor)
+        }
+    };
+    let rotation = claim.rotation_literals.iter().map(|literal| spell(literal, rotation));
+    let translation = claim
+        .translation_literals
+        .iter()
+        .map(|literal| spell(literal, translation));
+    rotation.chain(translation).collect()
+}
+
+fn reordered(claim: &Claim, from: fn(usize) -> usize) -> Vec<String> {
+    let texts: Vec<String> = literals(claim).iter().map(|literal| literal.text.to_string()).collect();
+    (0..texts.len()).map(|at| texts[from(at)].clone()).collect()
+}
+
+/// A text with other words where the literals stand.
+fn restated(text: &str, literals: &[&Literal], words: &[String]) -> String {
+    let mut parts: Vec<(&Literal, &String)> = literals.iter().copied().zip(words).collect();
+    parts.sort_by_key(|(literal, _)| literal.span.start);
+    let mut restated = String::new();
+    let mut end = 0;
+    for (literal, word) in parts {
+        restated.push_str(&text[end..literal.span.start]);
+        restated.push_str(word);
+        end = literal.span.end;
+    }
+    restated + &text[end..]
+}
+
+/// The statements of a file that stand in its text, each number at a place of its own.
+fn statements(file: &Path) -> Vec<Claim> {
+    let run = engine::read(&Options {
+        paths: vec![file.to_path_buf()],
+        without_config: true,
+        ..Options::default()
+    })
+    .unwrap();
+    let claims = run.worlds.iter().flat_map(|world| world.claims.iter().cloned());
+    claims
+        .filter(|claim| {
+            let mut spans: Vec<_> = literals(claim).iter().map(|literal| literal.span.start).collect();
+            let count = spans.len();
+            spans.sort_unstable();
+            spans.dedup();
+            claim.pose.is_some() && count >= 3 && spans.len() == count
+        })
+        .collect()
+}
+
+/// As [`mended`], for the numbers of one statement of a calibration.
+fn calibration_mended(name: &str, healthy: &str, at: usize, misstate: Misstate) -> Result<bool, String> {
+    let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
+    let file = folder.path().join(name);
+    let wrote = |text: &str| fs::write(&file, text).map_err(|error| error.to_string());
+    wrote(healthy)?;
+    let Some(claim) = statements(&file).into_iter().nth(at) else {
+        return Ok(false);
+    };
+    let Some((words, rule)) = misstate(&claim) else {
+        return Ok(false);
+    };
+    let own = literals(&claim);
+    let is_there = own
+        .iter()
+        .all(|literal| healthy.get(literal.span.start..literal.span.end) == Some(&*literal.text));
+    if !is_there || !check(folder.path(), &[rule]).verdict.findings.is_empty() {
+        return Ok(false);
+    }
+    wrote(&restated(healthy, &own, &words))?;
+    if fix::plan(&check(folder.path(), &[rule]), true).patches.is_empty() {
+        return Ok(false);
+    }
+    let (after, _) = mend(folder.path(), &[rule]);
+    if let Some(left) = after.verdict.findings.first() {
+        return Err(format!("still said: {}", left.message));
+    }
+    let mended = fs::read_to_string(&file).map_err(|error| error.to_string())?;
+    let Some(now) = statements(&file).into_iter().nth(at) else {
+        return Err("the statement is gone".to_owned());
+    };
+    let blank = |text: &str, claim: &Claim| {
+        let own = literals(claim);
+        restated(text, &own, &vec!["#".to_owned(); own.len()])
+    };
+    if blank(&mended, &now) != blank(healthy, &claim) {
+        return Err(format!("something else changed: {mended}"));
+    }
+    // A quaternion of seven digits was itself of length one to seven digits only.
+    let within = if rule == "ROT04" { 1e-6 } else { 1e-9 };
+    let is_one = |(now, before): (&&Literal, &&Literal)| {
+        (now.value - before.value).abs() <= within * before.value.abs().max(1.0)
+    };
+    if literals(&now).iter().zip(&own).all(is_one) {
+        Ok(true)
+    } else {
+        Err(format!("mended to other numbers: {:?}", literals(&now)))
+    }
+}
+
+fn with_ending(folder: &Path, endings: &[&str], found: &mut Vec<PathBuf>) {
+    let mut entries: Vec<PathBuf> = fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect();
+    entries.sort();
+    for path in entries {
+        if path.is_dir() {
+            with_ending(&path, endings, found);
+        } else if path
+            .extension()
+            .is_some_and(|ending| endings.iter().any(|one| ending == *one))
+        {
+            found.push(path);
+        }
+    }
+}
+
+/// So many statements of one file are misstated.
+const MOST: usize = 12;
+
+#[test]
+fn faults_put_into_healthy_calibrations_are_mended_and_nothing_else_changes() {
+    let Some(corpus) = corpus() else { return };
+    let mut files = Vec::new();
+    with_ending(&corpus, &["yaml", "yml", "json", "txt"], &mut files);
+    let results: Vec<(BTreeMap<&str, usize>, Vec<String>)> = files
+        .par_iter()
+        .map(|path| {
+            let (mut done, mut faults) = (BTreeMap::new(), Vec::new());
+            let Ok(healthy) = fs::read_to_string(path) else {
+                return (done, faults);
+            };
+            if healthy.len() > 100_000 {
+                return (done, faults);
+            }
+            let name = path.file_name().unwrap().to_string_lossy();
+            for at in 0..statements(path).len().min(MOST) {
+                for (what, misstate) in MISSTATEMENTS {
+                    match calibration_mended(&name, &healthy, at, misstate) {
+                        Ok(true) => *done.entry(what).or_default() += 1,
+                        Ok(false) => {}
+                        Err(fault) => faults.push(format!("{}: {what}: {fault}", path.display())),
+                    }
+                }
+            }
+            (done, faults)
+        })
+        .collect();
+    let faults: Vec<&str> = results
+        .iter()
+        .flat_map(|result| &result.1)
+        .map(String::as_str)
+        .collect();
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    let mut total: BTreeMap<&str, usize> = BTreeMap::new();
+    for (what, count) in results.iter().flat_map(|result| &result.0) {
+        *total.entry(what).or_default() += count;
+    }
+    eprintln!("{} files, mended: {total:#?}", files.len());
+    for (what, _) in MISSTATEMENTS {
+        assert!(total.get(what).is_some_and(|count| *count >= 3), "{what}: {total:?}");
     }
 }
 
