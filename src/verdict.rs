@@ -256,6 +256,15 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// How loudly it is told where there is no word for hints: no hint is louder than a note.
+    pub fn loudness(&self) -> Severity {
+        if self.confidence == Confidence::Hint {
+            Severity::Note
+        } else {
+            self.severity
+        }
+    }
+
     /// A finding at a primary place. Confidence starts at `Certain`.
     pub fn new(severity: Severity, subject: impl Into<String>, message: impl Into<String>, primary: Place) -> Self {
         Self {

@@ -18,7 +18,7 @@ pub(super) fn run(asked: &Diff, surroundings: Surroundings) -> Result<Answer, Fa
             xacro_args: asked.reading.xacro_args.clone(),
             msg_paths: asked.reading.msg_paths.clone(),
             progress: surroundings.progress,
-            together: true,
+            verdicts: engine::Verdicts::One,
             ..engine::Options::default()
         })
     };

@@ -33,7 +33,7 @@ pub(super) fn run(init: Init, stdin: &mut dyn Read, surroundings: Surroundings) 
         xacro_args: init.input.reading.xacro_args,
         msg_paths: init.input.reading.msg_paths,
         progress: surroundings.progress,
-        together: true,
+        verdicts: engine::Verdicts::One,
         ..engine::Options::default()
     })?;
     let text = init::configuration(&run);

@@ -5,6 +5,7 @@ use std::ops::Deref;
 
 use crate::math::stats::median;
 use crate::run::Run;
+use crate::tables::leap_seconds;
 use crate::verdict::Measured;
 use crate::world::FrameId;
 use crate::world::bag::TopicEvidence;
@@ -122,7 +123,8 @@ fn clock(name: &str, first: &Topic, second: &Topic, out: &mut Comparison) {
             name,
             format!("{name}: its stamps are {after:+.3} s off the log clock, and were {before:+.3} s"),
         );
-        change.explanation = offset_words(after - before);
+        let day_s = second.first_log_ns.map_or(0.0, |ns| ns as f64 / 1e9);
+        change.explanation = offset_words(after - before, day_s);
         change.measured = vec![Measured::new("stamps moved by", after - before, "s").limit(SAME_S)];
         out.changes.push(change);
     }
@@ -139,15 +141,19 @@ fn clock(name: &str, first: &Topic, second: &Topic, out: &mut Comparison) {
     }
 }
 
-/// Differences of time scales, and of time zones.
-fn offset_words(seconds: f64) -> String {
+/// Differences of time scales on a day, and of time zones.
+fn offset_words(seconds: f64, day_unix_s: f64) -> String {
     let size = seconds.abs();
     let near = |value: f64| (size - value).abs() < 0.5;
-    if near(18.0) {
+    let (gps_s, tai_s) = {
+        let leap = leap_seconds();
+        (leap.gps_minus_utc_s(day_unix_s), leap.tai_minus_utc_s(day_unix_s))
+    };
+    if near(gps_s) {
         "GPS time against UTC differs by that much".to_owned()
-    } else if near(37.0) {
+    } else if near(tai_s) {
         "TAI against UTC differs by that much".to_owned()
-    } else if near(19.0) {
+    } else if near(tai_s - gps_s) {
         "TAI against GPS time differs by that much".to_owned()
     } else if size > 1700.0 && (size % 900.0 < 2.0 || size % 900.0 > 898.0) && size < 51_000.0 {
         "a time zone".to_owned()

@@ -47,8 +47,8 @@ pub struct LimitOverride {
 #[derive(Clone, Debug)]
 struct Waived {
     rule: String,
-    subject: Option<(String, GlobMatcher)>,
-    file: Option<(String, GlobMatcher)>,
+    subject: Option<GlobMatcher>,
+    file: Option<GlobMatcher>,
     reason: String,
     by: Option<String>,
     until: Option<Day>,
@@ -60,9 +60,9 @@ impl Asked {
     /// The waivers; the layer has this id as a source.
     pub(super) fn exceptions(&self, id: SourceId) -> impl Iterator<Item = Exception> {
         self.waivers.iter().map(move |waived| {
-            let words = |glob: &Option<(String, GlobMatcher)>, before: &str| {
+            let words = |glob: &Option<GlobMatcher>, before: &str| {
                 glob.as_ref()
-                    .map_or_else(String::new, |(words, _)| format!("{before}`{words}`"))
+                    .map_or_else(String::new, |glob| format!("{before}`{}`", glob.glob().glob()))
             };
             let about = format!("{}{}", words(&waived.subject, ""), words(&waived.file, " in "));
             Exception {
@@ -77,8 +77,8 @@ impl Asked {
                     place: Place::text(id, waived.span),
                 },
                 scope: Scope::Globs {
-                    subject: waived.subject.as_ref().map(|(_, glob)| glob.clone()),
-                    file: waived.file.as_ref().map(|(_, glob)| glob.clone()),
+                    subject: waived.subject.clone(),
+                    file: waived.file.clone(),
                 },
             }
         })
@@ -155,6 +155,14 @@ impl Reader<'_> {
         let word = (text.to_owned(), self.origin(node, true));
         named.push(word.clone());
         Ok(word)
+    }
+
+    /// The word under `rule`, which must be there.
+    fn rule_of(&self, item: &Node, named: &mut Vec<(String, String)>) -> Result<String, ConfigError> {
+        match item.get("rule") {
+            Some(node) => Ok(self.rule_word(node, named)?.0),
+            None => Err(self.error(item.span.start, "`rule` is missing: a code, a name or a family")),
+        }
     }
 
     /// One word for rules, or a list of them.
@@ -246,11 +254,7 @@ impl Reader<'_> {
 
     fn waiver(&self, item: &Node, named: &mut Vec<(String, String)>) -> Result<Waived, ConfigError> {
         self.keys(item, &["rule", "subject", "file", "reason", "until", "by"])?;
-        self.required_text(item, "rule", "a code, a name or a family")?;
-        let rule = match item.get("rule") {
-            Some(node) => self.rule_word(node, named)?.0,
-            None => String::new(),
-        };
+        let rule = self.rule_of(item, named)?;
         let reason = self.required_text(item, "reason", "why this is accepted, for whoever reads the report")?;
         let until = match item.get("until") {
             None => None,
@@ -262,14 +266,10 @@ impl Reader<'_> {
         let by = item
             .get("by")
             .map(|_| self.required_text(item, "by", "the name of who accepts this"));
-        let worded = |key: &str| -> Result<Option<(String, GlobMatcher)>, ConfigError> {
-            let words = item.get(key).and_then(Node::text).unwrap_or_default().to_owned();
-            Ok(self.glob(item, key)?.map(|glob| (words, glob)))
-        };
         Ok(Waived {
             rule,
-            subject: worded("subject")?,
-            file: worded("file")?,
+            subject: self.glob(item, "subject")?,
+            file: self.glob(item, "file")?,
             reason,
             by: by.transpose()?,
             until,
@@ -289,15 +289,10 @@ impl Reader<'_> {
             });
         }
         self.keys(item, &["rule", "subject"])?;
-        self.required_text(item, "rule", "a code, a name or a family")?;
-        let rule = match item.get("rule") {
-            Some(node) => self.rule_word(node, named)?.0,
-            None => String::new(),
-        };
-        let words = item.get("subject").and_then(Node::text).unwrap_or_default().to_owned();
+        let rule = self.rule_of(item, named)?;
         Ok(Requirement {
             rule,
-            subject: self.glob(item, "subject")?.map(|glob| (words, glob)),
+            subject: self.glob(item, "subject")?,
             origin,
         })
     }

@@ -24,6 +24,7 @@ pub(super) fn judge<'r>(
         .filter(|rule| rule.entry.review.is_none() && rule.entry.gate.is_none())
     {
         let mut out = Judge::default();
+        out.without_plots = !rule.plots;
         let missing: Vec<&str> = rule
             .entry
             .needs

@@ -68,8 +68,10 @@ pub struct Options {
     pub baseline: Option<PathBuf>,
     /// From which severity on findings fail a run, for the verdicts of recordings; as the configuration says where `None`.
     pub fail_on: Option<FailOn>,
-    /// Whether several recordings have one verdict.
-    pub together: bool,
+    /// What has a verdict of its own.
+    pub verdicts: Verdicts,
+    /// Whether rules draw what people would rather look at than read.
+    pub plots: bool,
     /// The day on which waivers must still hold; this one in UTC where `None`.
     pub today: Option<Day>,
     /// How much of recordings is read.
@@ -78,6 +80,16 @@ pub struct Options {
     pub msg_paths: Vec<PathBuf>,
     /// Whether to draw a progress bar on a terminal.
     pub progress: bool,
+}
+
+/// What has a verdict of its own in a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Verdicts {
+    /// Each recording, where there are several.
+    #[default]
+    Each,
+    /// Everything.
+    One,
 }
 
 /// A call that cannot be carried out as it was made.
@@ -116,21 +128,22 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
 /// and finding is told once.
 pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Result<Run, UsageError> {
     let config = configuration(options)?;
+    let mut rules = plan::enabled(&options.select, &options.ignore, config.as_ref())?;
+    for rule in &mut rules {
+        rule.plots = options.plots;
+    }
     let setup = Setup {
         options,
-        rules: plan::enabled(&options.select, &options.ignore, config.as_ref())?,
+        rules,
         definitions: definitions(options)?,
         config,
     };
     let inputs = inputs(options)?;
     let saved: Vec<Saved> = options.evidence.iter().map(|path| evidence::read(path)).collect();
-    let sessions = if options.together {
-        Vec::new()
-    } else {
-        sessions::of(&inputs)
-    };
+    let is_one = options.verdicts == Verdicts::One;
+    let sessions = if is_one { Vec::new() } else { sessions::of(&inputs) };
     let in_saved = |saved: &Saved| sessions::of_worlds(&saved.worlds, &saved.sources).len();
-    if sessions.len() + saved.iter().map(in_saved).sum::<usize>() > 1 && !options.together {
+    if sessions.len() + saved.iter().map(in_saved).sum::<usize>() > 1 && !is_one {
         return recordings::check(&setup, &inputs, &sessions, saved, told);
     }
     let mut run = together(&setup, inputs, saved)?;

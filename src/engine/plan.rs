@@ -16,6 +16,8 @@ pub(super) struct Enabled {
     /// The rule.
     pub(super) entry: &'static Entry,
     whole: OnceLock<Result<Front, PageError>>,
+    /// Whether it makes plots.
+    pub(super) plots: bool,
     /// Limits of the user's own.
     pub(super) overrides: BTreeMap<String, serde_yaml::Value>,
 }
@@ -27,6 +29,7 @@ impl Enabled {
             front: Front::parse_head(entry.page)?,
             entry,
             whole: OnceLock::new(),
+            plots: false,
             overrides: BTreeMap::new(),
         })
     }

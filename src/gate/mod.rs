@@ -73,7 +73,7 @@ pub struct Requirement {
     /// Code, name or family; of a family, every rule.
     pub rule: String,
     /// Subjects, without the name of the platform; any where `None`.
-    pub subject: Option<(String, GlobMatcher)>,
+    pub subject: Option<GlobMatcher>,
     /// Where that stands, in words.
     pub origin: String,
 }

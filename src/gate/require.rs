@@ -59,10 +59,7 @@ fn missing(
     let rows: Vec<_> = rows.iter().filter(|row| row.rule == rule.code).collect();
     let meant = |subject: &str| {
         let subject = plain_subject(subject, context.platforms);
-        requirement
-            .subject
-            .as_ref()
-            .is_none_or(|(_, glob)| glob.is_match(subject))
+        requirement.subject.as_ref().is_none_or(|glob| glob.is_match(subject))
     };
     let beside = beside.iter().filter(|row| row.rule == rule.code);
     let mut known = rows.iter().copied().chain(beside);
@@ -87,9 +84,9 @@ fn missing(
         }
     }
     if why.is_empty()
-        && let Some((words, _)) = &requirement.subject
+        && let Some(glob) = &requirement.subject
     {
-        why.push(format!("nothing that was judged is `{words}`"));
+        why.push(format!("nothing that was judged is `{}`", glob.glob().glob()));
     }
     let more = why.len().saturating_sub(MAX_REASONS);
     why.truncate(MAX_REASONS);
@@ -99,7 +96,7 @@ fn missing(
     Some(Unmet {
         rule: rule.code.clone(),
         name: rule.name.clone(),
-        subject: requirement.subject.as_ref().map(|(words, _)| words.clone()),
+        subject: requirement.subject.as_ref().map(|glob| glob.glob().glob().to_owned()),
         why,
         record: None,
         recordings: Vec::new(),

@@ -46,11 +46,11 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> String {
 }
 
 fn annotation(finding: &Finding, locator: &Locator, out: &mut String) {
-    let level = match (finding.severity, finding.confidence) {
+    let level = match finding.loudness() {
         _ if finding.waived.is_some() => "notice",
-        (_, Confidence::Hint) | (Severity::Note, _) => "notice",
-        (Severity::Warning, _) => "warning",
-        (Severity::Error, _) => "error",
+        Severity::Note => "notice",
+        Severity::Warning => "warning",
+        Severity::Error => "error",
     };
     let spot = finding.places.first().map(|label| locator.find(&label.place));
     let mut properties: Vec<(&str, String)> = Vec::new();

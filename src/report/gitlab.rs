@@ -5,7 +5,6 @@
 use serde::Serialize;
 
 use crate::run::{FailOn, Run};
-use crate::source::Confidence;
 use crate::verdict::{Finding, Severity};
 
 use super::fingerprint::fingerprints;
@@ -72,12 +71,12 @@ fn issue(finding: &Finding, fingerprint: String, fail_on: FailOn, locator: &Loca
         },
         check_name: format!("{} {}", finding.rule, finding.name),
         fingerprint,
-        severity: match (finding.severity, finding.confidence) {
+        severity: match finding.loudness() {
             _ if waived.is_some() => "info",
-            (_, Confidence::Hint) | (Severity::Note, _) => "info",
-            _ if fail_on.counts(finding) && finding.severity == Severity::Error => "critical",
-            (Severity::Error, _) => "major",
-            (Severity::Warning, _) => "minor",
+            Severity::Note => "info",
+            Severity::Error if fail_on.counts(finding) => "critical",
+            Severity::Error => "major",
+            Severity::Warning => "minor",
         },
         location: Location {
             path: spot.map(|spot| spot.path).unwrap_or_default(),

@@ -1,6 +1,5 @@
 //! Markdown for comments on changes and summaries of jobs: the verdict, a table of what was found, and the rest folded away.
 
-use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crate::run::{FailOn, Run, VerdictWord};
@@ -8,7 +7,7 @@ use crate::source::Confidence;
 use crate::verdict::{Finding, Outcome};
 
 use super::place::Locator;
-use super::terminal::{measured_words, plain_ending};
+use super::terminal::{measured_words, plain_ending, reasons};
 use super::text::{one_line, plural};
 
 /// Comments have an end: so many findings are shown.
@@ -144,18 +143,6 @@ fn unmet(run: &Run, out: &mut String) {
 }
 
 fn not_evaluated(run: &Run, out: &mut String) {
-    let mut reasons: BTreeMap<&str, Vec<&str>> = BTreeMap::new();
-    for row in run
-        .verdict
-        .rows
-        .iter()
-        .filter(|row| row.outcome == Outcome::NotEvaluated)
-    {
-        let rules = reasons.entry(row.reason.as_deref().unwrap_or("no reason")).or_default();
-        if rules.last() != Some(&row.rule.as_str()) {
-            rules.push(&row.rule);
-        }
-    }
     let count = run.verdict.count(Outcome::NotEvaluated);
     if count == 0 {
         return;
@@ -165,8 +152,8 @@ fn not_evaluated(run: &Run, out: &mut String) {
         "\n<details><summary>Not evaluated: {}</summary>\n",
         plural(count, "check")
     );
-    for (reason, mut rules) in reasons {
-        rules.dedup();
+    for (reason, (rules, _)) in reasons(run) {
+        let rules: Vec<&str> = rules.into_iter().collect();
         let _ = writeln!(out, "- {}: {}", escaped(reason), rules.join(", "));
     }
     out.push_str("\n</details>\n");

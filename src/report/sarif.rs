@@ -2,7 +2,7 @@
 //!
 //! <https://docs.oasis-open.org/sarif/sarif/v2.1.0/sarif-v2.1.0.html>
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
 use serde_json::{Map, Value, json};
@@ -134,12 +134,15 @@ fn rule(rule: &RuleInfo) -> Value {
 
 fn artifacts(run: &Run) -> Vec<Value> {
     let mut artifacts: Vec<Value> = Vec::new();
-    let mut seen = Vec::new();
-    for source in &run.sources {
-        if seen.contains(&source.path.as_str()) || source.kind == SourceKind::Configuration {
+    let mut seen = BTreeSet::new();
+    for source in run
+        .sources
+        .iter()
+        .filter(|source| source.kind != SourceKind::Configuration)
+    {
+        if !seen.insert(source.path.as_str()) {
             continue;
         }
-        seen.push(&source.path);
         artifacts.push(json!({
             "location": {"uri": uri(&source.path)},
             "length": source.examined.bytes_total,
@@ -225,12 +228,7 @@ fn result(
         set("ruleIndex", (*index).into());
     }
     // A hint never fails a gate, and code scanning gates by level.
-    let severity = if finding.confidence == Confidence::Hint {
-        Severity::Note
-    } else {
-        finding.severity
-    };
-    set("level", level(severity).into());
+    set("level", level(finding.loudness()).into());
     set("message", json!({"text": text}));
     set("locations", places(PlaceRole::Primary).into());
     let related = places(PlaceRole::Related);

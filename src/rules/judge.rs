@@ -94,6 +94,8 @@ pub struct Judge {
     pub judged: Vec<Judged>,
     /// Findings in the order they were made.
     pub findings: Vec<Finding>,
+    /// Whether nobody will look at plots.
+    pub without_plots: bool,
     /// Plots by the subjects that they belong to.
     pub plots: BTreeMap<String, Vec<Plot>>,
     /// Where in `judged` a subject that failed stands.
@@ -131,10 +133,10 @@ impl Judge {
         self.findings.push(finding);
     }
 
-    /// What there is to be seen of a subject, judged before or after. Made only where there is room for it.
+    /// What there is to be seen of a subject, judged before or after. Made only where somebody may look at it.
     pub fn plot(&mut self, subject: &str, plot: impl FnOnce() -> Option<Plot>) {
         let has_room = self.plots.len() < MAX_PLOTTED || self.plots.contains_key(subject);
-        if let Some(plot) = has_room.then(plot).flatten() {
+        if let Some(plot) = (has_room && !self.without_plots).then(plot).flatten() {
             self.plots.entry(subject.to_owned()).or_default().push(plot);
         }
     }

@@ -428,7 +428,7 @@ fn literals(claim: &Claim) -> Vec<&Literal> {
 
 fn scaled(claim: &Claim, rotation: f64, translation: f64) -> Vec<String> {
     let spell = |literal: &Literal, factor: f64| {
-        if factor == 1.0 {
+        if (factor - 1.0).abs() < f64::EPSILON {
             literal.text.to_string()
         } else {
             format!("{:?}", literal.value * factor)

@@ -47,20 +47,22 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
+/// Every form of the report but that for people and the page.
+const FORMS: [&str; 8] = [
+    "concise",
+    "json",
+    "json-lines",
+    "sarif",
+    "github",
+    "gitlab",
+    "junit",
+    "markdown",
+];
+
 /// Every form of the report at once; the answer, and the file of each.
 fn reports(folder: &tempfile::TempDir) -> Ran {
-    let outputs = [
-        "concise",
-        "json",
-        "json-lines",
-        "sarif",
-        "github",
-        "gitlab",
-        "junit",
-        "markdown",
-    ];
     let mut arguments = vec!["check".to_owned(), ".".to_owned()];
-    for form in outputs {
+    for form in FORMS {
         arguments.extend(["--output".to_owned(), format!("{form}=out/{form}")]);
     }
     fs::create_dir_all(folder.path().join("out")).unwrap();
@@ -82,28 +84,18 @@ fn all_forms_come_from_one_run_and_are_the_same_bytes_again() {
         "the report for people is on standard output"
     );
     let read = |form| text(&folder, form);
-    let forms = [
-        "concise",
-        "json",
-        "json-lines",
-        "sarif",
-        "github",
-        "gitlab",
-        "junit",
-        "markdown",
-    ];
-    let first: Vec<String> = forms.iter().map(|form| read(form)).collect();
-    for form in forms {
+    let first: Vec<String> = FORMS.iter().map(|form| read(form)).collect();
+    for form in FORMS {
         fs::remove_file(folder.path().join("out").join(form)).unwrap();
     }
     for threads in ["1", "7"] {
         let arguments: Vec<String> = ["check", "."]
             .map(str::to_owned)
             .into_iter()
-            .chain(forms.iter().map(|form| format!("--output={form}=out/{form}")))
+            .chain(FORMS.iter().map(|form| format!("--output={form}=out/{form}")))
             .collect();
         program::run_with(folder.path(), arguments, &[("RAYON_NUM_THREADS", threads)]);
-        let again: Vec<String> = forms.iter().map(|form| read(form)).collect();
+        let again: Vec<String> = FORMS.iter().map(|form| read(form)).collect();
         assert_eq!(first, again, "{threads} threads");
     }
 }

@@ -21,7 +21,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
         ("rules", &["source", "world", "verdict", "page", "math", "tables"]),
         ("run", &["source", "world", "verdict", "page"]),
         ("report", &["source", "world", "verdict", "page", "run", "compare"]),
-        ("compare", &["source", "world", "verdict", "run", "math"]),
+        ("compare", &["source", "world", "verdict", "run", "math", "tables"]),
         ("progress", &[]),
         // A fault in the configuration has a place, and the reader of documents knows places.
         (

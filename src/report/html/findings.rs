@@ -117,11 +117,11 @@ fn part(page: &Page, shown: &Shown, drawn: &Drawn, is_meant: impl Fn(&Finding) -
 
 /// The class and the sign of a finding: hints are no louder than notes.
 fn look(finding: &Finding) -> (&'static str, &'static str) {
-    match (finding.confidence, finding.severity) {
+    match finding.loudness() {
         _ if finding.waived.is_some() => ("waived", "⊘"),
-        (Confidence::Hint, _) | (_, Severity::Note) => ("note", "i"),
-        (_, Severity::Error) => ("fail", "✗"),
-        (_, Severity::Warning) => ("warning", "!"),
+        Severity::Note => ("note", "i"),
+        Severity::Error => ("fail", "✗"),
+        Severity::Warning => ("warning", "!"),
     }
 }
 

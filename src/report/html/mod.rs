@@ -79,7 +79,7 @@ impl<'a> Page<'a> {
 pub(super) fn render(run: &Run, fail_on: FailOn, call: &Call) -> String {
     let page = Page::new(run, fail_on, call);
     let shown = findings::Shown::new(run);
-    let drawn = plots::Drawn::new(run, &shown);
+    let drawn = plots::Drawn::new(&page, &shown);
     let parts = [
         ("required", "Required, and not evaluated", summary::required(&page)),
         ("recordings", "Recordings", summary::recordings(&page)),

@@ -7,11 +7,11 @@ use std::fmt::Write;
 
 use maud::{Markup, PreEscaped, html};
 
-use crate::run::Run;
 use crate::verdict::plot::{Axis, Kind, Plot};
 use crate::verdict::{Outcome, Row};
 
 use super::super::text::{number, plural};
+use super::Page;
 use super::findings::Shown;
 use super::scale::{Scale, place, range};
 use super::words::{badge, outcome, plain, words};
@@ -48,7 +48,8 @@ pub(super) struct Drawn {
 
 impl Drawn {
     /// Draws what there is room for: what failed first.
-    pub(super) fn new(run: &Run, shown: &Shown) -> Self {
+    pub(super) fn new(page: &Page, shown: &Shown) -> Self {
+        let run = page.run;
         let mut drawn = Self {
             of_finding: BTreeMap::new(),
             others: Vec::new(),
@@ -58,13 +59,12 @@ impl Drawn {
         let mut rows: Vec<(usize, &Row)> = run.verdict.rows.iter().enumerate().collect();
         rows.retain(|(_, row)| !row.plots.is_empty());
         rows.sort_by_key(|(index, row)| (!matches!(row.outcome, Outcome::Fail | Outcome::Waived), *index));
-        let mut numbers: BTreeMap<(&str, &str), usize> = BTreeMap::new();
-        for (number, finding) in run.verdict.findings.iter().enumerate() {
-            numbers.entry((&finding.rule, &finding.subject)).or_insert(number);
-        }
         let mut count = 0;
         for (index, row) in rows {
-            let number = numbers.get(&(row.rule.as_str(), row.subject.as_str()));
+            let number = page
+                .findings_of(&row.rule, &row.subject)
+                .first()
+                .map(|(number, _)| *number);
             for plot in &row.plots {
                 if count >= MAX_PLOTS {
                     drawn.left += 1;
@@ -75,8 +75,8 @@ impl Drawn {
                 count += 1;
                 let figure = figure(plot, row, &id, &picture);
                 drawn.ids.entry(index).or_default().push(id);
-                match number.filter(|number| shown.is_full(**number)) {
-                    Some(number) => drawn.of_finding.entry(*number).or_default().push(figure),
+                match number.filter(|number| shown.is_full(*number)) {
+                    Some(number) => drawn.of_finding.entry(number).or_default().push(figure),
                     None => drawn.others.push(figure),
                 }
             }

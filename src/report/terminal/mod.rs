@@ -25,6 +25,7 @@ use snippet::Painter;
 
 pub(super) use finding::{Spelled, measured_words, message_words};
 pub(super) use inputs::examined_words;
+pub(super) use rows::reasons;
 
 /// Findings shown in full; rendering a snippet costs far more than a line.
 const FULL: usize = 100;

@@ -22,6 +22,17 @@ fn reason(row: &Row) -> &str {
     row.reason.as_deref().unwrap_or("no reason was given")
 }
 
+/// Why checks were not made: for each reason the rules, and how many checks.
+pub(in crate::report) fn reasons(run: &Run) -> BTreeMap<&str, (BTreeSet<&str>, usize)> {
+    let mut reasons: BTreeMap<&str, (BTreeSet<&str>, usize)> = BTreeMap::new();
+    for row in rows(run, Outcome::NotEvaluated) {
+        let (rules, checks) = reasons.entry(reason(row)).or_default();
+        rules.insert(&row.rule);
+        *checks += 1;
+    }
+    reasons
+}
+
 /// Rows that were not evaluated: by reason, or every one with `--verbose`.
 pub(super) fn not_evaluated(run: &Run, options: &Options, out: &mut String) {
     let rows = rows(run, Outcome::NotEvaluated);
@@ -35,20 +46,14 @@ pub(super) fn not_evaluated(run: &Run, options: &Options, out: &mut String) {
             let _ = writeln!(out, "{}", wrap(&one_line(&line), options.style.width, "  ", "      "));
         }
     } else {
-        by_reason(&rows, options.style, out);
+        by_reason(run, options.style, out);
     }
     out.push('\n');
 }
 
-fn by_reason(rows: &[&Row], style: Style, out: &mut String) {
-    let mut rules: BTreeMap<&str, (BTreeSet<&str>, usize)> = BTreeMap::new();
-    for row in rows {
-        let (rules, checks) = rules.entry(reason(row)).or_default();
-        rules.insert(&row.rule);
-        *checks += 1;
-    }
+fn by_reason(run: &Run, style: Style, out: &mut String) {
     // Most rules first, then most checks.
-    let mut reasons: Vec<(usize, usize, &str)> = rules
+    let mut reasons: Vec<(usize, usize, &str)> = reasons(run)
         .iter()
         .map(|(reason, (rules, checks))| (rules.len(), *checks, *reason))
         .collect();

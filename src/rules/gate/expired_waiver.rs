@@ -28,10 +28,8 @@ impl Rule for ExpiredWaiver {
                 continue;
             }
             let message = format!(
-                "this {} for {} {}held until {}: what it accepted counts again",
-                waiver.kind.word(),
-                waiver.rule,
-                super::about(waiver),
+                "{} held until {}: what it accepted counts again",
+                super::opening(waiver),
                 until.as_str()
             );
             out.fail(

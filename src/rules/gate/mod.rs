@@ -8,19 +8,25 @@ use crate::verdict::waiver::Waiver;
 
 /// What an acceptance is called: what it is, for what, and where it stands.
 fn subject(waiver: &Waiver) -> String {
-    let about = if waiver.about.is_empty() {
-        String::new()
-    } else {
-        format!(" {}", waiver.about)
-    };
-    format!("{} {}{about} ({})", waiver.kind.word(), waiver.rule, waiver.origin)
+    format!(
+        "{} {}{} ({})",
+        waiver.kind.word(),
+        waiver.rule,
+        about(waiver),
+        waiver.origin
+    )
 }
 
-/// What it is for besides the rule, with a blank behind it, or nothing.
+/// How messages about an acceptance begin.
+fn opening(waiver: &Waiver) -> String {
+    format!("this {} for {}{}", waiver.kind.word(), waiver.rule, about(waiver))
+}
+
+/// What it is for besides the rule, behind a blank, or nothing.
 fn about(waiver: &Waiver) -> String {
     if waiver.about.is_empty() {
         String::new()
     } else {
-        format!("{} ", waiver.about)
+        format!(" {}", waiver.about)
     }
 }

@@ -26,12 +26,7 @@ impl Rule for UnusedWaiver {
             } else if let Some(why) = &one.unjudged {
                 out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
             } else {
-                let what = waiver.kind.word();
-                let message = format!(
-                    "this {what} for {} {}accepts nothing that was found",
-                    waiver.rule,
-                    super::about(waiver)
-                );
+                let message = format!("{} accepts nothing that was found", super::opening(waiver));
                 out.fail(
                     Finding::warning(subject, message, waiver.place.clone())
                         .label(format!("reason: {}", waiver.reason))
