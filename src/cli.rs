@@ -5,6 +5,7 @@
 
 mod args;
 mod call;
+mod check;
 mod convert;
 mod diff;
 mod fixes;
@@ -19,19 +20,17 @@ pub mod watch;
 use std::ffi::OsString;
 use std::fmt::Write;
 use std::io::{IsTerminal, Read};
-use std::mem::ManuallyDrop;
 use std::path::{Path, PathBuf};
 
 use clap::{CommandFactory, Parser};
 
 use crate::engine::{self, UsageError, evidence};
 use crate::page::{Front, PageError};
-use crate::report::{self, Format, ReportError, Style, explain, plural, rules_table, terminal};
+use crate::report::{ReportError, Style, explain, rules_table, terminal};
 use crate::rules::RULES;
-use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, RuleInfo, Run};
+use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, RuleInfo};
 
-use args::{Chain, Check, Cli, Collect, Color, Reporting, RulesFormat, Verb};
-use stream::Stream;
+use args::{Cli, Collect, RulesFormat, Verb};
 
 /// What the program answers: texts for standard output and standard error, and the exit code.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
@@ -129,10 +128,10 @@ pub fn run_to(
         Err(error) => return refuse(&error, &arguments, surroundings),
     };
     let answer = match cli.verb {
-        Verb::Check(check) => run_check(check, &arguments, (stdin, stdout), surroundings),
+        Verb::Check(check) => check::run(check, &arguments, (stdin, stdout), surroundings),
         Verb::Collect(collect) => run_collect(collect, stdin, surroundings),
         Verb::Tree(tree) => tree::run(tree, stdin, surroundings),
-        Verb::Chain(chain) => run_chain(chain, &arguments, stdin, surroundings),
+        Verb::Chain(chain) => check::chain(chain, &arguments, stdin, surroundings),
         Verb::Convert(convert) => convert::run(convert, stdin, surroundings),
         Verb::Diff(diff) => diff::run(&diff, surroundings),
         Verb::Init(init) => init::run(init, stdin, surroundings),
@@ -179,167 +178,6 @@ fn refuse(error: &clap::Error, arguments: &[OsString], surroundings: Surrounding
         code: EXIT_USAGE,
         ..Answer::default()
     }
-}
-
-fn run_check(
-    check: Check,
-    arguments: &[OsString],
-    (stdin, stdout): (&mut dyn Read, &mut dyn std::io::Write),
-    surroundings: Surroundings,
-) -> Result<Answer, Failure> {
-    let today = call::today()?;
-    let mut call = call::of(arguments);
-    call.settings.push(("Recordings", check.reading.extent_words()));
-    call.day = today.as_ref().map(|day| day.as_str().to_owned());
-    let options = engine::Options {
-        extent: check.reading.extent(),
-        paths: if check.paths.is_empty() {
-            Vec::new()
-        } else {
-            paths(check.paths, stdin)?
-        },
-        evidence: check.evidence,
-        config: check.config,
-        profile: check.profile,
-        baseline: check.baseline,
-        today,
-        fail_on: check.reporting.fail_on,
-        verdicts: engine::Verdicts::Each,
-        plots: check.reporting.has(Format::Html),
-        without_config: false,
-        wanted: engine::Wanted::Facts,
-        select: check.select,
-        ignore: check.ignore,
-        xacro_args: check.reading.xacro_args,
-        msg_paths: check.reading.msg_paths,
-        progress: surroundings.progress,
-    };
-    let fixing = check.fixing;
-    // What is altered behind the check is told in the end.
-    let is_final = !fixing.fix && !fixing.unsafe_fixes && !fixing.diff && check.write_baseline.is_none();
-    let mut stream = if is_final {
-        Stream::open(&check.reporting, stdout)?
-    } else {
-        None
-    };
-    let checked = engine::check_each(&options, &mut |run, grown| {
-        if let Some(stream) = &mut stream {
-            stream.grown(run, grown);
-        }
-    });
-    // The program ends with the report: freeing every name one by one first would be time for nothing.
-    let mut run = ManuallyDrop::new(checked?);
-    if fixing.diff {
-        return Ok(fixes::show(&run, fixing.unsafe_fixes, &check.reporting));
-    }
-    let mut said = String::new();
-    if fixing.fix || fixing.unsafe_fixes {
-        said = fixes::apply(&mut run, &options, fixing.unsafe_fixes)?;
-    }
-    if let Some(path) = check.write_baseline {
-        let count = plural(engine::write_baseline(&mut run, &path)?, "finding");
-        let _ = writeln!(said, "{count} written to {}; --baseline accepts them", path.display());
-    }
-    let mut answer = tell(&mut run, &check.reporting, call, stream, surroundings)?;
-    answer.err.insert_str(0, &said);
-    if check.watch {
-        let config = options.config.iter().chain(&options.baseline).cloned();
-        answer.watched = options
-            .paths
-            .iter()
-            .chain(&options.evidence)
-            .cloned()
-            .chain(config)
-            .collect();
-        answer.err.push_str("watching; interrupt to end\n");
-    }
-    Ok(answer)
-}
-
-/// The products of transforms in source code, judged by the one rule that speaks of them.
-fn run_chain(
-    chain: Chain,
-    arguments: &[OsString],
-    stdin: &mut dyn Read,
-    surroundings: Surroundings,
-) -> Result<Answer, Failure> {
-    let mut run = engine::check(&engine::Options {
-        paths: paths(chain.paths, stdin)?,
-        wanted: engine::Wanted::Code,
-        select: vec!["NAME08".to_owned()],
-        progress: surroundings.progress,
-        ..engine::Options::default()
-    })?;
-    tell(&mut run, &chain.reporting, call::of(arguments), None, surroundings)
-}
-
-/// The reports of a run where they are wanted, and the exit code.
-fn tell(
-    run: &mut Run,
-    reporting: &Reporting,
-    mut call: report::Call,
-    stream: Option<Stream>,
-    surroundings: Surroundings,
-) -> Result<Answer, Failure> {
-    let fail_on = reporting.fail_on(run);
-    let options = |style: Style| {
-        let color = match reporting.color {
-            Color::Auto => style.color,
-            Color::Always => true,
-            Color::Never => false,
-        };
-        terminal::Options {
-            style: Style { color, ..style },
-            fail_on,
-            verbose: reporting.verbose,
-            all: reporting.all,
-        }
-    };
-    if reporting.has(Format::Html) {
-        engine::hash(run);
-        let origin = match (reporting.fail_on, run.fail_on) {
-            (Some(_), _) => "the command line",
-            (None, Some(_)) => "the configuration",
-            (None, None) => "the default",
-        };
-        let words = format!("{} on, by {origin}; hints never do", fail_on.word());
-        call.settings.insert(0, ("Findings count from", words));
-    }
-    let run = &*run;
-    let mut answer = Answer {
-        code: run.exit_code(fail_on),
-        ..Answer::default()
-    };
-    let is_streamed = |format: Format| stream.is_some() && format == Format::JsonLines;
-    for output in &reporting.output {
-        let format = output.format.unwrap_or(reporting.format);
-        if !is_streamed(format) {
-            save(
-                &output.file,
-                report::render(run, format, &options(Style::PLAIN), &call)?,
-            )?;
-        }
-    }
-    if reporting.is_in_file() {
-        // The file has the report; whoever waits at the terminal still learns how it ended.
-        let style = Style {
-            color: false,
-            ..surroundings.style
-        };
-        answer.err = terminal::render_ending(
-            run,
-            &terminal::Options {
-                style,
-                ..options(style)
-            },
-        );
-    } else if !is_streamed(reporting.format) {
-        answer.out = report::render(run, reporting.format, &options(surroundings.style), &call)?;
-    }
-    if let Some(stream) = stream {
-        stream.end(run, fail_on)?;
-    }
-    Ok(answer)
 }
 
 /// Writes what a command made to the file that the user named.

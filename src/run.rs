@@ -59,6 +59,18 @@ pub struct Grown {
     pub recording: Option<usize>,
 }
 
+impl Grown {
+    /// Everything that a run has.
+    pub fn all(run: &Run) -> Self {
+        Self {
+            sources: (0..run.sources.len()).collect(),
+            rows: 0..run.verdict.rows.len(),
+            findings: 0..run.verdict.findings.len(),
+            recording: None,
+        }
+    }
+}
+
 /// A rule that had to judge, and did not.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unmet {
@@ -103,15 +115,7 @@ impl Unmet {
 
     /// Whether `other` says the same, be it of other recordings.
     pub fn is_like(&self, other: &Self) -> bool {
-        let told = |one: &Self| {
-            (
-                one.rule.clone(),
-                one.subject.clone(),
-                one.why.clone(),
-                one.waived.clone(),
-            )
-        };
-        told(self) == told(other)
+        (&self.rule, &self.subject, &self.why, &self.waived) == (&other.rule, &other.subject, &other.why, &other.waived)
     }
 }
 
@@ -255,6 +259,13 @@ pub struct Summary {
 }
 
 impl Run {
+    /// Adds files that no reader exists for.
+    pub fn skip(&mut self, files: BTreeMap<String, usize>) {
+        for (what, count) in files {
+            *self.skipped.entry(what).or_default() += count;
+        }
+    }
+
     /// Counts and verdict.
     pub fn summary(&self, fail_on: FailOn) -> Summary {
         let verdict = if self.has_counting_findings(fail_on) {

@@ -148,13 +148,7 @@ pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Resu
     }
     let mut run = together(&setup, inputs, saved)?;
     run.verdict.sort();
-    let grown = Grown {
-        sources: (0..run.sources.len()).collect(),
-        rows: 0..run.verdict.rows.len(),
-        findings: 0..run.verdict.findings.len(),
-        recording: None,
-    };
-    told(&run, &grown);
+    told(&run, &Grown::all(&run));
     Ok(run)
 }
 
@@ -199,10 +193,7 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, Usa
     run.verdict = merged(verdicts);
     run.worlds = worlds;
     for saved in saved {
-        let judged = judge_saved(setup, saved, several, &mut run);
-        labels.extend(judged.worlds.into_iter().map(|world| world.label));
-        run.sources.extend(judged.sources);
-        run.verdict.extend(judged.verdict);
+        labels.extend(add_saved(setup, saved, several, &mut run));
     }
     if several {
         run.platforms = labels;
@@ -219,37 +210,29 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, Usa
     Ok(run)
 }
 
-/// A document of evidence that was judged, with the ids that its sources have behind those of the run.
-struct JudgedSaved {
-    sources: Vec<Source>,
-    /// Without sources.
-    worlds: Vec<World>,
-    verdict: Verdict,
-}
-
-fn judge_saved(setup: &Setup, saved: Saved, several: bool, run: &mut Run) -> JudgedSaved {
+/// Judges a document of evidence, and adds it to a run: its sources behind those that are there. Returns the names of its platforms.
+fn add_saved(setup: &Setup, saved: Saved, several: bool, run: &mut Run) -> Vec<String> {
     let Saved {
-        mut worlds,
-        mut sources,
+        worlds,
+        sources,
         skipped,
-    } = saved;
-    if let Some(config) = &setup.config {
-        sources = add_config(&mut worlds, sources, config);
-    }
+    } = furnished(setup, saved);
     let mut verdict = merged(judge_all(&worlds, &setup.rules, several));
-    for world in &mut worlds {
-        world.sources = Arc::default();
-    }
+    let labels = worlds.into_iter().map(|world| world.label).collect();
     let mut sources = Arc::unwrap_or_clone(sources);
     Renumber::behind(0, run.sources.len()).all(&mut sources, &mut verdict);
-    for (what, count) in skipped {
-        *run.skipped.entry(what).or_default() += count;
+    run.sources.extend(sources);
+    run.verdict.extend(verdict);
+    run.skip(skipped);
+    labels
+}
+
+/// A document of evidence whose worlds know what the configuration declares.
+fn furnished(setup: &Setup, mut saved: Saved) -> Saved {
+    if let Some(config) = &setup.config {
+        saved.sources = add_config(&mut saved.worlds, saved.sources, config);
     }
-    JudgedSaved {
-        sources,
-        worlds,
-        verdict,
-    }
+    saved
 }
 
 /// A choice of rules, ready to judge worlds that are in memory: saved, altered or made.

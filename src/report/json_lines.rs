@@ -61,13 +61,7 @@ pub fn end(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
 
 /// All lines of a run that has ended.
 pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
-    let all = Grown {
-        sources: (0..run.sources.len()).collect(),
-        rows: 0..run.verdict.rows.len(),
-        findings: 0..run.verdict.findings.len(),
-        recording: None,
-    };
-    let mut out = start()? + &grown(run, &all)?;
+    let mut out = start()? + &grown(run, &Grown::all(run))?;
     for recording in &run.recordings {
         line("recording", json::recording(recording), &mut out)?;
     }

@@ -347,49 +347,59 @@ fn mended(healthy: &str, broken: &str, rule: &str) -> Result<bool, String> {
     }
 }
 
-#[test]
-fn faults_put_into_healthy_descriptions_are_mended_and_nothing_else_changes() {
+/// What became of one fault in one text: as [`mended`] has it.
+type Outcome = (&'static str, Result<bool, String>);
+
+/// Puts faults into every file of the corpus with one of these endings and not more bytes. Each that has a fix must be mended, and each
+/// kind of fault so often at least.
+fn over_corpus(
+    (endings, max_bytes): (&[&str], usize),
+    kinds: &[&str],
+    least: usize,
+    put: impl Fn(&Path, &str) -> Vec<Outcome> + Sync,
+) {
     let Some(corpus) = corpus() else { return };
     let mut files = Vec::new();
-    with_ending(&corpus, &["urdf"], &mut files);
+    with_ending(&corpus, endings, &mut files);
     // Faults are handed back: what a thread of the pool prints is lost.
-    let results: Vec<(BTreeMap<&str, usize>, Vec<String>)> = files
+    let results: Vec<(&PathBuf, Outcome)> = files
         .par_iter()
-        .map(|path| {
-            let (mut done, mut faults) = (BTreeMap::new(), Vec::new());
-            let Ok(healthy) = fs::read_to_string(path) else {
-                return (done, faults);
-            };
-            if healthy.len() > 200_000 {
-                return (done, faults);
-            }
-            for (what, inject) in FAULTS {
-                let Some((broken, rule)) = inject(&healthy) else {
-                    continue;
-                };
-                match mended(&healthy, &broken, rule) {
-                    Ok(true) => *done.entry(what).or_default() += 1,
-                    Ok(false) => {}
-                    Err(fault) => faults.push(format!("{}: {what}: {fault}", path.display())),
-                }
-            }
-            (done, faults)
+        .flat_map_iter(|path| {
+            let text = fs::read_to_string(path).ok().filter(|text| text.len() <= max_bytes);
+            let outcomes = text.map(|text| put(path, &text)).unwrap_or_default();
+            outcomes.into_iter().map(move |outcome| (path, outcome))
         })
         .collect();
-    let faults: Vec<&str> = results
-        .iter()
-        .flat_map(|result| &result.1)
-        .map(String::as_str)
-        .collect();
-    assert!(faults.is_empty(), "{}", faults.join("\n"));
     let mut total: BTreeMap<&str, usize> = BTreeMap::new();
-    for (what, count) in results.iter().flat_map(|result| &result.0) {
-        *total.entry(what).or_default() += count;
+    let mut faults = Vec::new();
+    for (path, (what, outcome)) in results {
+        match outcome {
+            Ok(true) => *total.entry(what).or_default() += 1,
+            Ok(false) => {}
+            Err(fault) => faults.push(format!("{}: {what}: {fault}", path.display())),
+        }
     }
-    eprintln!("{} descriptions, mended: {total:#?}", files.len());
-    for (what, _) in FAULTS {
-        assert!(total.get(what).is_some_and(|count| *count >= 5), "{what}: {total:?}");
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+    eprintln!("{} files, mended: {total:#?}", files.len());
+    for what in kinds {
+        assert!(
+            total.get(what).is_some_and(|count| *count >= least),
+            "{what}: {total:?}"
+        );
     }
+}
+
+#[test]
+fn faults_put_into_healthy_descriptions_are_mended_and_nothing_else_changes() {
+    let kinds = FAULTS.map(|(what, _)| what);
+    over_corpus((&["urdf"], 200_000), &kinds, 5, |_, healthy| {
+        let broken = FAULTS
+            .iter()
+            .filter_map(|(what, inject)| Some((*what, inject(healthy)?)));
+        broken
+            .map(|(what, (broken, rule))| (what, mended(healthy, &broken, rule)))
+            .collect()
+    });
 }
 
 /// A fault in the numbers of a statement: the texts of its literals, rotation first, and the rule that says so.
@@ -554,46 +564,14 @@ const MOST: usize = 12;
 
 #[test]
 fn faults_put_into_healthy_calibrations_are_mended_and_nothing_else_changes() {
-    let Some(corpus) = corpus() else { return };
-    let mut files = Vec::new();
-    with_ending(&corpus, &["yaml", "yml", "json", "txt"], &mut files);
-    let results: Vec<(BTreeMap<&str, usize>, Vec<String>)> = files
-        .par_iter()
-        .map(|path| {
-            let (mut done, mut faults) = (BTreeMap::new(), Vec::new());
-            let Ok(healthy) = fs::read_to_string(path) else {
-                return (done, faults);
-            };
-            if healthy.len() > 100_000 {
-                return (done, faults);
-            }
-            let name = path.file_name().unwrap().to_string_lossy();
-            for at in 0..statements(path).len().min(MOST) {
-                for (what, misstate) in MISSTATEMENTS {
-                    match calibration_mended(&name, &healthy, at, misstate) {
-                        Ok(true) => *done.entry(what).or_default() += 1,
-                        Ok(false) => {}
-                        Err(fault) => faults.push(format!("{}: {what}: {fault}", path.display())),
-                    }
-                }
-            }
-            (done, faults)
-        })
-        .collect();
-    let faults: Vec<&str> = results
-        .iter()
-        .flat_map(|result| &result.1)
-        .map(String::as_str)
-        .collect();
-    assert!(faults.is_empty(), "{}", faults.join("\n"));
-    let mut total: BTreeMap<&str, usize> = BTreeMap::new();
-    for (what, count) in results.iter().flat_map(|result| &result.0) {
-        *total.entry(what).or_default() += count;
-    }
-    eprintln!("{} files, mended: {total:#?}", files.len());
-    for (what, _) in MISSTATEMENTS {
-        assert!(total.get(what).is_some_and(|count| *count >= 3), "{what}: {total:?}");
-    }
+    let kinds = MISSTATEMENTS.map(|(what, _)| what);
+    let endings = ["yaml", "yml", "json", "txt"];
+    over_corpus((&endings, 100_000), &kinds, 3, |path, healthy| {
+        let name = path.file_name().unwrap().to_string_lossy();
+        let each =
+            |at: usize| MISSTATEMENTS.map(|(what, misstate)| (what, calibration_mended(&name, healthy, at, misstate)));
+        (0..statements(path).len().min(MOST)).flat_map(each).collect()
+    });
 }
 
 #[test]

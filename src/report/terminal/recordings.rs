@@ -25,11 +25,12 @@ pub(super) fn table(run: &Run, style: Style, out: &mut String) {
     );
     for recording in &run.recordings {
         let summary = &recording.summary;
-        let (ink, word) = match summary.verdict {
-            VerdictWord::Clean => (Ink::Good, "clean"),
-            VerdictWord::Findings => (Ink::Error, "findings"),
-            VerdictWord::Incomplete => (Ink::Warning, "incomplete"),
+        let ink = match summary.verdict {
+            VerdictWord::Clean => Ink::Good,
+            VerdictWord::Findings => Ink::Error,
+            VerdictWord::Incomplete => Ink::Warning,
         };
+        let word = summary.verdict.word();
         let _ = writeln!(
             out,
             "  {}  {:>6}  {:>8}  {:>6}  {:>13}  {}",

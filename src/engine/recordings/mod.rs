@@ -3,6 +3,9 @@
 //!
 //! Owns what is kept of a recording when it has been judged, so that a run needs memory for a few of them at a time.
 
+mod evidence;
+mod whole;
+
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -10,17 +13,18 @@ use crate::gate::Laid;
 use crate::progress::Progress;
 use crate::read::discover::Inputs;
 use crate::run::{Grown, Recording, Run};
-use crate::source::{Derived, Source, SourceId, SourceKind};
+use crate::source::{Source, SourceId, SourceKind};
 use crate::verdict::waiver::plain_subject;
-use crate::verdict::{Finding, Label, Outcome, Row, Verdict};
+use crate::verdict::{Finding, Outcome, Row, Verdict};
 use crate::world::{Facts, World};
 
 use super::evidence::Saved;
 use super::gather::source_id;
 use super::{
-    Declared, Demanded, Gate, Member, Reading, Renumber, Setup, UsageError, add_config, judge, judge_all, merged,
-    parallel, platform, sampling, sessions,
+    Declared, Demanded, Gate, Member, Reading, Renumber, Setup, UsageError, judge, judge_all, merged, parallel,
+    platform, sampling,
 };
+use whole::Whole;
 
 /// Several recordings, of which each has its verdict.
 pub(super) fn check(
@@ -52,13 +56,9 @@ pub(super) fn check(
         gate: &gate,
         beside: Mutex::default(),
     };
-    let mut whole = Whole {
-        run: setup.run(shared.sources.clone(), inputs.skipped.clone()),
-        laid: Laid::default(),
-        of_files: OfFiles::default(),
-        told,
-    };
-    let given = (0..shared.sources.len()).filter(|number| !drives.iter().flatten().any(|index| index == number));
+    let mut whole = Whole::new(setup.run(shared.sources.clone(), inputs.skipped.clone()), told);
+    let recorded: BTreeSet<usize> = drives.iter().flatten().copied().collect();
+    let given = (0..shared.sources.len()).filter(|number| !recorded.contains(number));
     whole.tell(given.collect(), 0, 0, None);
     let mut covered = BTreeSet::new();
     let mut left = Vec::new();
@@ -74,7 +74,7 @@ pub(super) fn check(
     room.judge_rest(&covered, &mut whole);
     room.judge_across(left, &mut whole);
     for saved in saved {
-        judge_evidence(&room, saved, &mut whole);
+        evidence::judge(&room, saved, &mut whole);
     }
     Ok(whole.end(&room))
 }
@@ -161,8 +161,10 @@ impl Room<'_> {
             let label = name(recordings, &mut worlds, &sources);
             let verdicts = judge_all(&worlds, &self.setup.rules, true);
             if !plan.widen(&worlds, &verdicts) {
-                let drive = self.drive(label, recordings, (worlds, &others), merged(verdicts));
-                return Drive { sources: own, ..drive };
+                let mut drive = self.drive(label, recordings, (worlds, &others), merged(verdicts));
+                drive.left = drive.worlds.iter_mut().flat_map(slim).collect();
+                drive.sources = own;
+                return drive;
             }
         }
     }
@@ -201,7 +203,6 @@ impl Room<'_> {
         let read = covered.iter().filter_map(|id| sources.get(id.0 as usize));
         let ids = recordings.iter().map(|index| source_id(*index)).collect();
         let recording = self.recording((label, ids), read, &mut verdict, &laid);
-        let left = worlds.iter_mut().flat_map(slim).collect();
         for world in &mut worlds {
             world.sources = Arc::default();
         }
@@ -212,7 +213,7 @@ impl Room<'_> {
             verdict,
             laid,
             covered,
-            left,
+            left: Vec::new(),
         }
     }
 
@@ -397,174 +398,4 @@ fn slim(world: &mut World) -> Vec<(usize, Facts)> {
         (bag.source.0 as usize, facts)
     });
     bags.collect()
-}
-
-/// The run as it grows.
-struct Whole<'a> {
-    run: Run,
-    laid: Laid,
-    of_files: OfFiles,
-    told: &'a mut dyn FnMut(&Run, &Grown),
-}
-
-/// What was found in files that are no recordings: it is the same with every recording, and told once, as of none.
-#[derive(Default)]
-struct OfFiles {
-    findings: BTreeSet<(String, String, String, Vec<Label>)>,
-    rows: BTreeSet<(String, String, Outcome)>,
-}
-
-impl OfFiles {
-    /// The verdict of a drive without what was told before.
-    fn once(&mut self, mut verdict: Verdict, platforms: &[String], sources: &[Source]) -> Verdict {
-        let is_file = |label: &Label| {
-            let source = sources.get(label.place.source.0 as usize);
-            source.is_some_and(|source| !source.kind.is_bag() && !matches!(source.derived, Some(Derived::Message(_))))
-        };
-        let key = |rule: &str, subject: &str| (rule.to_owned(), subject.to_owned());
-        let (mut of_files, mut of_drive) = (BTreeSet::new(), BTreeSet::new());
-        verdict.findings.retain_mut(|finding| {
-            let known = key(&finding.rule, &finding.subject);
-            if !finding.places.iter().all(is_file) {
-                of_drive.insert(known);
-                return true;
-            }
-            of_files.insert(known);
-            finding.subject = plain_subject(&finding.subject, platforms).to_owned();
-            self.findings.insert((
-                finding.rule.clone(),
-                finding.subject.clone(),
-                finding.message.clone(),
-                finding.places.clone(),
-            ))
-        });
-        let mut rows = Vec::with_capacity(verdict.rows.len());
-        for row in verdict.rows {
-            let known = key(&row.rule, &row.subject);
-            if !of_files.contains(&known) {
-                rows.push(row);
-                continue;
-            }
-            let subject = plain_subject(&row.subject, platforms).to_owned();
-            if self.rows.insert((row.rule.clone(), subject.clone(), row.outcome)) {
-                rows.push(Row { subject, ..row.clone() });
-            }
-            if of_drive.contains(&known) {
-                rows.push(row);
-            }
-        }
-        verdict.rows = rows;
-        verdict
-    }
-}
-
-impl Whole<'_> {
-    fn add(&mut self, mut drive: Drive, renumber: Renumber) {
-        renumber.all(&mut drive.sources, &mut drive.verdict);
-        drive.laid.renumber(|place| renumber.place(place));
-        let new: Vec<usize> = drive.sources.iter().map(|source| source.id.0 as usize).collect();
-        put(&mut self.run.sources, drive.sources);
-        self.run
-            .platforms
-            .extend(drive.worlds.iter().map(|world| world.label.clone()));
-        if self.run.worlds.is_empty() && renumber.is_none() {
-            self.run.worlds = drive.worlds;
-        }
-        let verdict = self
-            .of_files
-            .once(drive.verdict, &self.run.platforms, &self.run.sources);
-        self.take(verdict, drive.laid, new, Some(drive.recording));
-    }
-
-    /// Lays what is asked of the gate over what was judged apart from the recordings, and adds it.
-    fn lay(&mut self, mut verdict: Verdict, labels: &[String], gate: &Gate) {
-        let laid = gate.lay(&mut verdict, &self.run.sources, labels);
-        verdict.sort();
-        self.run.platforms.extend(labels.iter().cloned());
-        self.take(verdict, laid, Vec::new(), None);
-    }
-
-    fn take(&mut self, verdict: Verdict, laid: Laid, new: Vec<usize>, recording: Option<Recording>) {
-        let (rows, findings) = (self.run.verdict.rows.len(), self.run.verdict.findings.len());
-        self.laid.join(laid);
-        self.run.verdict.extend(verdict);
-        let number = recording.is_some().then_some(self.run.recordings.len());
-        self.run.recordings.extend(recording);
-        self.tell(new, rows, findings, number);
-    }
-
-    fn tell(&mut self, sources: Vec<usize>, rows: usize, findings: usize, recording: Option<usize>) {
-        let grown = Grown {
-            sources,
-            rows: rows..self.run.verdict.rows.len(),
-            findings: findings..self.run.verdict.findings.len(),
-            recording,
-        };
-        (self.told)(&self.run, &grown);
-    }
-
-    fn end(mut self, room: &Room) -> Run {
-        let (rows, findings) = (self.run.verdict.rows.len(), self.run.verdict.findings.len());
-        room.gate
-            .close(std::mem::take(&mut self.laid), &mut self.run, &room.setup.rules);
-        self.tell(Vec::new(), rows, findings, None);
-        self.run.verdict.sort();
-        self.run
-    }
-}
-
-/// A document of evidence: recordings that were read elsewhere.
-fn judge_evidence(room: &Room, saved: Saved, whole: &mut Whole) {
-    let Saved {
-        mut worlds,
-        mut sources,
-        skipped,
-    } = saved;
-    if let Some(config) = &room.setup.config {
-        sources = add_config(&mut worlds, sources, config);
-    }
-    let before = whole.run.sources.len();
-    let renumber = Renumber::behind(0, before);
-    let mut own = sources.to_vec();
-    renumber.all(&mut own, &mut Verdict::default());
-    whole.run.sources.extend(own);
-    let (rows, findings) = (whole.run.verdict.rows.len(), whole.run.verdict.findings.len());
-    whole.tell((before..whole.run.sources.len()).collect(), rows, findings, None);
-    for (what, count) in skipped {
-        *whole.run.skipped.entry(what).or_default() += count;
-    }
-    let drives = sessions::of_worlds(&worlds, &sources);
-    for recordings in &drives {
-        let is_of = |id: SourceId| recordings.contains(&(id.0 as usize));
-        // What came out of a recording has its path.
-        let others = worlds
-            .iter()
-            .flat_map(|world| &world.bags)
-            .filter(|bag| !is_of(bag.source));
-        let others: BTreeSet<&str> = others
-            .filter_map(|bag| sources.get(bag.source.0 as usize))
-            .map(|source| source.path.as_str())
-            .collect();
-        let stays = |id: SourceId| {
-            let source = sources.get(id.0 as usize);
-            is_of(id) || source.is_none_or(|source| !others.contains(source.path.as_str()))
-        };
-        let of_drive = worlds.iter().filter(|world| world.members.iter().any(|id| is_of(*id)));
-        let mut parts: Vec<World> = of_drive.map(|world| world.only(stays)).collect();
-        let label = name(recordings, &mut parts, &sources);
-        let verdict = merged(judge_all(&parts, &room.setup.rules, true));
-        let mut drive = room.drive(label, recordings, (parts, &[]), verdict);
-        for id in &mut drive.recording.sources {
-            *id = source_id(id.0 as usize + before);
-        }
-        whole.add(drive, renumber);
-    }
-    let rest: Vec<World> = worlds.iter().filter(|world| world.bags.is_empty()).cloned().collect();
-    let rest_labels: Vec<String> = rest.iter().map(|world| world.label.clone()).collect();
-    let rest = (merged(judge_all(&rest, &room.setup.rules, true)), rest_labels);
-    let compared = room.compare(&worlds, &drives, whole);
-    for (mut verdict, labels) in [Some(rest), compared].into_iter().flatten() {
-        renumber.all(&mut [], &mut verdict);
-        whole.lay(verdict, &labels, room.gate);
-    }
 }

@@ -1,0 +1,176 @@
+//! `frames-lint check` and `chain`: judges, and reports where it is wanted.
+
+use std::ffi::OsString;
+use std::fmt::Write;
+use std::io::Read;
+use std::mem::ManuallyDrop;
+
+use crate::engine;
+use crate::report::{self, Format, Style, plural, terminal};
+use crate::run::Run;
+
+use super::args::{Chain, Check, Color, Reporting};
+use super::stream::Stream;
+use super::{Answer, Failure, Surroundings, call, fixes, paths, save};
+
+/// Judges the inputs and reports.
+pub(super) fn run(
+    check: Check,
+    arguments: &[OsString],
+    (stdin, stdout): (&mut dyn Read, &mut dyn std::io::Write),
+    surroundings: Surroundings,
+) -> Result<Answer, Failure> {
+    let today = call::today()?;
+    let mut call = call::of(arguments);
+    call.settings.push(("Recordings", check.reading.extent_words()));
+    call.day = today.as_ref().map(|day| day.as_str().to_owned());
+    let options = engine::Options {
+        extent: check.reading.extent(),
+        paths: if check.paths.is_empty() {
+            Vec::new()
+        } else {
+            paths(check.paths, stdin)?
+        },
+        evidence: check.evidence,
+        config: check.config,
+        profile: check.profile,
+        baseline: check.baseline,
+        today,
+        fail_on: check.reporting.fail_on,
+        verdicts: engine::Verdicts::Each,
+        plots: check.reporting.has(Format::Html),
+        without_config: false,
+        wanted: engine::Wanted::Facts,
+        select: check.select,
+        ignore: check.ignore,
+        xacro_args: check.reading.xacro_args,
+        msg_paths: check.reading.msg_paths,
+        progress: surroundings.progress,
+    };
+    let fixing = check.fixing;
+    // What is altered behind the check is told in the end.
+    let is_final = !fixing.fix && !fixing.unsafe_fixes && !fixing.diff && check.write_baseline.is_none();
+    let mut stream = if is_final {
+        Stream::open(&check.reporting, stdout)?
+    } else {
+        None
+    };
+    let checked = engine::check_each(&options, &mut |run, grown| {
+        if let Some(stream) = &mut stream {
+            stream.grown(run, grown);
+        }
+    });
+    // The program ends with the report: freeing every name one by one first would be time for nothing.
+    let mut run = ManuallyDrop::new(checked?);
+    if fixing.diff {
+        return Ok(fixes::show(&run, fixing.unsafe_fixes, &check.reporting));
+    }
+    let mut said = String::new();
+    if fixing.fix || fixing.unsafe_fixes {
+        said = fixes::apply(&mut run, &options, fixing.unsafe_fixes)?;
+    }
+    if let Some(path) = check.write_baseline {
+        let count = plural(engine::write_baseline(&mut run, &path)?, "finding");
+        let _ = writeln!(said, "{count} written to {}; --baseline accepts them", path.display());
+    }
+    let mut answer = tell(&mut run, &check.reporting, call, stream, surroundings)?;
+    answer.err.insert_str(0, &said);
+    if check.watch {
+        let config = options.config.iter().chain(&options.baseline).cloned();
+        answer.watched = options
+            .paths
+            .iter()
+            .chain(&options.evidence)
+            .cloned()
+            .chain(config)
+            .collect();
+        answer.err.push_str("watching; interrupt to end\n");
+    }
+    Ok(answer)
+}
+
+/// The products of transforms in source code, judged by the one rule that speaks of them.
+pub(super) fn chain(
+    chain: Chain,
+    arguments: &[OsString],
+    stdin: &mut dyn Read,
+    surroundings: Surroundings,
+) -> Result<Answer, Failure> {
+    let mut run = engine::check(&engine::Options {
+        paths: paths(chain.paths, stdin)?,
+        wanted: engine::Wanted::Code,
+        select: vec!["NAME08".to_owned()],
+        progress: surroundings.progress,
+        ..engine::Options::default()
+    })?;
+    tell(&mut run, &chain.reporting, call::of(arguments), None, surroundings)
+}
+
+/// The reports of a run where they are wanted, and the exit code.
+fn tell(
+    run: &mut Run,
+    reporting: &Reporting,
+    mut call: report::Call,
+    stream: Option<Stream>,
+    surroundings: Surroundings,
+) -> Result<Answer, Failure> {
+    let fail_on = reporting.fail_on(run);
+    let options = |style: Style| {
+        let color = match reporting.color {
+            Color::Auto => style.color,
+            Color::Always => true,
+            Color::Never => false,
+        };
+        terminal::Options {
+            style: Style { color, ..style },
+            fail_on,
+            verbose: reporting.verbose,
+            all: reporting.all,
+        }
+    };
+    if reporting.has(Format::Html) {
+        engine::hash(run);
+        let origin = match (reporting.fail_on, run.fail_on) {
+            (Some(_), _) => "the command line",
+            (None, Some(_)) => "the configuration",
+            (None, None) => "the default",
+        };
+        let words = format!("{} on, by {origin}; hints never do", fail_on.word());
+        call.settings.insert(0, ("Findings count from", words));
+    }
+    let run = &*run;
+    let mut answer = Answer {
+        code: run.exit_code(fail_on),
+        ..Answer::default()
+    };
+    let is_streamed = |format: Format| stream.is_some() && format == Format::JsonLines;
+    for output in &reporting.output {
+        let format = output.format.unwrap_or(reporting.format);
+        if !is_streamed(format) {
+            save(
+                &output.file,
+                report::render(run, format, &options(Style::PLAIN), &call)?,
+            )?;
+        }
+    }
+    if reporting.is_in_file() {
+        // The file has the report; whoever waits at the terminal still learns how it ended.
+        let style = Style {
+            color: false,
+            ..surroundings.style
+        };
+        answer.err = terminal::render_ending(
+            run,
+            &terminal::Options {
+                style,
+                ..options(style)
+            },
+        );
+    } else if !is_streamed(reporting.format) {
+        answer.out = report::render(run, reporting.format, &options(surroundings.style), &call)?;
+    }
+    if let Some(stream) = stream {
+        stream.end(run, fail_on)?;
+    }
+    Ok(answer)
+}

@@ -1,0 +1,64 @@
+//! Documents of evidence beside recordings: each recording in them has its verdict too.
+
+use std::collections::BTreeSet;
+
+use crate::source::SourceId;
+use crate::verdict::Verdict;
+use crate::world::World;
+
+use super::super::evidence::Saved;
+use super::super::gather::source_id;
+use super::super::{Renumber, furnished, judge_all, merged, sessions};
+use super::whole::Whole;
+use super::{Room, name};
+
+/// A document of evidence: recordings that were read elsewhere.
+pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
+    let Saved {
+        worlds,
+        sources,
+        skipped,
+    } = furnished(room.setup, saved);
+    let before = whole.run.sources.len();
+    let renumber = Renumber::behind(0, before);
+    let mut own = sources.to_vec();
+    renumber.all(&mut own, &mut Verdict::default());
+    whole.run.sources.extend(own);
+    let (rows, findings) = (whole.run.verdict.rows.len(), whole.run.verdict.findings.len());
+    whole.tell((before..whole.run.sources.len()).collect(), rows, findings, None);
+    whole.run.skip(skipped);
+    let drives = sessions::of_worlds(&worlds, &sources);
+    for recordings in &drives {
+        let is_of = |id: SourceId| recordings.contains(&(id.0 as usize));
+        // What came out of a recording has its path.
+        let others = worlds
+            .iter()
+            .flat_map(|world| &world.bags)
+            .filter(|bag| !is_of(bag.source));
+        let others: BTreeSet<&str> = others
+            .filter_map(|bag| sources.get(bag.source.0 as usize))
+            .map(|source| source.path.as_str())
+            .collect();
+        let stays = |id: SourceId| {
+            let source = sources.get(id.0 as usize);
+            is_of(id) || source.is_none_or(|source| !others.contains(source.path.as_str()))
+        };
+        let of_drive = worlds.iter().filter(|world| world.members.iter().any(|id| is_of(*id)));
+        let mut parts: Vec<World> = of_drive.map(|world| world.only(stays)).collect();
+        let label = name(recordings, &mut parts, &sources);
+        let verdict = merged(judge_all(&parts, &room.setup.rules, true));
+        let mut drive = room.drive(label, recordings, (parts, &[]), verdict);
+        for id in &mut drive.recording.sources {
+            *id = source_id(id.0 as usize + before);
+        }
+        whole.add(drive, renumber);
+    }
+    let rest: Vec<World> = worlds.iter().filter(|world| world.bags.is_empty()).cloned().collect();
+    let rest_labels: Vec<String> = rest.iter().map(|world| world.label.clone()).collect();
+    let rest = (merged(judge_all(&rest, &room.setup.rules, true)), rest_labels);
+    let compared = room.compare(&worlds, &drives, whole);
+    for (mut verdict, labels) in [Some(rest), compared].into_iter().flatten() {
+        renumber.all(&mut [], &mut verdict);
+        whole.lay(verdict, &labels, room.gate);
+    }
+}

@@ -1,0 +1,136 @@
+//! The run as it grows, a recording after the other: what was found in files that all of them share is told once.
+
+use std::collections::BTreeSet;
+
+use crate::gate::Laid;
+use crate::run::{Grown, Recording, Run};
+use crate::source::{Derived, Source};
+use crate::verdict::waiver::plain_subject;
+use crate::verdict::{Label, Outcome, Row, Verdict};
+
+use super::super::{Gate, Renumber};
+use super::{Drive, Room, put};
+
+/// The run as it grows.
+pub(super) struct Whole<'a> {
+    pub(super) run: Run,
+    laid: Laid,
+    of_files: OfFiles,
+    told: &'a mut dyn FnMut(&Run, &Grown),
+}
+
+/// What was found in files that are no recordings: it is the same with every recording, and told once, as of none.
+#[derive(Default)]
+struct OfFiles {
+    findings: BTreeSet<(String, String, String, Vec<Label>)>,
+    rows: BTreeSet<(String, String, Outcome)>,
+}
+
+impl OfFiles {
+    /// The verdict of a drive without what was told before.
+    fn once(&mut self, mut verdict: Verdict, platforms: &[String], sources: &[Source]) -> Verdict {
+        let is_file = |label: &Label| {
+            let source = sources.get(label.place.source.0 as usize);
+            source.is_some_and(|source| !source.kind.is_bag() && !matches!(source.derived, Some(Derived::Message(_))))
+        };
+        let key = |rule: &str, subject: &str| (rule.to_owned(), subject.to_owned());
+        let (mut of_files, mut of_drive) = (BTreeSet::new(), BTreeSet::new());
+        verdict.findings.retain_mut(|finding| {
+            let known = key(&finding.rule, &finding.subject);
+            if !finding.places.iter().all(is_file) {
+                of_drive.insert(known);
+                return true;
+            }
+            of_files.insert(known);
+            finding.subject = plain_subject(&finding.subject, platforms).to_owned();
+            self.findings.insert((
+                finding.rule.clone(),
+                finding.subject.clone(),
+                finding.message.clone(),
+                finding.places.clone(),
+            ))
+        });
+        let mut rows = Vec::with_capacity(verdict.rows.len());
+        for row in verdict.rows {
+            let known = key(&row.rule, &row.subject);
+            if !of_files.contains(&known) {
+                rows.push(row);
+                continue;
+            }
+            let subject = plain_subject(&row.subject, platforms).to_owned();
+            if self.rows.insert((row.rule.clone(), subject.clone(), row.outcome)) {
+                rows.push(Row { subject, ..row.clone() });
+            }
+            if of_drive.contains(&known) {
+                rows.push(row);
+            }
+        }
+        verdict.rows = rows;
+        verdict
+    }
+}
+
+impl<'a> Whole<'a> {
+    /// A run that has nothing but sources, of which `told` learns what comes to it.
+    pub(super) fn new(run: Run, told: &'a mut dyn FnMut(&Run, &Grown)) -> Self {
+        Self {
+            run,
+            laid: Laid::default(),
+            of_files: OfFiles::default(),
+            told,
+        }
+    }
+
+    /// Adds a drive, with the numbers that its sources have in the whole.
+    pub(super) fn add(&mut self, mut drive: Drive, renumber: Renumber) {
+        renumber.all(&mut drive.sources, &mut drive.verdict);
+        drive.laid.renumber(|place| renumber.place(place));
+        let new: Vec<usize> = drive.sources.iter().map(|source| source.id.0 as usize).collect();
+        put(&mut self.run.sources, drive.sources);
+        let platforms: Vec<String> = drive.worlds.iter().map(|world| world.label.clone()).collect();
+        if self.run.worlds.is_empty() && renumber.is_none() {
+            self.run.worlds = drive.worlds;
+        }
+        let verdict = self.of_files.once(drive.verdict, &platforms, &self.run.sources);
+        self.run.platforms.extend(platforms);
+        self.take(verdict, drive.laid, new, Some(drive.recording));
+    }
+
+    /// Lays what is asked of the gate over what was judged apart from the recordings, and adds it.
+    pub(super) fn lay(&mut self, mut verdict: Verdict, labels: &[String], gate: &Gate) {
+        let laid = gate.lay(&mut verdict, &self.run.sources, labels);
+        verdict.sort();
+        self.run.platforms.extend(labels.iter().cloned());
+        self.take(verdict, laid, Vec::new(), None);
+    }
+
+    fn take(&mut self, verdict: Verdict, laid: Laid, new: Vec<usize>, recording: Option<Recording>) {
+        let (rows, findings) = (self.run.verdict.rows.len(), self.run.verdict.findings.len());
+        self.laid.join(laid);
+        self.run.verdict.extend(verdict);
+        let number = recording.is_some().then_some(self.run.recordings.len());
+        self.run.recordings.extend(recording);
+        self.tell(new, rows, findings, number);
+    }
+
+    /// Tells what has come since there were so many outcomes and findings.
+    pub(super) fn tell(&mut self, sources: Vec<usize>, rows: usize, findings: usize, recording: Option<usize>) {
+        let grown = Grown {
+            sources,
+            rows: rows..self.run.verdict.rows.len(),
+            findings: findings..self.run.verdict.findings.len(),
+            recording,
+        };
+        (self.told)(&self.run, &grown);
+    }
+
+    /// The run, with what is said when everything is there.
+    pub(super) fn end(mut self, room: &Room) -> Run {
+        let (rows, findings) = (self.run.verdict.rows.len(), self.run.verdict.findings.len());
+        room.gate
+            .close(std::mem::take(&mut self.laid), &mut self.run, &room.setup.rules);
+        self.tell(Vec::new(), rows, findings, None);
+        self.run.verdict.sort();
+        self.run
+    }
+}
