@@ -15,6 +15,7 @@ mod stream;
 #[cfg(test)]
 mod tests;
 mod tree;
+mod view;
 pub mod watch;
 
 use std::ffi::OsString;
@@ -135,6 +136,7 @@ pub fn run_to(
         Verb::Convert(convert) => convert::run(convert, stdin, surroundings),
         Verb::Diff(diff) => diff::run(&diff, surroundings),
         Verb::Init(init) => init::run(init, stdin, surroundings),
+        Verb::View(view) => view::run(view, stdin, surroundings),
         Verb::Explain { rule } => run_explain(&rule, surroundings.style),
         Verb::Rules { format } => run_rules(format, surroundings.style),
         Verb::Completions { shell } => Ok(completions(shell)),

@@ -31,4 +31,5 @@ pub mod run;
 pub mod source;
 pub mod tables;
 pub mod verdict;
+pub mod view;
 pub mod world;

@@ -32,6 +32,9 @@ pub struct Run {
     /// What is known, one world for each platform that was read. Those of saved evidence are not among them: their
     /// sources have other ids.
     pub worlds: Vec<World>,
+    /// Every platform of every verdict with the sources that it points at, of saved evidence too: where somebody wants to look at
+    /// them, else none.
+    pub seen: Vec<World>,
     /// The rules that ran, in code order.
     pub rules: Vec<RuleInfo>,
     /// Files met in folders that no reader exists for: how many, by extension or name.
@@ -394,6 +397,7 @@ mod tests {
             reason: None,
             measured: Vec::new(),
             plots: Vec::new(),
+            planes: Vec::new(),
         }
     }
 

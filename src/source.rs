@@ -4,6 +4,7 @@
 
 mod lines;
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
@@ -299,6 +300,9 @@ pub struct Source {
     /// The files that it was read from here; none for a text that came out of another source, and for what was saved before.
     #[serde(skip)]
     pub files: Vec<PathBuf>,
+    /// Where the meshes are here that it names, by what they are called there: those that were found.
+    #[serde(skip)]
+    pub meshes: BTreeMap<String, PathBuf>,
     /// SHA-256 of its file in hexadecimal digits; of several files a line for each, as `sha256sum` writes them. Only where a report
     /// asks for it.
     #[serde(skip)]
@@ -325,6 +329,7 @@ impl Source {
             problems: Vec::new(),
             required: true,
             files: Vec::new(),
+            meshes: BTreeMap::new(),
             sha256: None,
         }
     }

@@ -10,6 +10,7 @@ mod named;
 mod ouster;
 pub mod recordings;
 mod rows;
+pub mod views;
 mod writing;
 
 use std::collections::BTreeMap;

@@ -5,6 +5,7 @@
 pub mod plot;
 pub mod waiver;
 
+use nalgebra::{Isometry3, Vector3};
 use serde::{Deserialize, Serialize};
 
 use crate::source::{Confidence, Place};
@@ -253,6 +254,20 @@ pub struct Finding {
     /// Set where the user accepts it: it counts for nothing, and stays in every report.
     #[serde(default)]
     pub waived: Option<Waived>,
+    /// Where a frame would stand by the rule's judgement, where it knows: for those who look at it.
+    #[serde(skip)]
+    pub prefers: Option<Preferred>,
+}
+
+/// A transform as a rule would have it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Preferred {
+    /// The target (parent) frame.
+    pub target: String,
+    /// The source (child) frame.
+    pub source: String,
+    /// `target_from_source`.
+    pub pose: Isometry3<f64>,
 }
 
 impl Finding {
@@ -284,6 +299,7 @@ impl Finding {
             measured: Vec::new(),
             fix: None,
             waived: None,
+            prefers: None,
         }
     }
 
@@ -362,6 +378,17 @@ impl Finding {
         self
     }
 
+    /// Where a frame would stand instead: `target_from_source`.
+    #[must_use]
+    pub fn prefers(mut self, target: impl Into<String>, source: impl Into<String>, pose: Isometry3<f64>) -> Self {
+        self.prefers = Some(Preferred {
+            target: target.into(),
+            source: source.into(),
+            pose,
+        });
+        self
+    }
+
     /// A fix.
     #[must_use]
     pub fn fix(mut self, title: impl Into<String>, safety: Safety, edits: Vec<Edit>) -> Self {
@@ -392,6 +419,22 @@ pub struct Row {
     /// What people would rather look at.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub plots: Vec<Plot>,
+    /// Planes that were seen in clouds, for those who look at them.
+    #[serde(skip)]
+    pub planes: Vec<SeenPlane>,
+}
+
+/// A plane that a rule saw in a cloud: the points p with `normal . p = offset_m`, in the axes of the cloud.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SeenPlane {
+    /// The topic of the cloud.
+    pub topic: String,
+    /// When the cloud was logged, nanoseconds.
+    pub log_ns: i64,
+    /// Of length one, up.
+    pub normal: Vector3<f64>,
+    /// Metres.
+    pub offset_m: f64,
 }
 
 /// All outcomes and findings of a run.

@@ -51,6 +51,8 @@ pub(super) enum Verb {
     Collect(Collect),
     /// Draw the frame tree with who says what; judges nothing
     Tree(Tree),
+    /// Show frames, clouds, tracks, plots and findings in the viewer of rerun.io
+    View(View),
     /// Check the products of transforms in source code (C++, Python, Rust): do the frames of their names cancel?
     Chain(Chain),
     /// Write a transform in another dialect or form, with the chain that leads to it
@@ -163,6 +165,41 @@ pub(super) struct Check {
     pub(super) ignore: Vec<String>,
     #[command(flatten)]
     pub(super) reporting: Reporting,
+    #[command(flatten)]
+    pub(super) views: Views,
+}
+
+/// Views beside a report.
+#[derive(Debug, Args)]
+pub(super) struct Views {
+    /// Write what there is to be seen to a file for the viewer of rerun.io (`rerun FILE` opens it)
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(super) rrd: Option<PathBuf>,
+    /// How large such a file may be: what is shown is thinned until it fits (MB, or with a unit: 800kB, 2GB)
+    #[arg(long, value_name = "SIZE", default_value = "100MB", value_parser = size)]
+    pub(super) max_size: u64,
+}
+
+#[derive(Debug, Args)]
+#[command(group = clap::ArgGroup::new("where").required(true).multiple(true))]
+pub(super) struct View {
+    #[command(flatten)]
+    pub(super) input: Input,
+    /// Configuration with the conventions that the files follow; without it the frames-lint.yaml nearest above the inputs
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
+    pub(super) config: Option<PathBuf>,
+    /// Write the views to a file (`rerun FILE` opens it)
+    #[arg(short, long, value_name = "FILE", group = "where", value_hint = ValueHint::FilePath)]
+    pub(super) output: Option<PathBuf>,
+    /// Start the viewer, the program `rerun`
+    #[arg(long, group = "where")]
+    pub(super) spawn: bool,
+    /// Send the views to a viewer that runs (rerun+http://127.0.0.1:9876/proxy)
+    #[arg(long, value_name = "URL", group = "where")]
+    pub(super) connect: Option<String>,
+    /// How large the views may be: what is shown is thinned until it fits (MB, or with a unit: 800kB, 2GB)
+    #[arg(long, value_name = "SIZE", default_value = "100MB", value_parser = size)]
+    pub(super) max_size: u64,
 }
 
 /// Which fixes are applied or shown.
@@ -439,6 +476,24 @@ impl ValueEnum for FailOn {
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(PossibleValue::new(self.word()))
     }
+}
+
+/// Bytes: `800kB`, `100MB`, `2GB`; a number alone is of megabytes.
+fn size(text: &str) -> Result<u64, String> {
+    let text = text.trim();
+    let end = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(end);
+    let factor = match unit.trim().to_lowercase().as_str() {
+        "kb" => 1_000,
+        "" | "mb" => 1_000_000,
+        "gb" => 1_000_000_000,
+        _ => return Err("a size has the form 100MB, with kB, MB or GB".to_owned()),
+    };
+    let number: u64 = number
+        .parse()
+        .map_err(|_| "a size begins with a whole number: 100MB".to_owned())?;
+    let bytes = number.checked_mul(factor).filter(|bytes| *bytes > 0);
+    bytes.ok_or_else(|| "a size is more than nothing, and less than everything".to_owned())
 }
 
 fn xacro_arg(text: &str) -> Result<String, String> {

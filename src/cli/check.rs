@@ -11,7 +11,7 @@ use crate::run::Run;
 
 use super::args::{Chain, Check, Color, Reporting};
 use super::stream::Stream;
-use super::{Answer, Failure, Surroundings, call, fixes, paths, save};
+use super::{Answer, Failure, Surroundings, call, fixes, paths, save, view};
 
 /// Judges the inputs and reports.
 pub(super) fn run(
@@ -38,7 +38,11 @@ pub(super) fn run(
         today,
         fail_on: check.reporting.fail_on,
         verdicts: engine::Verdicts::Each,
-        plots: check.reporting.has(Format::Html),
+        sights: match (&check.views.rrd, check.reporting.has(Format::Html)) {
+            (Some(_), _) => engine::Sights::Everything,
+            (None, true) => engine::Sights::Plots,
+            (None, false) => engine::Sights::None,
+        },
         without_config: false,
         wanted: engine::Wanted::Facts,
         select: check.select,
@@ -47,6 +51,9 @@ pub(super) fn run(
         msg_paths: check.reading.msg_paths,
         progress: surroundings.progress,
     };
+    if check.views.rrd.is_some() {
+        view::is_there()?;
+    }
     let fixing = check.fixing;
     // What is altered behind the check is told in the end.
     let is_final = !fixing.fix && !fixing.unsafe_fixes && !fixing.diff && check.write_baseline.is_none();
@@ -72,6 +79,9 @@ pub(super) fn run(
     if let Some(path) = check.write_baseline {
         let count = plural(engine::write_baseline(&mut run, &path)?, "finding");
         let _ = writeln!(said, "{count} written to {}; --baseline accepts them", path.display());
+    }
+    if let Some(file) = &check.views.rrd {
+        said.push_str(&view::save(&run, file, check.views.max_size)?);
     }
     let mut answer = tell(&mut run, &check.reporting, call, stream, surroundings)?;
     answer.err.insert_str(0, &said);

@@ -188,6 +188,7 @@ fn take(mut out: Judge, rule: &Enabled, label: Option<&str>, crash: Option<Strin
         reason,
         measured,
         plots: Vec::new(),
+        planes: Vec::new(),
     };
     if let Some(reason) = crash {
         verdict.rows.push(row(
@@ -199,8 +200,10 @@ fn take(mut out: Judge, rule: &Enabled, label: Option<&str>, crash: Option<Strin
     }
     for judged in out.judged {
         let plots = out.plots.remove(&judged.subject).unwrap_or_default();
+        let planes = out.planes.remove(&judged.subject).unwrap_or_default();
         verdict.rows.push(Row {
             plots,
+            planes,
             ..row(prefixed(judged.subject), judged.outcome, judged.reason, judged.measured)
         });
     }

@@ -70,8 +70,8 @@ pub struct Options {
     pub fail_on: Option<FailOn>,
     /// What has a verdict of its own.
     pub verdicts: Verdicts,
-    /// Whether rules draw what people would rather look at than read.
-    pub plots: bool,
+    /// What there is to be looked at besides.
+    pub sights: Sights,
     /// The day on which waivers must still hold; this one in UTC where `None`.
     pub today: Option<Day>,
     /// How much of recordings is read.
@@ -90,6 +90,18 @@ pub enum Verdicts {
     Each,
     /// Everything.
     One,
+}
+
+/// What a run keeps to be looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Sights {
+    /// Nothing.
+    #[default]
+    None,
+    /// The plots of rules.
+    Plots,
+    /// Plots, and all that is known of every platform, clouds of points among it.
+    Everything,
 }
 
 /// A call that cannot be carried out as it was made.
@@ -130,7 +142,7 @@ pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Resu
     let config = configuration(options)?;
     let mut rules = plan::enabled(&options.select, &options.ignore, config.as_ref())?;
     for rule in &mut rules {
-        rule.plots = options.plots;
+        rule.plots = options.sights >= Sights::Plots;
     }
     let setup = Setup {
         options,
@@ -175,6 +187,14 @@ impl Setup<'_> {
             ..Run::default()
         }
     }
+
+    /// What is kept of judged worlds to be looked at, with the sources that they point at.
+    fn seen(&self, worlds: &[World]) -> Vec<World> {
+        match self.options.sights {
+            Sights::Everything => worlds.to_vec(),
+            Sights::None | Sights::Plots => Vec::new(),
+        }
+    }
 }
 
 /// One verdict for everything.
@@ -189,7 +209,9 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, Usa
     );
     let several = worlds.len() + others > 1;
     let mut labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
+    let seen = setup.seen(&worlds);
     let mut run = setup.run(take_sources(&mut worlds), inputs.skipped);
+    run.seen = seen;
     run.verdict = merged(verdicts);
     run.worlds = worlds;
     for saved in saved {
@@ -218,6 +240,7 @@ fn add_saved(setup: &Setup, saved: Saved, several: bool, run: &mut Run) -> Vec<S
         skipped,
     } = furnished(setup, saved);
     let mut verdict = merged(judge_all(&worlds, &setup.rules, several));
+    run.seen.extend(setup.seen(&worlds));
     let labels = worlds.into_iter().map(|world| world.label).collect();
     let mut sources = Arc::unwrap_or_clone(sources);
     Renumber::behind(0, run.sources.len()).all(&mut sources, &mut verdict);

@@ -153,6 +153,7 @@ mod tests {
             reason: Some(format!("{}: 3 messages", why.word())),
             measured: Vec::new(),
             plots: Vec::new(),
+            planes: Vec::new(),
         }
     }
 

@@ -109,6 +109,8 @@ pub struct Lag {
     /// Each part of the first signal, in the order of time, against all of the second. `None` where a part has nothing
     /// to compare.
     pub parts: Vec<Option<Peak>>,
+    /// The correlation of the whole at each lag that counts: seconds, -1..=1.
+    pub curve: Vec<[f64; 2]>,
 }
 
 impl Lag {
@@ -136,16 +138,20 @@ where
     let origin_s = grid::origin(first)?;
     let first = grid::segments(first, options, origin_s);
     let second = grid::segments(second, options, origin_s);
-    let whole = peak(&first, &second, options)?;
-    let parts = grid::parts(&first, options.parts);
+    let curve = Curve::new(&first, &second, options)?;
+    let whole = peak(&curve, &first, &second, options)?;
+    let of_part = |part: &Vec<Segment>| peak(&Curve::new(part, &second, options)?, part, &second, options);
     Some(Lag {
         whole,
-        parts: parts.iter().map(|part| peak(part, &second, options)).collect(),
+        parts: grid::parts(&first, options.parts).iter().map(of_part).collect(),
+        curve: curve
+            .entries()
+            .map(|(lag, rho)| [lag as f64 * options.grid_s, rho])
+            .collect(),
     })
 }
 
-fn peak(first: &[Segment], second: &[Segment], options: &Options) -> Option<Peak> {
-    let curve = Curve::new(first, second, options)?;
+fn peak(curve: &Curve, first: &[Segment], second: &[Segment], options: &Options) -> Option<Peak> {
     let (at, rho) = curve.largest()?;
     let step_s = options.grid_s;
     let seconds = |lag: i64| lag as f64 * step_s;

@@ -5,6 +5,7 @@
 use std::fmt::Write;
 
 use crate::page::{self, Front, Limit, PageError, Status};
+use crate::tables::views;
 
 use super::Style;
 use super::style::Ink;
@@ -28,6 +29,10 @@ pub fn render(page: &str, style: Style) -> Result<String, PageError> {
     if limits_due {
         limits(&front, style, &mut out);
     }
+    if let Some(sight) = sight(&front.code) {
+        let _ = writeln!(out, "\n{}", style.paint(Ink::Strong, "To see it"));
+        paragraph(&sight, style, &mut out);
+    }
     if !front.references.is_empty() {
         let _ = writeln!(out, "\n{}", style.paint(Ink::Strong, "References"));
         for reference in &front.references {
@@ -35,6 +40,19 @@ pub fn render(page: &str, style: Style) -> Result<String, PageError> {
         }
     }
     Ok(out)
+}
+
+/// Where the views show what a rule judges.
+fn sight(code: &str) -> Option<String> {
+    match (views::of(code), views::nothing(code)) {
+        (Some(view), _) => Some(format!(
+            "`frames-lint view PATH... -o views.rrd`, entity `{}`: {}.",
+            view.words(),
+            view.what
+        )),
+        (None, Some(why)) => Some(format!("There is nothing to be seen: {why}.")),
+        (None, None) => None,
+    }
 }
 
 fn head(front: &Front, style: Style, out: &mut String) {

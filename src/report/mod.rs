@@ -12,6 +12,8 @@ pub mod json_lines;
 mod junit;
 mod markdown;
 mod place;
+#[cfg(feature = "rerun")]
+pub mod rerun;
 pub mod rules_table;
 #[cfg(test)]
 mod samples;

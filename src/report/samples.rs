@@ -52,6 +52,7 @@ impl Sample {
             reason: reason.map(str::to_owned),
             measured: Vec::new(),
             plots: Vec::new(),
+            planes: Vec::new(),
         });
     }
 

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::verdict::{Finding, Measured, NotEvaluated, Outcome, Plot};
+use crate::verdict::{Finding, Measured, NotEvaluated, Outcome, Plot, SeenPlane};
 use crate::world::{Claim, ClaimKind, World};
 
 /// Something a rule needs before it can be asked.
@@ -98,6 +98,8 @@ pub struct Judge {
     pub without_plots: bool,
     /// Plots by the subjects that they belong to.
     pub plots: BTreeMap<String, Vec<Plot>>,
+    /// Planes by the subjects that they belong to.
+    pub planes: BTreeMap<String, Vec<SeenPlane>>,
     /// Where in `judged` a subject that failed stands.
     failed: BTreeMap<String, usize>,
 }
@@ -138,6 +140,13 @@ impl Judge {
         let has_room = self.plots.len() < MAX_PLOTTED || self.plots.contains_key(subject);
         if let Some(plot) = (has_room && !self.without_plots).then(plot).flatten() {
             self.plots.entry(subject.to_owned()).or_default().push(plot);
+        }
+    }
+
+    /// Planes that were seen in the clouds of a subject. Made only where somebody may look at them.
+    pub fn planes(&mut self, subject: &str, planes: impl FnOnce() -> Vec<SeenPlane>) {
+        if self.planes.len() < MAX_PLOTTED && !self.without_plots {
+            self.planes.insert(subject.to_owned(), planes());
         }
     }
 

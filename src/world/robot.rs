@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::source::{Place, Placed, SourceId};
 
-use super::claim::Literal;
+use super::claim::{Literal, Pose};
 
 /// A list of numbers as an attribute holds it (`xyz="0 0 1.5"`).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -92,6 +92,38 @@ pub struct Link {
     pub meshes: Vec<Mesh>,
     /// Whether the link has any `<visual>` or `<collision>`.
     pub has_geometry: bool,
+    /// What its visuals look like.
+    #[serde(default)]
+    pub visuals: Vec<Visual>,
+}
+
+/// What a part of a link looks like.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Visual {
+    /// `link_from_visual`; the identity where the numbers make no pose.
+    pub pose: Pose,
+    /// Its shape.
+    pub shape: Shape,
+}
+
+/// The shape of a visual.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Shape {
+    /// Lengths of the sides, metres.
+    Box(#[serde(with = "super::number::array")] [f64; 3]),
+    /// Along z: radius and length, metres.
+    Cylinder(#[serde(with = "super::number::array")] [f64; 2]),
+    /// Radius, metres.
+    Sphere(#[serde(with = "super::number")] f64),
+    /// A file.
+    Mesh {
+        /// As it is written; [`crate::source::Source::meshes`] has where it is here.
+        filename: String,
+        /// Scale factors.
+        #[serde(with = "super::number::array")]
+        scale: [f64; 3],
+    },
 }
 
 /// A joint's `<limit>`.

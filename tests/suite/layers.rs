@@ -20,7 +20,10 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
         ("collect", &["source", "world", "read", "math"]),
         ("rules", &["source", "world", "verdict", "page", "math", "tables"]),
         ("run", &["source", "world", "verdict", "page"]),
-        ("report", &["source", "world", "verdict", "page", "run", "compare"]),
+        (
+            "report",
+            &["source", "world", "verdict", "page", "run", "compare", "view", "tables"],
+        ),
         ("compare", &["source", "world", "verdict", "run", "math", "tables"]),
         ("progress", &[]),
         // A fault in the configuration has a place, and the reader of documents knows places.
@@ -30,6 +33,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
         ),
         ("fix", &["source", "verdict", "run"]),
         ("gate", &["source", "world", "verdict", "page", "run"]),
+        ("view", &["source", "world", "verdict", "run", "math", "tables"]),
         (
             "engine",
             &[
@@ -42,6 +46,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
             "cli",
             &[
                 "engine", "report", "run", "verdict", "page", "rules", "convert", "tables", "config", "fix", "compare",
+                "view",
             ],
         ),
     ])

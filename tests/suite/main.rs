@@ -46,3 +46,4 @@ mod schema;
 mod tf2_reference;
 mod tree_moment;
 mod urdf_faults;
+mod views;

@@ -55,6 +55,7 @@ pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
     }
     let rest: Vec<World> = worlds.iter().filter(|world| world.bags.is_empty()).cloned().collect();
     let rest_labels: Vec<String> = rest.iter().map(|world| world.label.clone()).collect();
+    whole.run.seen.extend(room.setup.seen(&rest));
     let rest = (merged(judge_all(&rest, &room.setup.rules, true)), rest_labels);
     let compared = room.compare(&worlds, &drives, whole);
     for (mut verdict, labels) in [Some(rest), compared].into_iter().flatten() {

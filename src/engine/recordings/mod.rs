@@ -135,6 +135,8 @@ struct Drive {
     /// The recordings, and what came out of them.
     sources: Vec<Source>,
     worlds: Vec<World>,
+    /// See [`Run::seen`].
+    seen: Vec<World>,
     verdict: Verdict,
     laid: Laid,
     /// The sources that were judged with it.
@@ -203,6 +205,7 @@ impl Room<'_> {
         let read = covered.iter().filter_map(|id| sources.get(id.0 as usize));
         let ids = recordings.iter().map(|index| source_id(*index)).collect();
         let recording = self.recording((label, ids), read, &mut verdict, &laid);
+        let seen = self.setup.seen(&worlds);
         for world in &mut worlds {
             world.sources = Arc::default();
         }
@@ -210,6 +213,7 @@ impl Room<'_> {
             recording,
             sources: Vec::new(),
             worlds,
+            seen,
             verdict,
             laid,
             covered,
@@ -284,6 +288,7 @@ impl Room<'_> {
         let sources = Arc::new(self.shared.sources.clone());
         self.furnish(&mut worlds, &sources);
         let verdict = merged(judge_all(&worlds, &self.setup.rules, true));
+        whole.run.seen.extend(self.setup.seen(&worlds));
         let labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
         whole.lay(verdict, &labels, self.gate);
     }

@@ -91,6 +91,7 @@ impl<'a> Whole<'a> {
         if self.run.worlds.is_empty() && renumber.is_none() {
             self.run.worlds = drive.worlds;
         }
+        self.run.seen.extend(drive.seen);
         let verdict = self.of_files.once(drive.verdict, &platforms, &self.run.sources);
         self.run.platforms.extend(platforms);
         self.take(verdict, drive.laid, new, Some(drive.recording));

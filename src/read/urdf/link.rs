@@ -1,7 +1,9 @@
 //! Links: inertia, visuals, collisions, meshes.
 
-use crate::world::FrameRole;
-use crate::world::robot::{Inertial, Link, Mesh, NumberList};
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+
+use crate::world::robot::{Inertial, Link, Mesh, NumberList, Origin, Shape, Visual};
+use crate::world::{FrameRole, Pose};
 
 use super::reader::{Reader, attribute, placed};
 use super::xml::Element;
@@ -26,6 +28,7 @@ impl Reader<'_> {
             inertial: None,
             meshes: Vec::new(),
             has_geometry: false,
+            visuals: Vec::new(),
         };
         for child in element.children() {
             match child.name() {
@@ -35,7 +38,7 @@ impl Reader<'_> {
                 }
                 usage @ ("visual" | "collision") => {
                     link.has_geometry = true;
-                    self.shape(&child, usage, &owner, &mut link.meshes);
+                    self.shape(&child, usage, &owner, &mut link);
                 }
                 _ => {}
             }
@@ -78,42 +81,59 @@ impl Reader<'_> {
         list.array::<1>().map(|[value]| value)
     }
 
-    fn shape(&mut self, element: &Element<'_>, usage: &str, owner: &str, meshes: &mut Vec<Mesh>) {
+    fn shape(&mut self, element: &Element<'_>, usage: &str, owner: &str, link: &mut Link) {
         self.note_ignored(element);
         self.note_repeated(element, &["origin", "geometry"], format_args!("{usage} of {owner}"));
+        let (mut pose, mut shape) = (None, None);
         for child in element.children() {
             match child.name() {
-                "origin" => {
-                    self.origin(&child);
-                }
-                "geometry" => self.geometry(&child, usage, owner, meshes),
+                "origin" => pose = pose_of(&self.origin(&child)),
+                "geometry" => shape = self.geometry(&child, usage, owner, &mut link.meshes),
                 _ => {}
             }
         }
+        if let Some(shape) = shape.filter(|_| usage == "visual") {
+            let pose = pose.unwrap_or_else(|| Pose::from_isometry(&Isometry3::identity()));
+            link.visuals.push(Visual { pose, shape });
+        }
     }
 
-    fn geometry(&mut self, element: &Element<'_>, usage: &str, owner: &str, meshes: &mut Vec<Mesh>) {
+    fn geometry(&mut self, element: &Element<'_>, usage: &str, owner: &str, meshes: &mut Vec<Mesh>) -> Option<Shape> {
         self.note_ignored(element);
         self.note_repeated(element, &SHAPES, format_args!("geometry of {usage} of {owner}"));
+        let mut seen = None;
         for shape in element.children() {
             let name = shape.name();
             if !SHAPES.contains(&name) {
                 continue;
             }
             self.note_ignored(&shape);
-            match name {
-                "box" => drop(self.numbers(&shape, "size", 3)),
-                "sphere" => drop(self.numbers(&shape, "radius", 1)),
+            let of = match name {
+                "box" => self
+                    .numbers(&shape, "size", 3)
+                    .and_then(|size| size.array::<3>())
+                    .map(Shape::Box),
+                "sphere" => self.number(&shape, "radius").map(Shape::Sphere),
                 "mesh" => {
                     let scale = self.numbers(&shape, "scale", 3);
-                    meshes.extend(self.mesh(&shape, usage, scale));
+                    let mesh = self.mesh(&shape, usage, scale);
+                    let of = mesh.as_ref().map(|mesh| Shape::Mesh {
+                        filename: mesh.filename.value.clone(),
+                        scale: mesh.scale.as_ref().and_then(NumberList::array).unwrap_or([1.0; 3]),
+                    });
+                    meshes.extend(mesh);
+                    of
                 }
                 _ => {
-                    self.numbers(&shape, "radius", 1);
-                    self.numbers(&shape, "length", 1);
+                    let (radius, length) = (self.number(&shape, "radius"), self.number(&shape, "length"));
+                    radius
+                        .zip(length)
+                        .map(|(radius, length)| Shape::Cylinder([radius, length]))
                 }
-            }
+            };
+            seen = seen.or(of);
         }
+        seen
     }
 
     fn mesh(&mut self, element: &Element<'_>, usage: &str, scale: Option<NumberList>) -> Option<Mesh> {
@@ -126,4 +146,25 @@ impl Reader<'_> {
             found,
         })
     }
+}
+
+/// The numbers of an origin as a pose; `None` where they make none.
+fn pose_of(origin: &Origin) -> Option<Pose> {
+    let list = |numbers: &Option<NumberList>| match numbers {
+        None => Some([0.0; 3]),
+        Some(numbers) => numbers.array::<3>(),
+    };
+    let (xyz, [roll, pitch, yaw]) = (list(&origin.xyz)?, list(&origin.rpy)?);
+    let rotation = match origin.quat_xyzw.as_ref().and_then(NumberList::array::<4>) {
+        Some(xyzw) => Pose::from_raw(xyz, xyzw)?.isometry().rotation,
+        None => UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+    };
+    let pose = Isometry3::from_parts(Translation3::from(xyz), rotation);
+    let is_finite = pose
+        .translation
+        .vector
+        .iter()
+        .chain(rotation.coords.iter())
+        .all(|value| value.is_finite());
+    is_finite.then(|| Pose::from_isometry(&pose))
 }

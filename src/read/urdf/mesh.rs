@@ -18,6 +18,11 @@ impl MeshLookup {
     /// Whether the file is there; `None` where that cannot be decided: a package outside of the input, a scheme that
     /// names no file, a path that was not expanded.
     pub fn found(&self, filename: &str) -> Option<bool> {
+        self.path(filename).map(|path| path.is_file())
+    }
+
+    /// Where the file should be; `None` where that cannot be decided.
+    pub fn path(&self, filename: &str) -> Option<PathBuf> {
         let filename = filename.trim();
         if filename.contains("$(") || filename.contains("${") {
             return None;
@@ -25,7 +30,7 @@ impl MeshLookup {
         for scheme in ["package://", "model://"] {
             if let Some(rest) = filename.strip_prefix(scheme) {
                 let (package, path) = rest.split_once('/').unwrap_or((rest, ""));
-                return self.package(package).map(|folder| folder.join(path).is_file());
+                return self.package(package).map(|folder| folder.join(path));
             }
         }
         let path = match filename.split_once("://") {
@@ -39,9 +44,9 @@ impl MeshLookup {
         }
         let path = Path::new(path);
         if path.is_absolute() {
-            return Some(path.is_file());
+            return Some(path.to_path_buf());
         }
-        Some(self.base_dir.as_ref()?.join(path).is_file())
+        Some(self.base_dir.as_ref()?.join(path))
     }
 
     /// The folder of a package: in the input, or a folder of that name around the URDF.

@@ -43,6 +43,14 @@ fn read_as(source: &mut Source, meshes: &MeshLookup, xacro: bool) -> Facts {
     for (status, Problem { place, message, help }) in problems {
         source.problem_with_help(status, place, message, help);
     }
+    let links = facts.robots.iter().flat_map(|robot| &robot.links);
+    let found = links
+        .flat_map(|link| &link.meshes)
+        .filter(|mesh| mesh.found == Some(true));
+    for mesh in found.filter(|mesh| mesh.usage == "visual") {
+        let name = &mesh.filename.value;
+        source.meshes.extend(meshes.path(name).map(|path| (name.clone(), path)));
+    }
     facts
 }
 

@@ -9,6 +9,7 @@ use maud::{Markup, html};
 
 use crate::page::Status;
 use crate::run::RuleInfo;
+use crate::tables::views;
 use crate::verdict::waiver::plain_subject;
 use crate::verdict::{Measured, Outcome, Row};
 
@@ -187,6 +188,9 @@ fn group(
             @if let Some(rule) = rule {
                 p { span class="label" { "Looks for: " } (words(&rule.summary)) }
                 p class="small" { (facts(rule)) }
+                @if let Some(view) = views::of(&rule.code) {
+                    p class="small" { "Views: " code { (view.words()) } }
+                }
             }
         }
     };

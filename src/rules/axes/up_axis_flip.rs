@@ -11,7 +11,7 @@ use crate::rules::ground::{self, Ground, IsGround, Planes, SIDES};
 use crate::rules::lidar::Clouds;
 use crate::rules::motion::{Motion, mount};
 use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Measured, NotEvaluated, SeenPlane};
 use crate::world::cloud::CloudSample;
 use crate::world::{FrameId, World};
 
@@ -94,13 +94,33 @@ impl Rule for UpAxisFlip {
                 out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
                 continue;
             }
-            let grounds = planes.grounds(&clouds, &limits.is_ground());
+            let by_cloud = planes.grounds_by_cloud(&clouds, &limits.is_ground());
+            let grounds: Vec<Ground> = by_cloud.iter().map(|(_, ground)| *ground).collect();
             match limits.agreed(&clouds, &grounds) {
-                Ok(side) => judge_side(world, &motion, &clouds, (side, &grounds), limits, out),
+                Ok(side) => {
+                    out.planes(&subject, || seen(world, &clouds, &by_cloud, side));
+                    judge_side(world, &motion, &clouds, (side, &grounds), limits, out);
+                }
                 Err(why) => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
             }
         }
     }
+}
+
+/// The grounds on one side, each in its cloud.
+fn seen(world: &World, clouds: &Clouds, grounds: &[(usize, Ground)], side: usize) -> Vec<SeenPlane> {
+    let sensor = ground::sensor_in_cloud(world, clouds).unwrap_or_else(Vector3::zeros);
+    let of_side = grounds.iter().filter(|(_, ground)| ground.side == side);
+    let plane = |(index, ground): &(usize, Ground)| {
+        let normal = ground.plane.normal;
+        Some(SeenPlane {
+            topic: clouds.topic.topic.clone(),
+            log_ns: clouds.evidence.samples.get(*index)?.at.log_ns,
+            normal,
+            offset_m: normal.dot(&sensor) - ground.plane.height_m,
+        })
+    };
+    of_side.filter_map(plane).collect()
 }
 
 fn judge_side(

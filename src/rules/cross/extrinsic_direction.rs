@@ -300,7 +300,12 @@ fn judge_seen(clouds: &Clouds, seen: &Seen, limits: &Limits, out: &mut Judge) {
                 .likely()
                 .relation("inverse")
                 .related(seen.known.poses.1.clone(), "where it went")
-                .help("publish the inverse: TF's transform of a child is its pose in the parent, `parent_from_child`");
+                .help("publish the inverse: TF's transform of a child is its pose in the parent, `parent_from_child`")
+                .prefers(
+                    seen.known.body.to_string(),
+                    seen.known.lidar.to_string(),
+                    seen.known.told.inverse(),
+                );
             out.fail(measured.into_iter().fold(finding, Finding::measured));
         }
         Some(_) => {

@@ -81,7 +81,13 @@ fn judge_pair(world: &World, mut pair: Pair, limits: &Limits, out: &mut Judge) {
             out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
         }
         (Some(relation), _) => {
+            let right = relation.reversed().and_then(|back| back.apply(&pair.other.pose));
+            let (target, source) = (
+                pair.reference.target.to_string(),
+                pair.reference.source_frame.to_string(),
+            );
             let finding = pair.point_at_all(finding(&pair, subject, relation, &found, difference));
+            let finding = finding.prefers(target, source, right.unwrap_or(pair.reference.pose));
             let title = format!("state it without the error ({})", relation.word());
             let edits = mended(world, &pair, relation, &found);
             out.fail(with_fix(finding, &title, Safety::ChangesBehaviour, edits));

@@ -1,6 +1,6 @@
 //! CROSS05: a mounting against the one that the motions of lidar and platform determine.
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
 
 use crate::math::planar_hand_eye::{Mounted, mounted};
@@ -112,6 +112,13 @@ pub(crate) fn estimated(known: &HandEye, limits: &Limits) -> Result<Mounted, (No
     Ok(found)
 }
 
+/// The mounting with the yaw and the place that the scans show, and the rest as it is told.
+fn at_place(known: &HandEye, found: &Mounted) -> Isometry3<f64> {
+    let place = Translation3::new(found.place.x, found.place.y, known.told.translation.z);
+    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), found.yaw_rad);
+    Isometry3::from_parts(place, yaw * known.told.rotation)
+}
+
 fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("place of the mounting");
     let told = known.told.translation.vector.xy();
@@ -179,6 +186,7 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Lim
         .likely()
         .relation(relation)
         .related(known.poses.1.clone(), "where it went")
-        .help("calibrate it anew; what moves in a plane does not determine roll, pitch and height");
+        .help("calibrate it anew; what moves in a plane does not determine roll, pitch and height")
+        .prefers(known.body.to_string(), known.lidar.to_string(), at_place(known, found));
     out.fail(measured.into_iter().fold(finding, Finding::measured));
 }

@@ -28,7 +28,7 @@ impl By {
 }
 
 /// A lag that counts: the second signal after the first.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Offset {
     pub(super) by: By,
     /// By the times that messages arrive with, seconds.
@@ -38,6 +38,8 @@ pub(super) struct Offset {
     pub(super) sigma_s: f64,
     pub(super) correlation: f64,
     pub(super) n_eff: f64,
+    /// The correlation at each lag of the stamps, seconds.
+    pub(super) curve: Vec<[f64; 2]>,
 }
 
 /// Why there is no offset.
@@ -71,7 +73,7 @@ fn offset(first: &Signal, second: &Signal, limits: &Limits) -> Result<Offset, Wi
     let ran = by(By::Speed, &first.speed, &second.speed);
     let best = match (turned, ran) {
         (Err(varies @ Without::Varies(_)), _) | (_, Err(varies @ Without::Varies(_))) => Err(varies),
-        (Ok(turned), Ok(ran)) => Ok(if ran.1 < turned.1 { ran } else { turned }),
+        (Ok(turned), Ok(ran)) => Ok(if ran.sigma_s < turned.sigma_s { ran } else { turned }),
         (Ok(one), Err(Without::Silent(..))) | (Err(Without::Silent(..)), Ok(one)) => Ok(one),
         (Err(Without::Silent(a, why)), Err(Without::Silent(b, other))) => Err(if b > a {
             Without::Silent(b, other)
@@ -79,17 +81,31 @@ fn offset(first: &Signal, second: &Signal, limits: &Limits) -> Result<Offset, Wi
             Without::Silent(a, why)
         }),
     };
-    best.map(|(by, sigma_s, peak)| Offset {
-        by,
-        in_log_s: peak.lag_s,
-        in_stamps_s: peak.lag_s + to_s - from_s,
-        sigma_s,
-        correlation: peak.rho,
-        n_eff: peak.n_eff,
+    let ahead_s = to_s - from_s;
+    best.map(|told| Offset {
+        by: told.by,
+        in_log_s: told.peak.lag_s,
+        in_stamps_s: told.peak.lag_s + ahead_s,
+        sigma_s: told.sigma_s,
+        correlation: told.peak.rho,
+        n_eff: told.peak.n_eff,
+        curve: told
+            .curve
+            .into_iter()
+            .map(|[lag_s, rho]| [lag_s + ahead_s, rho])
+            .collect(),
     })
 }
 
-fn told(first: &Runs, second: &Runs, by: By, is_fix: bool, limits: &Limits) -> Result<(By, f64, Peak), Without> {
+/// A lag by the times that messages arrive with.
+struct ByLog {
+    by: By,
+    sigma_s: f64,
+    peak: Peak,
+    curve: Vec<[f64; 2]>,
+}
+
+fn told(first: &Runs, second: &Runs, by: By, is_fix: bool, limits: &Limits) -> Result<ByLog, Without> {
     let silent = |rho: f64, why: &str| Err(Without::Silent(rho, format!("{}: {why}", by.words())));
     let options = if is_fix || by == By::Speed {
         Options {
@@ -184,7 +200,12 @@ fn told(first: &Runs, second: &Runs, by: By, is_fix: bool, limits: &Limits) -> R
         By::YawRate => sigma_s,
         By::Speed => peak.cautious_sigma_s.unwrap_or(f64::INFINITY),
     };
-    Ok((by, sigma_s, peak))
+    Ok(ByLog {
+        by,
+        sigma_s,
+        peak,
+        curve: found.curve,
+    })
 }
 
 /// Standard deviation of the values of a signal.
@@ -249,9 +270,9 @@ mod tests {
         let (mut found, mut worst) = (0, 0.0_f64);
         for _ in 0..trials {
             let [gyro, rate] = drive(&mut rng, seconds, noise, related);
-            if let Ok((_, _, peak)) = told(&gyro, &rate, By::YawRate, false, &limits) {
+            if let Ok(told) = told(&gyro, &rate, By::YawRate, false, &limits) {
                 found += 1;
-                worst = worst.max((peak.lag_s - LATE_S).abs());
+                worst = worst.max((told.peak.lag_s - LATE_S).abs());
             }
         }
         (f64::from(found) / f64::from(trials), worst)

@@ -5,7 +5,8 @@ use serde::Deserialize;
 use crate::rules::axes::sensors::{Sensor, Sensors};
 use crate::rules::motion::{BagMotion, Motion};
 use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::verdict::plot::{Axis, Series};
+use crate::verdict::{Finding, Measured, NotEvaluated, Plot, Severity};
 use crate::world::{BagEvidence, World};
 
 use super::offsets::{Offset, Without};
@@ -95,6 +96,7 @@ fn judge_bag(
             }
             Err(Without::Varies(why)) => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
             Ok(offset) => {
+                out.plot(&subject, || Some(plot(first, second, &offset)));
                 let limit_s = limit_s(first, second, limits);
                 let measured = measured(first, &offset, limit_s);
                 let (size_s, give_s) = (offset.in_stamps_s.abs(), limits.sigmas * offset.sigma_s);
@@ -170,6 +172,23 @@ fn measured(first: &Signal, offset: &Offset, limit_s: f64) -> [Measured; 2] {
         .spread(offset.sigma_s),
         Measured::new("correlation", offset.correlation, "1").samples(count(offset.n_eff)),
     ]
+}
+
+/// The correlation over the lag, with the one that fits best.
+fn plot(first: &Signal, second: &Signal, offset: &Offset) -> Plot {
+    let mut series = Series::lines(&format!("correlation by {}", offset.by.words()), [offset.curve.clone()]);
+    series.push(Series::points(
+        "the best lag",
+        [[offset.in_stamps_s, offset.correlation]],
+    ));
+    Plot {
+        title: format!("{} after {}", second.subject, words(first)),
+        x: Axis::new("lag of the stamps", "s"),
+        y: Axis::new("correlation", "1"),
+        equal: false,
+        series,
+        limits: Vec::new(),
+    }
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]

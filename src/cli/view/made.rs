@@ -1,0 +1,135 @@
+//! Scenes written for the viewer.
+
+use std::fmt::Write;
+use std::io::Read;
+use std::path::Path;
+
+use crate::cli::args::View;
+use crate::cli::{Answer, Failure, Surroundings, paths};
+use crate::engine;
+use crate::report::rerun::{Sink, write};
+use crate::report::{Style, terminal};
+use crate::run::Run;
+use crate::view::scene::Scene;
+use crate::view::{fit, scene};
+
+/// Judges the inputs, and shows what there is to be seen. The exit code is that of reading.
+pub(in crate::cli) fn run(view: View, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
+    let run = engine::check(&engine::Options {
+        extent: view.input.reading.extent(),
+        paths: paths(view.input.paths, stdin)?,
+        config: view.config,
+        xacro_args: view.input.reading.xacro_args,
+        msg_paths: view.input.reading.msg_paths,
+        progress: surroundings.progress,
+        verdicts: engine::Verdicts::One,
+        sights: engine::Sights::Everything,
+        ..engine::Options::default()
+    })?;
+    let style = Style {
+        color: false,
+        ..surroundings.style
+    };
+    let mut answer = Answer {
+        err: terminal::render_unread(&run, style),
+        code: run.exit_code_of_reading(),
+        ..Answer::default()
+    };
+    if let Some(file) = &view.output {
+        answer.out.push_str(&save(&run, file, view.max_size)?);
+    }
+    if view.spawn {
+        answer.out.push_str(&send(&run, Target::Spawn, view.max_size)?);
+    }
+    if let Some(url) = &view.connect {
+        answer.out.push_str(&send(&run, Target::Connect(url), view.max_size)?);
+    }
+    Ok(answer)
+}
+
+/// Where views go besides files.
+#[derive(Clone, Copy)]
+enum Target<'a> {
+    Spawn,
+    Connect(&'a str),
+}
+
+/// A file that came out larger than asked is written again, smaller; so often at most.
+const ROUNDS: usize = 6;
+
+#[allow(clippy::unnecessary_wraps)] // there is a build without views
+pub(in crate::cli) fn is_there() -> Result<(), Failure> {
+    Ok(())
+}
+
+/// Writes the views to a file. Says what was left out, if anything was.
+pub(in crate::cli) fn save(run: &Run, file: &Path, max_bytes: u64) -> Result<String, Failure> {
+    let mut scene = scene(run);
+    let mut aim = usize::try_from(max_bytes).unwrap_or(usize::MAX);
+    let (mut left_out, mut size) = (None, 0);
+    for _ in 0..ROUNDS {
+        let thinned = fit(&mut scene, aim);
+        left_out = merged(left_out, thinned);
+        write(&scene, &name(run), Sink::File(file)).map_err(|error| failed(&file.display().to_string(), &error))?;
+        size = std::fs::metadata(file).map_or(0, |meta| meta.len());
+        if size <= max_bytes {
+            break;
+        }
+        aim = aim / 5 * 4 / usize::try_from(size / max_bytes.max(1)).unwrap_or(1).max(1);
+    }
+    let mut text = told(&file.display().to_string(), left_out);
+    if size > max_bytes {
+        let _ = writeln!(
+            text,
+            "they take {} kB, more than --max-size: no more can be left out",
+            size / 1000
+        );
+    }
+    Ok(text)
+}
+
+fn send(run: &Run, target: Target, max_bytes: u64) -> Result<String, Failure> {
+    let mut scene: Scene = scene(run);
+    let left_out = fit(&mut scene, usize::try_from(max_bytes).unwrap_or(usize::MAX));
+    let (sink, words) = match target {
+        Target::Spawn => (Sink::Spawn, "the viewer"),
+        Target::Connect(url) => (Sink::Connect(url), url),
+    };
+    write(&scene, &name(run), sink).map_err(|error| failed(words, &error))?;
+    Ok(told(words, left_out))
+}
+
+fn failed(words: &str, error: &str) -> Failure {
+    Failure::Usage(format!("the views can't be written to {words}: {error}"))
+}
+
+type LeftOut = Option<(usize, usize)>;
+
+fn merged(before: LeftOut, now: LeftOut) -> LeftOut {
+    match (before, now) {
+        (Some((a, b)), Some((c, d))) => Some((a.saturating_mul(c), b.saturating_mul(d))),
+        (before, now) => before.or(now),
+    }
+}
+
+fn told(words: &str, left_out: LeftOut) -> String {
+    let mut text = format!("views written to {words}");
+    if let Some((moments, points)) = left_out {
+        let _ = write!(
+            text,
+            "; to fit --max-size, one in {moments} moments and one in {points} points of clouds is shown"
+        );
+    }
+    text.push('\n');
+    text
+}
+
+/// What the views are called: the first input, and how many more.
+fn name(run: &Run) -> String {
+    let mut inputs = run.sources.iter().filter(|source| source.derived.is_none());
+    let first = inputs.next().map_or("nothing", |source| source.path.as_str());
+    match inputs.count() {
+        0 => first.to_owned(),
+        more => format!("{first} and {more} more"),
+    }
+}

@@ -1,0 +1,233 @@
+//! A scene as a recording of the viewer of <https://rerun.io>: the only room that knows it. Compiled with the feature `rerun`.
+
+#![allow(clippy::cast_possible_truncation)] // the viewer takes single numbers
+
+mod layout;
+
+use std::collections::BTreeMap;
+use std::path::Path as FilePath;
+
+use base64::Engine;
+use base64::engine::general_purpose::URL_SAFE_NO_PAD;
+use nalgebra::Isometry3;
+use rerun::{EntityPath, EntityPathPart, RecordingStream, RecordingStreamBuilder, RecordingStreamResult, TimeColumn};
+use sha2::{Digest, Sha256};
+
+use crate::view::scene::{Body, Color, Drawing, Item, Level, Lines, Path, Points, Scene, WORLD, What};
+
+/// The timeline: stamps of headers; of what has none, the log time.
+pub const TIMELINE: &str = "stamp";
+
+/// What the viewer calls the program.
+const APPLICATION: &str = "frames-lint";
+
+/// Where a scene goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sink<'a> {
+    /// A file.
+    File(&'a FilePath),
+    /// A viewer that is started: the program `rerun`.
+    Spawn,
+    /// A viewer that is running, by its URL.
+    Connect(&'a str),
+}
+
+/// Writes a scene, which is called `name` there. The same scene has the same identity in the viewer.
+///
+/// # Errors
+///
+/// What the viewer's library says where it can't be written, or nobody answers.
+pub fn write(scene: &Scene, name: &str, sink: Sink) -> Result<(), String> {
+    let id = Sha256::digest(name.as_bytes());
+    let id = URL_SAFE_NO_PAD.encode(id.get(..9).unwrap_or_default());
+    let builder = RecordingStreamBuilder::new(APPLICATION)
+        .recording_id(id.as_str())
+        .send_properties(false);
+    let stream = match sink {
+        Sink::File(path) => builder.save(path),
+        Sink::Spawn => builder.spawn(),
+        Sink::Connect(url) => builder.connect_grpc_opts(url),
+    };
+    let told = |error: rerun::RecordingStreamError| error.to_string();
+    let stream = stream.map_err(told)?;
+    stream.set_log_time_enabled(false);
+    stream.set_log_tick_enabled(false);
+    layout::send(scene, &format!("layout-{id}"), &stream).map_err(told)?;
+    stream.send_recording_name(name).map_err(told)?;
+    items(scene, &stream).map_err(told)?;
+    stream.flush_blocking().map_err(|error| error.to_string())
+}
+
+fn entity(path: &Path) -> EntityPath {
+    EntityPath::new(
+        path.names()
+            .iter()
+            .map(|name| EntityPathPart::new(name.clone()))
+            .collect(),
+    )
+}
+
+fn items(scene: &Scene, stream: &RecordingStream) -> RecordingStreamResult<()> {
+    stream.log_static(WORLD, &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
+    // What has many moments goes in columns: the same bytes for a row as for its numbers.
+    let mut poses: BTreeMap<&Path, Vec<(i64, &Isometry3<f64>)>> = BTreeMap::new();
+    let mut numbers: BTreeMap<&Path, Vec<(i64, f64)>> = BTreeMap::new();
+    for item in &scene.items {
+        match (&item.what, item.stamp_ns) {
+            (What::Pose(pose), Some(stamp_ns)) => poses.entry(&item.path).or_default().push((stamp_ns, pose)),
+            (What::Number(value), Some(stamp_ns)) => numbers.entry(&item.path).or_default().push((stamp_ns, *value)),
+            _ => one(item, stream)?,
+        }
+    }
+    for (path, poses) in poses {
+        let translations = poses.iter().map(|(_, pose)| translation(pose));
+        let rotations = poses.iter().map(|(_, pose)| quaternion(pose));
+        let columns = rerun::Transform3D::update_fields()
+            .with_many_translation(translations)
+            .with_many_quaternion(rotations)
+            .columns_of_unit_batches()?;
+        let stamps = times(poses.iter().map(|(stamp_ns, _)| *stamp_ns));
+        stream.send_columns(entity(path), [stamps], columns)?;
+    }
+    for (path, numbers) in numbers {
+        let columns = rerun::Scalars::new(numbers.iter().map(|(_, value)| *value)).columns_of_unit_batches()?;
+        let stamps = times(numbers.iter().map(|(stamp_ns, _)| *stamp_ns));
+        stream.send_columns(entity(path), [stamps], columns)?;
+    }
+    Ok(())
+}
+
+fn times(stamps_ns: impl Iterator<Item = i64>) -> TimeColumn {
+    TimeColumn::new_timestamp_nanos_since_epoch(TIMELINE, stamps_ns)
+}
+
+fn translation(pose: &Isometry3<f64>) -> [f32; 3] {
+    let at = pose.translation.vector;
+    [at.x as f32, at.y as f32, at.z as f32]
+}
+
+fn quaternion(pose: &Isometry3<f64>) -> rerun::Quaternion {
+    let q = pose.rotation.coords;
+    rerun::Quaternion::from_xyzw([q.x as f32, q.y as f32, q.z as f32, q.w as f32])
+}
+
+fn color([red, green, blue]: Color) -> rerun::Color {
+    rerun::Color::from_rgb(red, green, blue)
+}
+
+/// Metres; negative: points of the screen.
+fn radius(value: f32) -> rerun::Radius {
+    if value < 0.0 {
+        rerun::Radius::new_ui_points(-value)
+    } else {
+        rerun::Radius::new_scene_units(value)
+    }
+}
+
+fn one(item: &Item, stream: &RecordingStream) -> RecordingStreamResult<()> {
+    let path = entity(&item.path);
+    match item.stamp_ns {
+        Some(stamp_ns) => stream.set_timestamp_nanos_since_epoch(TIMELINE, stamp_ns),
+        None => stream.reset_time(),
+    }
+    let log = |what: &dyn rerun::AsComponents| stream.log_with_static(path.clone(), item.stamp_ns.is_none(), what);
+    match &item.what {
+        What::Pose(pose) => log(&rerun::Transform3D::from_translation_rotation(
+            translation(pose),
+            quaternion(pose),
+        )),
+        What::Axes(length_m) => log(&rerun::TransformAxes3D::new(*length_m)),
+        What::Points(points) => log(&of_points(points)),
+        What::Lines(lines) => log(&of_lines(lines)),
+        What::Body(body) => of_body(body, &log, &path, stream),
+        What::Camera([a, b, c, d, e, f, g, h, i], resolution) => {
+            // Column by column.
+            let image_from_camera = rerun::Mat3x3([*a, *d, *g, *b, *e, *h, *c, *f, *i]);
+            log(&rerun::Pinhole::new(image_from_camera)
+                .with_resolution(*resolution)
+                .with_camera_xyz(rerun::components::ViewCoordinates::RDF))
+        }
+        What::Pixels(points) => log(&rerun::Points2D::new(points.xyz_m.iter().map(|[x, y, _]| [*x, *y]))
+            .with_radii([radius(points.radius)])
+            .with_colors(points.colors.iter().map(|of| color(*of)))),
+        What::Drawing(drawing) => of_drawing(drawing, &log),
+        What::Number(value) => log(&rerun::Scalars::single(*value)),
+        What::Curve(name, of, true) => log(&rerun::SeriesLines::new()
+            .with_names([name.as_str()])
+            .with_colors([color(*of)])),
+        What::Curve(name, of, false) => log(&rerun::SeriesPoints::new()
+            .with_names([name.as_str()])
+            .with_colors([color(*of)])),
+        What::Log(level, text) => log(&rerun::TextLog::new(text.as_str()).with_level(match level {
+            Level::Info => rerun::TextLogLevel::INFO,
+            Level::Warning => rerun::TextLogLevel::WARN,
+            Level::Error => rerun::TextLogLevel::ERROR,
+        })),
+        What::Page(text) => log(&rerun::TextDocument::from_markdown(text.as_str())),
+    }
+}
+
+fn of_points(points: &Points) -> rerun::Points3D {
+    let drawn = rerun::Points3D::new(points.xyz_m.iter().copied())
+        .with_radii([radius(points.radius)])
+        .with_colors(points.colors.iter().map(|of| color(*of)));
+    if points.labels.is_empty() {
+        drawn
+    } else {
+        drawn
+            .with_labels(points.labels.iter().map(String::as_str))
+            .with_show_labels(true)
+    }
+}
+
+fn of_lines(lines: &Lines) -> rerun::LineStrips3D {
+    let drawn = rerun::LineStrips3D::new(lines.strips_m.iter().map(|strip| strip.iter().copied()))
+        .with_radii([radius(lines.radius)])
+        .with_colors([color(lines.color)]);
+    if lines.labels.is_empty() {
+        drawn
+    } else {
+        drawn
+            .with_labels(lines.labels.iter().map(String::as_str))
+            .with_show_labels(true)
+    }
+}
+
+type Log<'l> = dyn Fn(&dyn rerun::AsComponents) -> RecordingStreamResult<()> + 'l;
+
+fn of_body(body: &Body, log: &Log, path: &EntityPath, stream: &RecordingStream) -> RecordingStreamResult<()> {
+    match body {
+        Body::Mesh(file, scale) => {
+            // A mesh that is gone by now leaves its frame.
+            let Ok(asset) = rerun::Asset3D::from_file_path(file) else {
+                return Ok(());
+            };
+            stream.log_static(path.clone(), &rerun::InstancePoses3D::new().with_scales([*scale]))?;
+            log(&asset)
+        }
+        Body::Box(sides_m) => log(&rerun::Boxes3D::from_sizes([*sides_m])),
+        Body::Cylinder(radius_m, length_m) => {
+            log(&rerun::Cylinders3D::from_lengths_and_radii([*length_m], [*radius_m]))
+        }
+        Body::Sphere(radius_m) => log(&rerun::Ellipsoids3D::from_radii([*radius_m])),
+    }
+}
+
+/// The viewer's planes have y down.
+fn of_drawing(drawing: &Drawing, log: &Log) -> RecordingStreamResult<()> {
+    let flipped = |strip: &[[f32; 2]]| -> Vec<[f32; 2]> { strip.iter().map(|[x, y]| [*x, -y]).collect() };
+    let label = drawing.label.as_str();
+    if drawing.is_line {
+        let lines = rerun::LineStrips2D::new(drawing.strips.iter().map(|strip| flipped(strip)));
+        return log(&lines.with_colors([color(drawing.color)]).with_radii([radius(-1.0)]));
+    }
+    let points: Vec<[f32; 2]> = drawing.strips.iter().flat_map(|strip| flipped(strip)).collect();
+    let points = rerun::Points2D::new(points)
+        .with_colors([color(drawing.color)])
+        .with_radii([radius(-1.5)]);
+    if label.is_empty() {
+        log(&points)
+    } else {
+        log(&points.with_labels([label]).with_show_labels(true))
+    }
+}

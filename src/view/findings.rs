@@ -1,0 +1,177 @@
+//! Each finding as a line of a log at its time, as a page, and as a mark at the frame that it is about.
+
+use std::collections::BTreeMap;
+use std::fmt::Write;
+
+use crate::run::Run;
+use crate::source::At;
+use crate::tables::views;
+use crate::verdict::{Finding, Outcome, Severity};
+use crate::world::{BagEvidence, FrameId};
+
+use super::Labels;
+use super::scene::{Color, Level, Path, Points, Scene, What};
+use super::tree::Placed;
+
+/// Findings stand beneath this.
+pub(super) const FINDINGS: &str = "findings";
+
+/// Findings that are shown; more are only counted.
+const MAX_FINDINGS: usize = 500;
+
+/// Where and when the worst finding is, where that is known.
+pub(super) struct Worst {
+    pub(super) at_ns: Option<i64>,
+    pub(super) frame: Option<Path>,
+    /// Whether it is to be seen of a track, and not where one frame stands.
+    pub(super) is_of_a_track: bool,
+}
+
+/// Tells every finding.
+pub(super) fn findings(run: &Run, placed: &[Placed], labels: &Labels, scene: &mut Scene) -> Worst {
+    let top = Path::top(FINDINGS);
+    let mut page = summary(run);
+    let mut marked: BTreeMap<Path, u8> = BTreeMap::new();
+    let mut worst = Worst {
+        at_ns: None,
+        frame: None,
+        is_of_a_track: false,
+    };
+    for (number, finding) in run.verdict.findings.iter().take(MAX_FINDINGS).enumerate() {
+        let (level, color) = loudness(finding);
+        let words = format!("{} {}: {}", finding.rule, finding.name, finding.message);
+        let stamp_ns = finding.places.iter().find_map(|label| match &label.place.at {
+            At::Message(message) => Some(message.stamp_ns.filter(|stamp| *stamp != 0).unwrap_or(message.log_ns)),
+            _ => None,
+        });
+        let own = placed
+            .iter()
+            .filter(|placed| labels.may_be(&finding.subject, placed.number));
+        let own: Vec<&Placed> = own.collect();
+        let size_m = own.first().map_or(1.0, |placed| placed.size_m);
+        let frame = frame_of(finding, run, &own);
+        if number == 0 {
+            worst = Worst {
+                at_ns: stamp_ns,
+                frame: frame.clone(),
+                is_of_a_track: views::of(&finding.rule).is_some_and(|view| view.named == super::TRACK),
+            };
+        }
+        let path = top.then("log").then(format!("{} {}", number + 1, finding.rule));
+        let line = What::Log(level, words.clone());
+        match stamp_ns {
+            Some(stamp_ns) => scene.at(&path, stamp_ns, line),
+            None => scene.always(&path, line),
+        }
+        if let Some(at) = frame {
+            let nth = marked.entry(at.clone()).or_default();
+            *nth = nth.saturating_add(1);
+            scene.always(
+                &at.then(format!("finding {}", number + 1)),
+                What::Points(Points {
+                    // The words stand beneath the frame, those of several beneath each other.
+                    xyz_m: vec![[0.0; 3], [0.0, 0.0, -0.5 * f32::from(*nth) * size_m]],
+                    colors: vec![color],
+                    radius: -6.0,
+                    labels: vec![String::new(), format!("{} {}", finding.rule, finding.name)],
+                }),
+            );
+        }
+        tell(number, finding, &mut page);
+    }
+    let more = run.verdict.findings.len().saturating_sub(MAX_FINDINGS);
+    if more > 0 {
+        let _ = writeln!(page, "\n... and {more} more findings");
+    }
+    scene.always(&top.then("page"), What::Page(page));
+    worst
+}
+
+/// What was checked: that nothing was found says only so much.
+fn summary(run: &Run) -> String {
+    let count = |outcome: Outcome| run.verdict.rows.iter().filter(|row| row.outcome == outcome).count();
+    format!(
+        "Findings: {}. Checks that passed: {}. Checks that could not be made: {}.\n\n",
+        run.verdict.findings.len(),
+        count(Outcome::Pass),
+        count(Outcome::NotEvaluated)
+    )
+}
+
+fn tell(number: usize, finding: &Finding, page: &mut String) {
+    let _ = writeln!(page, "### {}. {} {}\n", number + 1, finding.rule, finding.name);
+    let _ = writeln!(
+        page,
+        "**{}**, {}: {}\n",
+        finding.severity.word(),
+        finding.confidence.word(),
+        finding.message
+    );
+    for measured in &finding.measured {
+        let limit = measured
+            .limit
+            .map_or_else(String::new, |limit| format!(", limit {limit:.4}"));
+        let _ = writeln!(
+            page,
+            "- {} {:.4} {}{limit}",
+            measured.what, measured.value, measured.unit
+        );
+    }
+    if !finding.help.is_empty() {
+        let _ = writeln!(page, "\n*What to do*: {}", finding.help);
+    }
+    if let Some(waived) = &finding.waived {
+        let _ = writeln!(page, "\n*Waived*: {}", waived.words());
+    }
+    page.push('\n');
+}
+
+fn loudness(finding: &Finding) -> (Level, Color) {
+    match finding.loudness() {
+        _ if finding.waived.is_some() => (Level::Info, [150, 150, 150]),
+        Severity::Note => (Level::Info, [110, 160, 250]),
+        Severity::Warning => (Level::Warning, [250, 190, 60]),
+        Severity::Error => (Level::Error, [250, 70, 70]),
+    }
+}
+
+/// The frame that a finding is about: that which a rule would have elsewhere, else the last of those that it names between backticks
+/// which stands in a tree, else that of the messages that it points at.
+fn frame_of(finding: &Finding, run: &Run, placed: &[&Placed]) -> Option<Path> {
+    let path = |frame: FrameId| placed.iter().find_map(|placed| placed.path(&frame));
+    let moved = finding.prefers.iter().map(|prefers| prefers.source.clone());
+    let is_topic = |word: &String| {
+        let mut bags = placed.iter().flat_map(|placed| &placed.world().bags);
+        bags.any(|bag| bag.topics.contains_key(word))
+    };
+    let named = |text: &str| {
+        let words: Vec<String> = text.split('`').skip(1).step_by(2).map(str::to_owned).collect();
+        words.into_iter().rev().filter(|word| !is_topic(word))
+    };
+    let words = moved.chain(named(&finding.subject)).chain(named(&finding.message));
+    let mut paths = words.filter_map(|word| path(FrameId::new(&word)));
+    paths
+        .next()
+        .or_else(|| frame_of_messages(finding, run, placed))
+        .cloned()
+}
+
+fn frame_of_messages<'p>(finding: &Finding, run: &Run, placed: &[&'p Placed]) -> Option<&'p Path> {
+    finding.places.iter().find_map(|label| {
+        let At::Message(message) = &label.place.at else {
+            return None;
+        };
+        let path = run.sources.get(label.place.source.0 as usize)?.path.as_str();
+        placed.iter().find_map(|placed| {
+            let is_it = |bag: &&BagEvidence| {
+                placed
+                    .world()
+                    .source(bag.source)
+                    .is_some_and(|source| source.path == path)
+            };
+            let bag = placed.world().bags.iter().find(is_it)?;
+            let frame = bag.topics.get(&message.topic)?.header_frames.keys().next()?;
+            placed.path(frame)
+        })
+    })
+}

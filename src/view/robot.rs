@@ -1,0 +1,50 @@
+//! What links look like, under their frames: shapes, and meshes that were found in a form that viewers read.
+
+use std::path::{Path as FilePath, PathBuf};
+
+use crate::world::FrameId;
+use crate::world::robot::Shape;
+
+use super::scene::{Body, Path, Scene, What};
+use super::tree::Placed;
+
+/// Endings of the meshes that the viewer reads.
+const READABLE: [&str; 5] = ["glb", "gltf", "obj", "stl", "dae"];
+
+/// Draws the robots of a world; where a link has nothing that can be drawn, its frame stands for it.
+pub(super) fn robots(placed: &Placed, scene: &mut Scene) {
+    for robot in &placed.world().robots {
+        let source = placed.world().source(robot.source);
+        let file = |name: &str| source?.meshes.get(name).cloned();
+        for link in &robot.links {
+            let Some(path) = placed.path(&FrameId::new(link.name.value.as_str())).cloned() else {
+                continue;
+            };
+            for (number, visual) in link.visuals.iter().enumerate() {
+                if let Some(body) = body(&visual.shape, &file) {
+                    let own: Path = path.then(format!("body {}", number + 1));
+                    scene.always(&own, What::Pose(visual.pose.isometry()));
+                    scene.always(&own, What::Body(body));
+                }
+            }
+        }
+    }
+}
+
+fn body(shape: &Shape, file: &dyn Fn(&str) -> Option<PathBuf>) -> Option<Body> {
+    let narrow = |value: f64| value as f32;
+    Some(match shape {
+        Shape::Box(sides_m) => Body::Box(sides_m.map(narrow)),
+        Shape::Cylinder([radius_m, length_m]) => Body::Cylinder(narrow(*radius_m), narrow(*length_m)),
+        Shape::Sphere(radius_m) => Body::Sphere(narrow(*radius_m)),
+        Shape::Mesh { filename, scale } => {
+            let file = file(filename).filter(|file| is_readable(file))?;
+            Body::Mesh(file, scale.map(narrow))
+        }
+    })
+}
+
+fn is_readable(file: &FilePath) -> bool {
+    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    ending.is_some_and(|ending| READABLE.contains(&ending.as_str()))
+}

@@ -1,0 +1,102 @@
+//! How a tree of frames is turned so that it is seen the right way up, whatever axes its root has.
+
+use nalgebra::UnitQuaternion;
+
+use crate::math::constants::AxisTurn;
+use crate::verdict::Finding;
+use crate::world::conventions::{BodyAxes, Subject, WorldAxes};
+use crate::world::{FrameId, World};
+
+/// A turn with what says that it is needed.
+pub(super) struct Upright {
+    /// `seen_from_root`, where what is seen has z up.
+    pub(super) turn: UnitQuaternion<f64>,
+    /// Why, for the root's label; empty where nothing is turned.
+    pub(super) why: String,
+}
+
+/// By what is declared of the root, else by its name, else by what was measured.
+pub(super) fn upright(world: &World, root: &FrameId, findings: &[&Finding]) -> Upright {
+    let turned = |turn: AxisTurn, why: &str| Upright {
+        turn: turn.quaternion(),
+        why: why.to_owned(),
+    };
+    let declared = world.conventions.of(&Subject {
+        file: "",
+        topic: None,
+        frames: &[root],
+    });
+    let convention = declared.map(|declared| declared.convention).unwrap_or_default();
+    match (convention.world, convention.body) {
+        (Some(WorldAxes::Ned), _) => return turned(AxisTurn::NedEnu, "declared NED"),
+        (Some(WorldAxes::Nwu), _) => return turned(AxisTurn::Z90, "declared NWU"),
+        (_, Some(BodyAxes::Frd)) => return turned(AxisTurn::FluFrd, "declared FRD"),
+        (Some(WorldAxes::Enu), _) | (_, Some(BodyAxes::Flu)) => return none(),
+        (None, None) => {}
+    }
+    for (word, turn) in [
+        ("ned", AxisTurn::NedEnu),
+        ("frd", AxisTurn::FluFrd),
+        ("optical", AxisTurn::Optical),
+    ] {
+        if root.has_token(word) {
+            return turned(turn, &format!("{} by its name", word.to_uppercase()));
+        }
+    }
+    let subject = format!("z of `{root}`");
+    let of_root = |finding: &&&Finding| finding.rule == "AXES14" && finding.subject.contains(&subject);
+    match findings
+        .iter()
+        .find(of_root)
+        .and_then(|finding| finding.relation.as_deref())
+    {
+        Some("z-down") => turned(AxisTurn::FluFrd, "z points down, as AXES14 measured"),
+        Some("optical") => turned(AxisTurn::Optical, "optical axes, as AXES14 measured"),
+        _ => none(),
+    }
+}
+
+fn none() -> Upright {
+    Upright {
+        turn: UnitQuaternion::identity(),
+        why: String::new(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Vector3;
+
+    use super::*;
+
+    fn up_of(root: &str, up_in_root: [f64; 3]) -> f64 {
+        let upright = upright(&World::default(), &FrameId::new(root), &[]);
+        (upright.turn * Vector3::from(up_in_root)).z
+    }
+
+    #[test]
+    fn up_is_up_for_every_axes_that_a_name_promises() {
+        for (root, up_in_root) in [
+            ("map", [0.0, 0.0, 1.0]),
+            ("map_ned", [0.0, 0.0, -1.0]),
+            ("base_link_frd", [0.0, 0.0, -1.0]),
+            ("camera_optical_frame", [0.0, -1.0, 0.0]),
+        ] {
+            assert!((up_of(root, up_in_root) - 1.0).abs() < 1e-12, "{root}");
+        }
+    }
+
+    #[test]
+    fn north_and_east_are_where_they_belong() {
+        let seen =
+            |axis: [f64; 3]| upright(&World::default(), &FrameId::new("odom_ned"), &[]).turn * Vector3::from(axis);
+        assert!(
+            (seen([1.0, 0.0, 0.0]) - Vector3::y()).norm() < 1e-12,
+            "north is seen along y"
+        );
+        assert!(
+            (seen([0.0, 1.0, 0.0]) - Vector3::x()).norm() < 1e-12,
+            "east is seen along x"
+        );
+    }
+}
