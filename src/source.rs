@@ -302,11 +302,20 @@ pub struct Source {
     pub files: Vec<PathBuf>,
     /// Where the meshes are here that it names, by what they are called there: those that were found.
     #[serde(skip)]
-    pub meshes: BTreeMap<String, PathBuf>,
+    pub meshes: BTreeMap<String, MeshFile>,
     /// SHA-256 of its file in hexadecimal digits; of several files a line for each, as `sha256sum` writes them. Only where a report
     /// asks for it.
     #[serde(skip)]
     pub sha256: Option<String>,
+}
+
+/// A mesh that a description names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct MeshFile {
+    /// Where it is.
+    pub path: PathBuf,
+    /// Its size.
+    pub bytes: u64,
 }
 
 impl Source {

@@ -2,32 +2,64 @@
 
 use std::collections::BTreeMap;
 
-use super::scene::{Item, Path, Points, Scene, What};
+use super::scene::{Body, Item, Path, Points, Scene, What};
 
 /// Bytes that one item costs beside its numbers, as the viewer's files have it: what holds always, and one moment of many.
-const OF_ALWAYS: usize = 1500;
+const OF_ALWAYS: usize = 800;
 const OF_MOMENT: usize = 12;
 /// Rounds of thinning: each halves what is large.
 const ROUNDS: usize = 24;
 
-/// Thins a scene until it has about so many bytes. Says by how much, where anything was left out: every how many-th moment is
-/// shown, and every how many-th point.
-pub fn fit(scene: &mut Scene, max_bytes: usize) -> Option<(usize, usize)> {
-    let (mut moments, mut points) = (1_usize, 1_usize);
+/// What was left out of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LeftOut {
+    /// Every how many-th moment is shown.
+    pub moments: usize,
+    /// Every how many-th point of clouds is shown.
+    pub points: usize,
+    /// Meshes that are not shown.
+    pub meshes: usize,
+}
+
+impl LeftOut {
+    /// Nothing.
+    pub const NOTHING: Self = Self {
+        moments: 1,
+        points: 1,
+        meshes: 0,
+    };
+
+    /// What is left out when more is left out of what there is.
+    #[must_use]
+    pub fn and(self, more: Self) -> Self {
+        Self {
+            moments: self.moments.saturating_mul(more.moments),
+            points: self.points.saturating_mul(more.points),
+            meshes: self.meshes + more.meshes,
+        }
+    }
+}
+
+/// Thins a scene until it has about so many bytes. Says by how much.
+pub fn fit(scene: &mut Scene, max_bytes: usize) -> LeftOut {
+    let mut left_out = LeftOut::NOTHING;
     for _ in 0..ROUNDS {
         let size = Size::of(scene);
-        if size.always + size.moments + size.points <= max_bytes || size.moments + size.points == 0 {
+        let most = size.moments.max(size.points).max(size.meshes);
+        if size.always + size.moments + size.points + size.meshes <= max_bytes || most == 0 {
             break;
         }
-        if size.points > size.moments {
-            points = points.saturating_mul(2);
+        if size.meshes == most {
+            left_out.meshes += without_large_meshes(scene, size.meshes / 2);
+        } else if size.points == most {
+            left_out.points = left_out.points.saturating_mul(2);
             scene.items.iter_mut().for_each(|item| thin(&mut item.what));
         } else {
-            moments = moments.saturating_mul(2);
+            left_out.moments = left_out.moments.saturating_mul(2);
             every_other(&mut scene.items);
         }
     }
-    (moments > 1 || points > 1).then_some((moments, points))
+    left_out
 }
 
 /// What a scene takes, bytes: by what of it can be thinned.
@@ -36,6 +68,7 @@ struct Size {
     always: usize,
     moments: usize,
     points: usize,
+    meshes: usize,
 }
 
 impl Size {
@@ -43,6 +76,7 @@ impl Size {
         let mut size = Self::default();
         for item in &scene.items {
             size.points += points_of(&item.what).map_or(0, |points| points.xyz_m.len() * 12 + points.colors.len() * 4);
+            size.meshes += mesh_bytes(&item.what);
             match item.stamp_ns {
                 None => size.always += OF_ALWAYS,
                 Some(_) => size.moments += OF_MOMENT,
@@ -50,6 +84,29 @@ impl Size {
         }
         size
     }
+}
+
+fn mesh_bytes(what: &What) -> usize {
+    match what {
+        What::Body(Body::Mesh(file, _)) => usize::try_from(file.bytes).unwrap_or(usize::MAX),
+        _ => 0,
+    }
+}
+
+/// Leaves meshes out, the largest first, until those that stay have no more than so many bytes. Returns how many.
+fn without_large_meshes(scene: &mut Scene, max_bytes: usize) -> usize {
+    let mut sizes: Vec<usize> = scene.items.iter().map(|item| mesh_bytes(&item.what)).collect();
+    sizes.retain(|bytes| *bytes > 0);
+    sizes.sort_unstable();
+    let mut stay = 0_usize;
+    let limit = sizes.into_iter().find(|bytes| {
+        stay = stay.saturating_add(*bytes);
+        stay > max_bytes
+    });
+    let Some(limit) = limit else { return 0 };
+    let before = scene.items.len();
+    scene.items.retain(|item| mesh_bytes(&item.what) < limit);
+    before - scene.items.len()
 }
 
 /// The points of a cloud: what has labels is none.
@@ -100,8 +157,9 @@ fn every_other(items: &mut Vec<Item>) {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use nalgebra::Isometry3;
+
+    use crate::source::MeshFile;
 
     use super::*;
 
@@ -129,24 +187,37 @@ mod tests {
     #[test]
     fn a_scene_that_fits_stays_as_it_is() {
         let mut fitted = scene();
-        assert_eq!(fit(&mut fitted, 10_000_000), None);
+        assert_eq!(fit(&mut fitted, 10_000_000), LeftOut::NOTHING);
         assert_eq!(fitted, scene());
     }
 
     #[test]
     fn what_there_is_most_of_is_thinned_and_words_stay() {
         let mut fitted = scene();
-        let (moments, points) = fit(&mut fitted, 200_000).unwrap();
-        assert!(moments <= 2 && points > 8, "{moments} {points}");
+        let left_out = fit(&mut fitted, 200_000);
+        assert!(left_out.moments <= 2 && left_out.points > 8, "{left_out:?}");
         let size = Size::of(&fitted);
         assert!(size.always + size.moments + size.points <= 200_000);
         assert!(fitted.has(&Path::top("label")) && fitted.has(&Path::top("frame")) && fitted.has(&Path::top("cloud")));
     }
 
     #[test]
+    fn large_meshes_are_left_out_before_small_ones() {
+        let mut fitted = Scene::default();
+        for bytes in [10_000, 400_000, 20_000, 900_000] {
+            let path = std::path::PathBuf::from(format!("{bytes}.stl"));
+            let mesh = Body::Mesh(MeshFile { path, bytes }, [1.0; 3]);
+            fitted.always(&Path::top(format!("{bytes}")), What::Body(mesh));
+        }
+        assert_eq!(fit(&mut fitted, 100_000).meshes, 2);
+        assert!(fitted.has(&Path::top("10000")) && fitted.has(&Path::top("20000")));
+        assert!(!fitted.has(&Path::top("400000")) && !fitted.has(&Path::top("900000")));
+    }
+
+    #[test]
     fn an_absurd_budget_ends() {
         let mut fitted = scene();
-        assert!(fit(&mut fitted, 1).is_some());
+        assert_ne!(fit(&mut fitted, 1), LeftOut::NOTHING);
         assert!(fitted.has(&Path::top("frame")), "the first moment stays");
         assert!(fitted.has(&Path::top("label")));
     }

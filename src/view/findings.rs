@@ -6,7 +6,7 @@ use std::fmt::Write;
 use crate::run::Run;
 use crate::source::At;
 use crate::tables::views;
-use crate::verdict::{Finding, Outcome, Severity};
+use crate::verdict::{Finding, Measured, Outcome, Severity};
 use crate::world::{BagEvidence, FrameId};
 
 use super::Labels;
@@ -39,7 +39,8 @@ pub(super) fn findings(run: &Run, placed: &[Placed], labels: &Labels, scene: &mu
     };
     for (number, finding) in run.verdict.findings.iter().take(MAX_FINDINGS).enumerate() {
         let (level, color) = loudness(finding);
-        let words = format!("{} {}: {}", finding.rule, finding.name, finding.message);
+        let told = told(number, finding);
+        let words = line(finding);
         let stamp_ns = finding.places.iter().find_map(|label| match &label.place.at {
             At::Message(message) => Some(message.stamp_ns.filter(|stamp| *stamp != 0).unwrap_or(message.log_ns)),
             _ => None,
@@ -54,11 +55,11 @@ pub(super) fn findings(run: &Run, placed: &[Placed], labels: &Labels, scene: &mu
             worst = Worst {
                 at_ns: stamp_ns,
                 frame: frame.clone(),
-                is_of_a_track: views::of(&finding.rule).is_some_and(|view| view.named == super::TRACK),
+                is_of_a_track: views::of(&finding.rule).is_some_and(|view| view.named == super::look::TRACK),
             };
         }
         let path = top.then("log").then(format!("{} {}", number + 1, finding.rule));
-        let line = What::Log(level, words.clone());
+        let line = What::Log(level, words);
         match stamp_ns {
             Some(stamp_ns) => scene.at(&path, stamp_ns, line),
             None => scene.always(&path, line),
@@ -66,8 +67,10 @@ pub(super) fn findings(run: &Run, placed: &[Placed], labels: &Labels, scene: &mu
         if let Some(at) = frame {
             let nth = marked.entry(at.clone()).or_default();
             *nth = nth.saturating_add(1);
+            let mark = at.then(format!("finding {}", number + 1));
+            scene.always(&mark, What::Page(told.clone()));
             scene.always(
-                &at.then(format!("finding {}", number + 1)),
+                &mark,
                 What::Points(Points {
                     // The words stand beneath the frame, those of several beneath each other.
                     xyz_m: vec![[0.0; 3], [0.0, 0.0, -0.5 * f32::from(*nth) * size_m]],
@@ -77,7 +80,7 @@ pub(super) fn findings(run: &Run, placed: &[Placed], labels: &Labels, scene: &mu
                 }),
             );
         }
-        tell(number, finding, &mut page);
+        page.push_str(&told);
     }
     let more = run.verdict.findings.len().saturating_sub(MAX_FINDINGS);
     if more > 0 {
@@ -98,7 +101,38 @@ fn summary(run: &Run) -> String {
     )
 }
 
-fn tell(number: usize, finding: &Finding, page: &mut String) {
+/// A finding as a line: the rule, what it says and what was measured.
+fn line(finding: &Finding) -> String {
+    let measured: Vec<String> = finding.measured.iter().map(number_of).collect();
+    let measured = if measured.is_empty() {
+        String::new()
+    } else {
+        format!(" [{}]", measured.join("; "))
+    };
+    format!("{} {}: {}{measured}", finding.rule, finding.name, finding.message)
+}
+
+/// What was measured, with its limit.
+fn number_of(measured: &Measured) -> String {
+    // No zero has a sign.
+    let four = |value: f64| format!("{:.4}", (value * 1e4).round() / 1e4 + 0.0);
+    let unit = if measured.unit == "1" {
+        ""
+    } else {
+        measured.unit.as_str()
+    };
+    let limit = measured
+        .limit
+        .map_or_else(String::new, |limit| format!(", limit {}", four(limit)));
+    format!("{} {} {unit}", measured.what, four(measured.value))
+        .trim_end()
+        .to_owned()
+        + &limit
+}
+
+/// A finding as a part of a page.
+fn told(number: usize, finding: &Finding) -> String {
+    let mut page = String::new();
     let _ = writeln!(page, "### {}. {} {}\n", number + 1, finding.rule, finding.name);
     let _ = writeln!(
         page,
@@ -108,14 +142,7 @@ fn tell(number: usize, finding: &Finding, page: &mut String) {
         finding.message
     );
     for measured in &finding.measured {
-        let limit = measured
-            .limit
-            .map_or_else(String::new, |limit| format!(", limit {limit:.4}"));
-        let _ = writeln!(
-            page,
-            "- {} {:.4} {}{limit}",
-            measured.what, measured.value, measured.unit
-        );
+        let _ = writeln!(page, "- {}", number_of(measured));
     }
     if !finding.help.is_empty() {
         let _ = writeln!(page, "\n*What to do*: {}", finding.help);
@@ -124,6 +151,7 @@ fn tell(number: usize, finding: &Finding, page: &mut String) {
         let _ = writeln!(page, "\n*Waived*: {}", waived.words());
     }
     page.push('\n');
+    page
 }
 
 fn loudness(finding: &Finding) -> (Level, Color) {

@@ -17,15 +17,30 @@ const OF_POSES: Color = [90, 170, 250];
 const OF_FIXES: Color = [250, 190, 60];
 /// x, y, z.
 const OF_AXES: [Color; 3] = [[235, 80, 80], [90, 200, 90], [90, 130, 250]];
+/// Of what has no colour of its own.
 const OF_STAMPS: Color = [230, 230, 120];
+/// Streams beside each other, by turns.
+const OF_STREAMS: [Color; 8] = [
+    OF_STAMPS,
+    [90, 170, 250],
+    [120, 210, 120],
+    [230, 110, 200],
+    [250, 160, 60],
+    [120, 220, 220],
+    [235, 90, 90],
+    [180, 150, 250],
+];
 
 /// What is shown over time stands beneath this.
 pub(super) const TIME: &str = "time";
 
 /// Draws every stream of a recording.
 pub(super) fn streams(bag: &BagEvidence, placed: &Placed, (top, prefix): (&Path, &str), scene: &mut Scene) {
+    let mut colors = OF_STREAMS.into_iter().cycle();
+    let mut color = || colors.next().unwrap_or(OF_STAMPS);
     for topic in bag.topics.values() {
-        stamps(&format!("{prefix}{}", topic.topic), &topic.stamps.samples, scene);
+        let samples = &topic.stamps.samples;
+        stamps(&format!("{prefix}{}", topic.topic), samples, color(), scene);
         for said in topic.said() {
             inertial(&said, prefix, scene);
             orientations(&said, prefix, scene);
@@ -34,15 +49,10 @@ pub(super) fn streams(bag: &BagEvidence, placed: &Placed, (top, prefix): (&Path,
             fixes(&said, top, scene);
         }
     }
-    for edge in &bag.tf {
-        if !edge.is_static {
-            stamps(
-                &format!("{prefix}{} {} from {}", edge.topic, edge.parent, edge.child),
-                &edge.stamps.samples,
-                scene,
-            );
-            correction(edge, prefix, scene);
-        }
+    for edge in bag.tf.iter().filter(|edge| !edge.is_static) {
+        let name = format!("{prefix}{} {} from {}", edge.topic, edge.parent, edge.child);
+        stamps(&name, &edge.stamps.samples, color(), scene);
+        correction(edge, prefix, scene);
     }
 }
 
@@ -76,12 +86,12 @@ pub(super) fn name(said: &Said) -> String {
 }
 
 /// How far stamps run ahead of the log clock, seconds, over the stamps.
-fn stamps(name: &str, samples: &[(i64, i64)], scene: &mut Scene) {
+fn stamps(name: &str, samples: &[(i64, i64)], color: Color, scene: &mut Scene) {
     if samples.is_empty() {
         return;
     }
     let path = Path::top(TIME).then("stamp minus log").then(name);
-    scene.always(&path, What::Curve(name.to_owned(), OF_STAMPS, false));
+    scene.always(&path, What::Curve(name.to_owned(), color, false));
     for (stamp_ns, log_ns) in every(samples) {
         let ahead_s = stamp_ns.saturating_sub(*log_ns) as f64 / 1e9;
         scene.at(&path, moment(*stamp_ns, *log_ns), What::Number(ahead_s));

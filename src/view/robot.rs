@@ -1,7 +1,8 @@
 //! What links look like, under their frames: shapes, and meshes that were found in a form that viewers read.
 
-use std::path::{Path as FilePath, PathBuf};
+use std::path::Path as FilePath;
 
+use crate::source::MeshFile;
 use crate::world::FrameId;
 use crate::world::robot::Shape;
 
@@ -31,14 +32,14 @@ pub(super) fn robots(placed: &Placed, scene: &mut Scene) {
     }
 }
 
-fn body(shape: &Shape, file: &dyn Fn(&str) -> Option<PathBuf>) -> Option<Body> {
+fn body(shape: &Shape, file: &dyn Fn(&str) -> Option<MeshFile>) -> Option<Body> {
     let narrow = |value: f64| value as f32;
     Some(match shape {
         Shape::Box(sides_m) => Body::Box(sides_m.map(narrow)),
         Shape::Cylinder([radius_m, length_m]) => Body::Cylinder(narrow(*radius_m), narrow(*length_m)),
         Shape::Sphere(radius_m) => Body::Sphere(narrow(*radius_m)),
         Shape::Mesh { filename, scale } => {
-            let file = file(filename).filter(|file| is_readable(file))?;
+            let file = file(filename).filter(|file| is_readable(&file.path))?;
             Body::Mesh(file, scale.map(narrow))
         }
     })

@@ -6,6 +6,8 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Isometry3, Vector3};
 
+use crate::source::MeshFile;
+
 /// The entity that everything spatial stands under.
 pub const WORLD: &str = "world";
 
@@ -76,7 +78,7 @@ pub struct Lines {
 #[derive(Clone, Debug, PartialEq)]
 pub enum Body {
     /// A file with a mesh that the viewer reads (STL, OBJ, glTF, Collada), and its scale.
-    Mesh(std::path::PathBuf, [f32; 3]),
+    Mesh(MeshFile, [f32; 3]),
     /// Lengths of the sides, metres.
     Box([f32; 3]),
     /// Radius and length along z, metres.

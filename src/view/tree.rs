@@ -248,7 +248,7 @@ impl Drawing<'_, '_> {
             self.scene.always(path, What::Pose(pose));
             let back = pose.inverse();
             self.scene.always(
-                &path.then("~ to its parent"),
+                path,
                 What::Lines(Lines {
                     strips_m: vec![vec![[0.0; 3], narrow(&back.translation.vector)]],
                     color: OF_LINKS,

@@ -11,7 +11,7 @@ use crate::report::rerun::{Sink, write};
 use crate::report::{Style, terminal};
 use crate::run::Run;
 use crate::view::scene::Scene;
-use crate::view::{fit, scene};
+use crate::view::{LeftOut, fit, scene};
 
 /// Judges the inputs, and shows what there is to be seen. The exit code is that of reading.
 pub(in crate::cli) fn run(view: View, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
@@ -66,13 +66,14 @@ pub(in crate::cli) fn is_there() -> Result<(), Failure> {
 pub(in crate::cli) fn save(run: &Run, file: &Path, max_bytes: u64) -> Result<String, Failure> {
     let mut scene = scene(run);
     let mut aim = usize::try_from(max_bytes).unwrap_or(usize::MAX);
-    let (mut left_out, mut size) = (None, 0);
-    for _ in 0..ROUNDS {
-        let thinned = fit(&mut scene, aim);
-        left_out = merged(left_out, thinned);
+    let (mut left_out, mut size) = (LeftOut::NOTHING, 0);
+    for round in 0..ROUNDS {
+        let more = fit(&mut scene, aim);
+        left_out = left_out.and(more);
         write(&scene, &name(run), Sink::File(file)).map_err(|error| failed(&file.display().to_string(), &error))?;
         size = std::fs::metadata(file).map_or(0, |meta| meta.len());
-        if size <= max_bytes {
+        let has_no_more = round > 1 && more == LeftOut::NOTHING;
+        if size <= max_bytes || has_no_more {
             break;
         }
         aim = aim / 5 * 4 / usize::try_from(size / max_bytes.max(1)).unwrap_or(1).max(1);
@@ -103,22 +104,21 @@ fn failed(words: &str, error: &str) -> Failure {
     Failure::Usage(format!("the views can't be written to {words}: {error}"))
 }
 
-type LeftOut = Option<(usize, usize)>;
-
-fn merged(before: LeftOut, now: LeftOut) -> LeftOut {
-    match (before, now) {
-        (Some((a, b)), Some((c, d))) => Some((a.saturating_mul(c), b.saturating_mul(d))),
-        (before, now) => before.or(now),
-    }
-}
-
 fn told(words: &str, left_out: LeftOut) -> String {
+    let LeftOut {
+        moments,
+        points,
+        meshes,
+    } = left_out;
     let mut text = format!("views written to {words}");
-    if let Some((moments, points)) = left_out {
+    if moments > 1 || points > 1 {
         let _ = write!(
             text,
             "; to fit --max-size, one in {moments} moments and one in {points} points of clouds is shown"
         );
+    }
+    if meshes > 0 {
+        let _ = write!(text, "; to fit --max-size, {meshes} of the largest meshes are left out");
     }
     text.push('\n');
     text

@@ -5,6 +5,8 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use crate::source::MeshFile;
+
 /// Where meshes are looked for.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct MeshLookup {
@@ -19,6 +21,13 @@ impl MeshLookup {
     /// names no file, a path that was not expanded.
     pub fn found(&self, filename: &str) -> Option<bool> {
         self.path(filename).map(|path| path.is_file())
+    }
+
+    /// The file, where it is there.
+    pub fn file(&self, filename: &str) -> Option<MeshFile> {
+        let path = self.path(filename)?;
+        let bytes = path.metadata().ok()?.len();
+        Some(MeshFile { path, bytes })
     }
 
     /// Where the file should be; `None` where that cannot be decided.

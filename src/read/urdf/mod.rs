@@ -49,7 +49,7 @@ fn read_as(source: &mut Source, meshes: &MeshLookup, xacro: bool) -> Facts {
         .filter(|mesh| mesh.found == Some(true));
     for mesh in found.filter(|mesh| mesh.usage == "visual") {
         let name = &mesh.filename.value;
-        source.meshes.extend(meshes.path(name).map(|path| (name.clone(), path)));
+        source.meshes.extend(meshes.file(name).map(|file| (name.clone(), file)));
     }
     facts
 }

@@ -10,7 +10,10 @@ use std::path::Path as FilePath;
 use base64::Engine;
 use base64::engine::general_purpose::URL_SAFE_NO_PAD;
 use nalgebra::Isometry3;
-use rerun::{EntityPath, EntityPathPart, RecordingStream, RecordingStreamBuilder, RecordingStreamResult, TimeColumn};
+use rerun::{
+    AsComponents, EntityPath, EntityPathPart, RecordingStream, RecordingStreamBuilder, RecordingStreamResult,
+    SerializedComponentBatch, TimeColumn,
+};
 use sha2::{Digest, Sha256};
 
 use crate::view::scene::{Body, Color, Drawing, Item, Level, Lines, Path, Points, Scene, WORLD, What};
@@ -69,15 +72,29 @@ fn entity(path: &Path) -> EntityPath {
 
 fn items(scene: &Scene, stream: &RecordingStream) -> RecordingStreamResult<()> {
     stream.log_static(WORLD, &rerun::ViewCoordinates::RIGHT_HAND_Z_UP())?;
-    // What has many moments goes in columns: the same bytes for a row as for its numbers.
+    // What has many moments goes in columns, and what an entity always shows goes together: each row costs more than its numbers.
     let mut poses: BTreeMap<&Path, Vec<(i64, &Isometry3<f64>)>> = BTreeMap::new();
     let mut numbers: BTreeMap<&Path, Vec<(i64, f64)>> = BTreeMap::new();
+    let mut always: BTreeMap<&Path, BTreeMap<String, SerializedComponentBatch>> = BTreeMap::new();
     for item in &scene.items {
         match (&item.what, item.stamp_ns) {
             (What::Pose(pose), Some(stamp_ns)) => poses.entry(&item.path).or_default().push((stamp_ns, pose)),
             (What::Number(value), Some(stamp_ns)) => numbers.entry(&item.path).or_default().push((stamp_ns, *value)),
-            _ => one(item, stream)?,
+            (_, Some(stamp_ns)) => {
+                stream.set_timestamp_nanos_since_epoch(TIMELINE, stamp_ns);
+                stream.log_serialized_batches(entity(&item.path), false, batches(item))?;
+            }
+            (_, None) => {
+                let named = batches(item)
+                    .into_iter()
+                    .map(|batch| (batch.descriptor.to_string(), batch));
+                always.entry(&item.path).or_default().extend(named);
+            }
         }
+    }
+    stream.reset_time();
+    for (path, batches) in always {
+        stream.log_serialized_batches(entity(path), true, batches.into_values())?;
     }
     for (path, poses) in poses {
         let translations = poses.iter().map(|(_, pose)| translation(pose));
@@ -124,46 +141,50 @@ fn radius(value: f32) -> rerun::Radius {
     }
 }
 
-fn one(item: &Item, stream: &RecordingStream) -> RecordingStreamResult<()> {
-    let path = entity(&item.path);
-    match item.stamp_ns {
-        Some(stamp_ns) => stream.set_timestamp_nanos_since_epoch(TIMELINE, stamp_ns),
-        None => stream.reset_time(),
-    }
-    let log = |what: &dyn rerun::AsComponents| stream.log_with_static(path.clone(), item.stamp_ns.is_none(), what);
+/// What an item shows, as the viewer has it.
+fn batches(item: &Item) -> Vec<SerializedComponentBatch> {
+    let shown = |what: &dyn rerun::AsComponents| what.as_serialized_batches();
     match &item.what {
-        What::Pose(pose) => log(&rerun::Transform3D::from_translation_rotation(
+        What::Pose(pose) => shown(&rerun::Transform3D::from_translation_rotation(
             translation(pose),
             quaternion(pose),
         )),
-        What::Axes(length_m) => log(&rerun::TransformAxes3D::new(*length_m)),
-        What::Points(points) => log(&of_points(points)),
-        What::Lines(lines) => log(&of_lines(lines)),
-        What::Body(body) => of_body(body, &log, &path, stream),
+        What::Axes(length_m) => shown(&rerun::TransformAxes3D::new(*length_m)),
+        What::Points(points) => shown(&of_points(points)),
+        What::Lines(lines) => shown(&of_lines(lines)),
+        What::Body(body) => of_body(body),
         What::Camera([a, b, c, d, e, f, g, h, i], resolution) => {
             // Column by column.
             let image_from_camera = rerun::Mat3x3([*a, *d, *g, *b, *e, *h, *c, *f, *i]);
-            log(&rerun::Pinhole::new(image_from_camera)
-                .with_resolution(*resolution)
-                .with_camera_xyz(rerun::components::ViewCoordinates::RDF))
+            shown(
+                &rerun::Pinhole::new(image_from_camera)
+                    .with_resolution(*resolution)
+                    .with_camera_xyz(rerun::components::ViewCoordinates::RDF),
+            )
         }
-        What::Pixels(points) => log(&rerun::Points2D::new(points.xyz_m.iter().map(|[x, y, _]| [*x, *y]))
-            .with_radii([radius(points.radius)])
-            .with_colors(points.colors.iter().map(|of| color(*of)))),
-        What::Drawing(drawing) => of_drawing(drawing, &log),
-        What::Number(value) => log(&rerun::Scalars::single(*value)),
-        What::Curve(name, of, true) => log(&rerun::SeriesLines::new()
-            .with_names([name.as_str()])
-            .with_colors([color(*of)])),
-        What::Curve(name, of, false) => log(&rerun::SeriesPoints::new()
-            .with_names([name.as_str()])
-            .with_colors([color(*of)])),
-        What::Log(level, text) => log(&rerun::TextLog::new(text.as_str()).with_level(match level {
+        What::Pixels(points) => shown(
+            &rerun::Points2D::new(points.xyz_m.iter().map(|[x, y, _]| [*x, *y]))
+                .with_radii([radius(points.radius)])
+                .with_colors(points.colors.iter().map(|of| color(*of))),
+        ),
+        What::Drawing(drawing) => of_drawing(drawing),
+        What::Number(value) => shown(&rerun::Scalars::single(*value)),
+        What::Curve(name, of, true) => shown(
+            &rerun::SeriesLines::new()
+                .with_names([name.as_str()])
+                .with_colors([color(*of)]),
+        ),
+        What::Curve(name, of, false) => shown(
+            &rerun::SeriesPoints::new()
+                .with_names([name.as_str()])
+                .with_colors([color(*of)]),
+        ),
+        What::Log(level, text) => shown(&rerun::TextLog::new(text.as_str()).with_level(match level {
             Level::Info => rerun::TextLogLevel::INFO,
             Level::Warning => rerun::TextLogLevel::WARN,
             Level::Error => rerun::TextLogLevel::ERROR,
         })),
-        What::Page(text) => log(&rerun::TextDocument::from_markdown(text.as_str())),
+        What::Page(text) => shown(&rerun::TextDocument::from_markdown(text.as_str())),
     }
 }
 
@@ -193,41 +214,46 @@ fn of_lines(lines: &Lines) -> rerun::LineStrips3D {
     }
 }
 
-type Log<'l> = dyn Fn(&dyn rerun::AsComponents) -> RecordingStreamResult<()> + 'l;
-
-fn of_body(body: &Body, log: &Log, path: &EntityPath, stream: &RecordingStream) -> RecordingStreamResult<()> {
+fn of_body(body: &Body) -> Vec<SerializedComponentBatch> {
     match body {
         Body::Mesh(file, scale) => {
             // A mesh that is gone by now leaves its frame.
-            let Ok(asset) = rerun::Asset3D::from_file_path(file) else {
-                return Ok(());
+            let Ok(asset) = rerun::Asset3D::from_file_path(&file.path) else {
+                return Vec::new();
             };
-            stream.log_static(path.clone(), &rerun::InstancePoses3D::new().with_scales([*scale]))?;
-            log(&asset)
+            let mut batches = rerun::InstancePoses3D::new()
+                .with_scales([*scale])
+                .as_serialized_batches();
+            batches.extend(asset.as_serialized_batches());
+            batches
         }
-        Body::Box(sides_m) => log(&rerun::Boxes3D::from_sizes([*sides_m])),
+        Body::Box(sides_m) => rerun::Boxes3D::from_sizes([*sides_m]).as_serialized_batches(),
         Body::Cylinder(radius_m, length_m) => {
-            log(&rerun::Cylinders3D::from_lengths_and_radii([*length_m], [*radius_m]))
+            rerun::Cylinders3D::from_lengths_and_radii([*length_m], [*radius_m]).as_serialized_batches()
         }
-        Body::Sphere(radius_m) => log(&rerun::Ellipsoids3D::from_radii([*radius_m])),
+        Body::Sphere(radius_m) => rerun::Ellipsoids3D::from_radii([*radius_m]).as_serialized_batches(),
     }
 }
 
 /// The viewer's planes have y down.
-fn of_drawing(drawing: &Drawing, log: &Log) -> RecordingStreamResult<()> {
+fn of_drawing(drawing: &Drawing) -> Vec<SerializedComponentBatch> {
     let flipped = |strip: &[[f32; 2]]| -> Vec<[f32; 2]> { strip.iter().map(|[x, y]| [*x, -y]).collect() };
     let label = drawing.label.as_str();
     if drawing.is_line {
         let lines = rerun::LineStrips2D::new(drawing.strips.iter().map(|strip| flipped(strip)));
-        return log(&lines.with_colors([color(drawing.color)]).with_radii([radius(-1.0)]));
+        let lines = lines.with_colors([color(drawing.color)]).with_radii([radius(-1.0)]);
+        return lines.as_serialized_batches();
     }
     let points: Vec<[f32; 2]> = drawing.strips.iter().flat_map(|strip| flipped(strip)).collect();
     let points = rerun::Points2D::new(points)
         .with_colors([color(drawing.color)])
         .with_radii([radius(-1.5)]);
     if label.is_empty() {
-        log(&points)
+        points.as_serialized_batches()
     } else {
-        log(&points.with_labels([label]).with_show_labels(true))
+        points
+            .with_labels([label])
+            .with_show_labels(true)
+            .as_serialized_batches()
     }
 }

@@ -1,0 +1,89 @@
+//! From where a scene is seen when it is opened. Must not draw.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{Point3, Vector3};
+
+use super::findings::Worst;
+use super::scene::{Eye, Path, Places, Scene, View, What, narrow};
+
+/// From where the spaces are seen at first: that of the worst finding before the others, with what is around its frame; of others, what
+/// stands in them.
+pub(super) fn look(worst: &Worst, tops: &[Path], spaces: &mut [View], scene: &Scene) {
+    let places = Places::of(scene, worst.at_ns);
+    // Either there is one space, or each has a name beneath that of all.
+    let named: BTreeMap<&str, usize> = tops
+        .iter()
+        .enumerate()
+        .filter_map(|(number, top)| Some((top.names().get(1)?.as_str(), number)))
+        .collect();
+    let of = |path: &Path| {
+        let only = tops.first().filter(|top| path.is_in(top)).map(|_| 0);
+        let name = path.names().get(1).map(String::as_str)?;
+        named.get(name).copied().or(only)
+    };
+    let with_axes = scene.items.iter().filter(|item| matches!(item.what, What::Axes(_)));
+    let mut stands: Vec<Vec<Vector3<f64>>> = tops.iter().map(|_| Vec::new()).collect();
+    for item in with_axes {
+        if let Some(stands) = of(&item.path).and_then(|number| stands.get_mut(number)) {
+            stands.extend(finite(places.place(&item.path).translation.vector));
+        }
+    }
+    if worst.is_of_a_track {
+        let tracks = scene.items.iter().filter_map(|item| match &item.what {
+            What::Lines(lines) if is_track(&item.path) => Some((&item.path, lines)),
+            _ => None,
+        });
+        for (path, lines) in tracks {
+            let Some(stands) = of(path).and_then(|number| stands.get_mut(number)) else {
+                continue;
+            };
+            let place = places.place(path);
+            let points = lines.strips_m.iter().flatten().step_by(TRACK_STEP);
+            stands.extend(points.filter_map(|point| finite((place * Point3::from(point.map(f64::from))).coords)));
+        }
+    }
+    for ((top, space), stands) in tops.iter().zip(spaces.iter_mut()).zip(&stands) {
+        let frame = worst.frame.as_ref().filter(|frame| frame.is_in(top));
+        let middle_m = stands.iter().sum::<Vector3<f64>>() / stands.len().max(1) as f64;
+        let frame = frame.filter(|_| !worst.is_of_a_track);
+        let of_frame = frame.and_then(|frame| finite(places.place(frame).translation.vector));
+        let target_m = of_frame.unwrap_or(middle_m);
+        let mut away_m: Vec<f64> = stands.iter().map(|at| (at - target_m).norm()).collect();
+        away_m.sort_by(f64::total_cmp);
+        // What is far away with few others would make everything else small.
+        let most = away_m.get(away_m.len() * 9 / 10).copied().unwrap_or(0.0);
+        let around_m = if worst.is_of_a_track {
+            most.max(MIN_AROUND_M)
+        } else {
+            most.clamp(MIN_AROUND_M, MAX_AROUND_M)
+        };
+        let away = Vector3::new(-1.0, -1.3, 0.9).normalize() * around_m * 2.5;
+        space.eye = Some(Eye {
+            at_m: narrow(&(target_m + away)),
+            target_m: narrow(&target_m),
+        });
+    }
+    let of_worst = tops
+        .iter()
+        .position(|top| worst.frame.as_ref().is_some_and(|frame| frame.is_in(top)));
+    spaces.rotate_left(of_worst.unwrap_or(0));
+}
+
+/// Whether an entity is a track, or one of several that are laid over each other.
+fn is_track(path: &Path) -> bool {
+    path.names().iter().any(|name| name.contains(TRACK))
+}
+
+/// What the names of tracks hold.
+pub(super) const TRACK: &str = "track";
+/// Every so many points of a track are looked at when it is decided from where it is seen.
+const TRACK_STEP: usize = 10;
+
+/// How much is seen around what one looks at, metres: no less and no more.
+const MIN_AROUND_M: f64 = 0.5;
+const MAX_AROUND_M: f64 = 20.0;
+
+fn finite(place: Vector3<f64>) -> Option<Vector3<f64>> {
+    place.iter().all(|value| value.is_finite()).then_some(place)
+}
