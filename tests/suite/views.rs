@@ -213,6 +213,28 @@ fn trees_are_seen_the_right_way_up() {
         ),
         [1.0, -2.0, -3.0],
     );
+    let declared = "conventions:\n  - {frame: map, world: ned}\n";
+    near(
+        seen(&[("r.urdf", &robot("map")), ("frames-lint.yaml", declared)], "map"),
+        [2.0, 1.0, -3.0],
+    );
+}
+
+#[cfg(not(feature = "rerun"))]
+#[test]
+fn a_program_without_views_says_how_to_get_them() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("car.urdf"), CAR).unwrap();
+    for arguments in [
+        ["view", "car.urdf", "-o", "out.rrd"],
+        ["check", "car.urdf", "--rrd", "out.rrd"],
+    ] {
+        let ran = support::program::run(folder.path(), arguments);
+        assert_eq!(ran.code, 2, "{arguments:?}");
+        let words: Vec<&str> = ran.err.split_whitespace().collect();
+        assert!(words.join(" ").contains("--features rerun"), "{}", ran.err);
+        assert!(!folder.path().join("out.rrd").exists());
+    }
 }
 
 /// Platforms of recordings that are made of recipes.
