@@ -7,8 +7,8 @@ use crate::world::bag::TopicEvidence;
 use crate::world::camera::Calibration;
 use crate::world::tf2::Buffer;
 
+use super::placed::Placed;
 use super::scene::{Path, Points, Scene, What};
-use super::tree::Placed;
 
 /// Points nearer than this to the camera are not projected, metres.
 const NEAR_M: f64 = 0.3;

@@ -10,9 +10,10 @@ use crate::world::bag::{Said, TopicEvidence};
 use crate::world::content::ContentEvidence;
 use crate::world::{FrameId, World};
 
+use super::claims::OF_PREFERRED;
 use super::motion;
+use super::placed::Placed;
 use super::scene::{Color, Lines, Path, Points, Scene, What, narrow};
-use super::tree::{OF_PREFERRED, Placed};
 
 /// Half the side of the plane that is drawn, and the distance of its lines, metres.
 const PLANE_M: (i32, usize) = (20, 2);
@@ -109,7 +110,7 @@ pub(super) fn clouds(placed: &Placed, grounds: &Grounds, scene: &mut Scene) -> V
             let ground = grounds.0.get(&(topic, log_ns));
             let residual_m = |xyz: [f64; 3]| match ground {
                 Some(plane) => plane.normal.dot(&Vector3::from(xyz)) - plane.offset_m,
-                None => (root_from_cloud * Point3::from(xyz)).z,
+                None => placed.height_m(&root, &(root_from_cloud * Point3::from(xyz))),
             };
             has_any = true;
             let drawn = |colors: Vec<Color>| {

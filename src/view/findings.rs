@@ -10,8 +10,8 @@ use crate::verdict::{Finding, Measured, Outcome, Severity};
 use crate::world::{BagEvidence, FrameId};
 
 use super::Labels;
+use super::placed::Placed;
 use super::scene::{Color, Level, Path, Points, Scene, What};
-use super::tree::Placed;
 
 /// Findings stand beneath this.
 pub(super) const FINDINGS: &str = "findings";

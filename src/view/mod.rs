@@ -6,10 +6,12 @@
 
 mod budget;
 mod cameras;
+mod claims;
 mod clouds;
 mod findings;
 mod look;
 mod motion;
+mod placed;
 mod plots;
 mod robot;
 pub mod scene;

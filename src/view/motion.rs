@@ -7,8 +7,8 @@ use crate::world::bag::{BagEvidence, Said, TfEdge, TfSample};
 use crate::world::motion::{FixRow, PoseRow, Series};
 use crate::world::{Pose, World};
 
+use super::placed::Placed;
 use super::scene::{Color, Lines, Path, Points, Scene, What, narrow};
-use super::tree::Placed;
 
 /// Points of one track, and of one curve.
 const MAX_POINTS: usize = 3000;

@@ -6,8 +6,8 @@ use crate::source::MeshFile;
 use crate::world::FrameId;
 use crate::world::robot::Shape;
 
+use super::placed::Placed;
 use super::scene::{Body, Path, Scene, What};
-use super::tree::Placed;
 
 /// Endings of the meshes that the viewer reads.
 const READABLE: [&str; 5] = ["glb", "gltf", "obj", "stl", "dae"];

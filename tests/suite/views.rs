@@ -272,8 +272,14 @@ topics:
     rate_hz: 20
     transforms: [{parent: map, child: base_link, velocity: [1, 0, 0], rpy_deg: [90, -90, 0]}]
 ";
+    let without_tf = down
+        .lines()
+        .filter(|line| !line.contains("/tf,"))
+        .collect::<Vec<_>>()
+        .join("\n");
     for (recipe, root, up) in [
         (down, "odom", -Vector3::z()),
+        (without_tf.as_str(), "odom", -Vector3::z()),
         // Optical axes have y down.
         (optical, "map", -Vector3::y()),
     ] {
