@@ -40,13 +40,18 @@ impl LeftOut {
     }
 }
 
+/// About how many bytes a scene takes.
+pub fn estimate(scene: &Scene) -> usize {
+    Size::of(scene).sum()
+}
+
 /// Thins a scene until it has about so many bytes. Says by how much.
 pub fn fit(scene: &mut Scene, max_bytes: usize) -> LeftOut {
     let mut left_out = LeftOut::NOTHING;
     for _ in 0..ROUNDS {
         let size = Size::of(scene);
         let most = size.moments.max(size.points).max(size.meshes);
-        if size.always + size.moments + size.points + size.meshes <= max_bytes || most == 0 {
+        if size.sum() <= max_bytes || most == 0 {
             break;
         }
         if size.meshes == most {
@@ -72,6 +77,10 @@ struct Size {
 }
 
 impl Size {
+    fn sum(&self) -> usize {
+        self.always + self.moments + self.points + self.meshes
+    }
+
     fn of(scene: &Scene) -> Self {
         let mut size = Self::default();
         for item in &scene.items {

@@ -28,7 +28,7 @@ use crate::world::World;
 use plots::Drawn;
 use scene::{Kind, Path, Scene, View, WORLD};
 
-pub use budget::{LeftOut, fit};
+pub use budget::{LeftOut, estimate, fit};
 
 /// What subjects of several platforms open with: each its platform's name.
 struct Labels<'r>(BTreeMap<&'r str, usize>);

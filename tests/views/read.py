@@ -5,6 +5,7 @@
 
 import json
 import sys
+from datetime import datetime, timezone
 
 import rerun
 from rerun.experimental import RrdReader
@@ -26,7 +27,8 @@ for chunk in RrdReader(sys.argv[1]).stream():
         if name.split(":")[0] in {"Transform3D", "TextLog", "Points3D", "Scalars"} and values:
             last = values[-1]
             entity["last"][name] = last[:3] if isinstance(last, list) else last
-    times = [batch.column(name).to_pylist() for name in chunk.timeline_names]
+    times = [batch.column(name).cast("int64").to_pylist() for name in chunk.timeline_names]
     if times and times[0]:
-        entity["first_time"] = min(str(times[0][0]), entity.get("first_time", str(times[0][0])))
+        first = datetime.fromtimestamp(times[0][0] / 1e9, tz=timezone.utc).isoformat()
+        entity["first_time"] = min(first, entity.get("first_time", first))
 json.dump({"version": rerun.__version__, "entities": entities}, sys.stdout, default=str)

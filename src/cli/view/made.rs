@@ -11,7 +11,7 @@ use crate::report::rerun::{Sink, write};
 use crate::report::{Style, terminal};
 use crate::run::Run;
 use crate::view::scene::Scene;
-use crate::view::{LeftOut, fit, scene};
+use crate::view::{LeftOut, estimate, fit, scene};
 
 /// Judges the inputs, and shows what there is to be seen. The exit code is that of reading.
 pub(in crate::cli) fn run(view: View, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
@@ -63,6 +63,7 @@ pub(in crate::cli) fn is_there() -> Result<(), Failure> {
 }
 
 /// Writes the views to a file. Says what was left out, if anything was.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // a share of a size
 pub(in crate::cli) fn save(run: &Run, file: &Path, max_bytes: u64) -> Result<String, Failure> {
     let mut scene = scene(run);
     let mut aim = usize::try_from(max_bytes).unwrap_or(usize::MAX);
@@ -72,11 +73,12 @@ pub(in crate::cli) fn save(run: &Run, file: &Path, max_bytes: u64) -> Result<Str
         left_out = left_out.and(more);
         write(&scene, &name(run), Sink::File(file)).map_err(|error| failed(&file.display().to_string(), &error))?;
         size = std::fs::metadata(file).map_or(0, |meta| meta.len());
-        let has_no_more = round > 1 && more == LeftOut::NOTHING;
-        if size <= max_bytes || has_no_more {
+        if size <= max_bytes || round > 0 && more == LeftOut::NOTHING {
             break;
         }
-        aim = aim / 5 * 4 / usize::try_from(size / max_bytes.max(1)).unwrap_or(1).max(1);
+        // What was expected came out larger: by as much less is aimed at, and by a little more.
+        let share = max_bytes as f64 / size as f64 * 0.95;
+        aim = (estimate(&scene) as f64 * share) as usize;
     }
     let mut text = told(&file.display().to_string(), left_out);
     if size > max_bytes {
