@@ -29,7 +29,7 @@ use crate::engine::{self, UsageError, evidence};
 use crate::page::{Front, PageError};
 use crate::report::{ReportError, Style, explain, rules_table, terminal};
 use crate::rules::RULES;
-use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, RuleInfo};
+use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, RuleInfo, Run};
 
 use args::{Cli, Collect, RulesFormat, Verb};
 
@@ -44,6 +44,21 @@ pub struct Answer {
     pub code: u8,
     /// Files and folders that are waited for: the same is asked again when one of them changes.
     pub watched: Vec<PathBuf>,
+}
+
+impl Answer {
+    /// What could not be read, on standard error and without colour, and the exit code that follows from it.
+    fn of_reading(run: &Run, surroundings: Surroundings) -> Self {
+        let style = Style {
+            color: false,
+            ..surroundings.style
+        };
+        Self {
+            err: terminal::render_unread(run, style),
+            code: run.exit_code_of_reading(),
+            ..Self::default()
+        }
+    }
 }
 
 /// Where the answer goes.
@@ -188,27 +203,15 @@ fn save(file: &Path, made: impl AsRef<[u8]>) -> Result<(), Failure> {
 }
 
 fn run_collect(collect: Collect, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
-    let run = engine::collect(&engine::Options {
-        extent: collect.input.reading.extent(),
-        paths: paths(collect.input.paths, stdin)?,
-        xacro_args: collect.input.reading.xacro_args,
-        msg_paths: collect.input.reading.msg_paths,
-        progress: surroundings.progress,
-        ..engine::Options::default()
-    })?;
+    let paths = paths(collect.input.paths, stdin)?;
+    let run = engine::collect(&collect.input.reading.options(paths, surroundings.progress))?;
     let mut out = evidence::write(&run)?;
     if let Some(file) = collect.output {
         save(&file, std::mem::take(&mut out))?;
     }
-    let style = Style {
-        color: false,
-        ..surroundings.style
-    };
     Ok(Answer {
         out,
-        err: terminal::render_unread(&run, style),
-        code: run.exit_code_of_reading(),
-        ..Answer::default()
+        ..Answer::of_reading(&run, surroundings)
     })
 }
 

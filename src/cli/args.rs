@@ -1,15 +1,18 @@
 //! The arguments, as clap reads them. Help texts live here.
 
-use std::ffi::OsStr;
+mod values;
+
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Arg, Args, Command, Parser, Subcommand, ValueEnum, ValueHint};
+use clap::builder::{PossibleValue, PossibleValuesParser};
+use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 
 use crate::config::PROFILES;
-use crate::engine::Extent;
+use crate::engine::{self, Extent};
 use crate::report::Format;
 use crate::run::{FailOn, Run};
+
+use values::{Targets, is, output, size, xacro_arg};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -79,7 +82,7 @@ pub(super) struct Input {
     pub(super) reading: Reading,
 }
 
-#[derive(Debug, Args)]
+#[derive(Clone, Debug, Args)]
 pub(super) struct Reading {
     /// Argument for xacro files; may be repeated
     #[arg(long = "xacro-arg", value_name = "NAME:=VALUE", value_parser = xacro_arg)]
@@ -100,6 +103,18 @@ pub(super) struct Reading {
 }
 
 impl Reading {
+    /// What the engine is asked for with these paths.
+    pub(super) fn options(self, paths: Vec<PathBuf>, progress: bool) -> engine::Options {
+        engine::Options {
+            extent: self.extent(),
+            paths,
+            xacro_args: self.xacro_args,
+            msg_paths: self.msg_paths,
+            progress,
+            ..engine::Options::default()
+        }
+    }
+
     /// The same in words.
     pub(super) fn extent_words(&self) -> String {
         let budget = self.budget.map_or_else(
@@ -266,24 +281,6 @@ pub(super) struct Output {
     pub(super) file: PathBuf,
 }
 
-/// `FILE` or `FORMAT=FILE`. A file whose name has a `=` behind another word is a file.
-#[allow(clippy::unnecessary_wraps)] // clap asks for a result
-fn output(text: &str) -> Result<Output, String> {
-    let known = text
-        .split_once('=')
-        .and_then(|(word, file)| Some((Format::from_str(word, false).ok()?, file)));
-    Ok(match known {
-        Some((format, file)) => Output {
-            format: Some(format),
-            file: PathBuf::from(file),
-        },
-        None => Output {
-            format: None,
-            file: PathBuf::from(text),
-        },
-    })
-}
-
 #[derive(Debug, Args)]
 #[command(after_help = EXIT_CODES)]
 pub(super) struct Chain {
@@ -316,28 +313,6 @@ pub(super) struct Convert {
     /// Write to a file instead of standard output; a name that ends in .feather makes a Feather file
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) output: Option<PathBuf>,
-}
-
-/// The forms and dialects that are written. They stand in a table, which is read only where somebody asks for them.
-#[derive(Clone)]
-struct Targets;
-
-impl TypedValueParser for Targets {
-    type Value = String;
-
-    fn parse_ref(&self, cmd: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<String, clap::Error> {
-        PossibleValuesParser::new(crate::convert::targets()).parse_ref(cmd, arg, value)
-    }
-
-    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
-        Some(Box::new(crate::convert::targets().into_iter().map(PossibleValue::new)))
-    }
-}
-
-/// `TARGET from SOURCE`.
-fn is(text: &str) -> Result<(String, String), String> {
-    let (target, source) = text.split_once(" from ").ok_or("`TARGET from SOURCE` is expected")?;
-    Ok((target.trim().to_owned(), source.trim().to_owned()))
 }
 
 const DIFF_EXIT_CODES: &str = "\
@@ -475,30 +450,5 @@ impl ValueEnum for FailOn {
 
     fn to_possible_value(&self) -> Option<PossibleValue> {
         Some(PossibleValue::new(self.word()))
-    }
-}
-
-/// Bytes: `800kB`, `100MB`, `2GB`; a number alone is of megabytes.
-fn size(text: &str) -> Result<u64, String> {
-    let text = text.trim();
-    let end = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
-    let (number, unit) = text.split_at(end);
-    let factor = match unit.trim().to_lowercase().as_str() {
-        "kb" => 1_000,
-        "" | "mb" => 1_000_000,
-        "gb" => 1_000_000_000,
-        _ => return Err("a size has the form 100MB, with kB, MB or GB".to_owned()),
-    };
-    let number: u64 = number
-        .parse()
-        .map_err(|_| "a size begins with a whole number: 100MB".to_owned())?;
-    let bytes = number.checked_mul(factor).filter(|bytes| *bytes > 0);
-    bytes.ok_or_else(|| "a size is more than nothing, and less than everything".to_owned())
-}
-
-fn xacro_arg(text: &str) -> Result<String, String> {
-    match text.split_once(":=") {
-        Some((name, _)) if !name.trim().is_empty() => Ok(text.to_owned()),
-        _ => Err("an argument for xacro has the form name:=value".to_owned()),
     }
 }

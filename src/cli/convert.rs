@@ -13,13 +13,11 @@ use super::{Answer, Failure, Surroundings, paths, save};
 /// Writes what was asked for, and says on standard error how it came about.
 pub(super) fn run(asked: Convert, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
     let run = engine::read(&engine::Options {
-        extent: asked.input.reading.extent(),
-        paths: paths(asked.input.paths, stdin)?,
-        xacro_args: asked.input.reading.xacro_args,
-        msg_paths: asked.input.reading.msg_paths,
         config: asked.config,
-        progress: surroundings.progress,
-        ..engine::Options::default()
+        ..asked
+            .input
+            .reading
+            .options(paths(asked.input.paths, stdin)?, surroundings.progress)
     })?;
     let mut frames = asked.frames.into_iter();
     let wish = Wish {

@@ -12,14 +12,12 @@ use super::{Answer, Failure, Surroundings};
 pub(super) fn run(asked: &Diff, surroundings: Surroundings) -> Result<Answer, Failure> {
     let read = |path: &std::path::Path| {
         engine::check(&engine::Options {
-            extent: asked.reading.extent(),
-            paths: vec![path.to_path_buf()],
             config: asked.config.clone(),
-            xacro_args: asked.reading.xacro_args.clone(),
-            msg_paths: asked.reading.msg_paths.clone(),
-            progress: surroundings.progress,
             verdicts: engine::Verdicts::One,
-            ..engine::Options::default()
+            ..asked
+                .reading
+                .clone()
+                .options(vec![path.to_path_buf()], surroundings.progress)
         })
     };
     let (a, b) = (read(&asked.before)?, read(&asked.after)?);

@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::engine;
-use crate::report::{Style, init, terminal};
+use crate::report::init;
 
 use super::args::Init;
 use super::{Answer, Failure, Surroundings, paths, save};
@@ -27,25 +27,12 @@ pub(super) fn run(init: Init, stdin: &mut dyn Read, surroundings: Surroundings) 
         )));
     }
     let run = engine::check(&engine::Options {
-        extent: init.input.reading.extent(),
-        paths: inputs,
         without_config: true,
-        xacro_args: init.input.reading.xacro_args,
-        msg_paths: init.input.reading.msg_paths,
-        progress: surroundings.progress,
         verdicts: engine::Verdicts::One,
-        ..engine::Options::default()
+        ..init.input.reading.options(inputs, surroundings.progress)
     })?;
     let text = init::configuration(&run);
-    let style = Style {
-        color: false,
-        ..surroundings.style
-    };
-    let mut answer = Answer {
-        err: terminal::render_unread(&run, style),
-        code: run.exit_code_of_reading(),
-        ..Answer::default()
-    };
+    let mut answer = Answer::of_reading(&run, surroundings);
     match target {
         None => answer.out = text,
         Some(path) => {

@@ -20,11 +20,10 @@ pub(super) fn run(tree: Tree, stdin: &mut dyn Read, surroundings: Surroundings) 
     extent.full |= is_of_a_moment && extent.windows.is_none();
     let run = engine::read(&engine::Options {
         extent,
-        paths: paths(tree.input.paths, stdin)?,
-        xacro_args: tree.input.reading.xacro_args,
-        msg_paths: tree.input.reading.msg_paths,
-        progress: surroundings.progress,
-        ..engine::Options::default()
+        ..tree
+            .input
+            .reading
+            .options(paths(tree.input.paths, stdin)?, surroundings.progress)
     })?;
     // The drawing may be piped into a tool: what could not be read is said beside it.
     let style = Style {

@@ -19,8 +19,7 @@ const FAR_M: f64 = 40.0;
 pub(super) fn cameras(placed: &Placed, scene: &mut Scene) -> Vec<Path> {
     let mut images = Vec::new();
     let world = placed.world();
-    let namespace = world.bags.iter().flat_map(crate::world::tf2::namespaces).min();
-    let (buffer, _) = world.tf2(namespace.unwrap_or_default());
+    let buffer = placed.buffer();
     for bag in &world.bags {
         for topic in bag.topics.values() {
             let calibrations = topic.content.calibrations.iter().flat_map(|known| &known.calibrations);
@@ -34,7 +33,7 @@ pub(super) fn cameras(placed: &Placed, scene: &mut Scene) -> Vec<Path> {
                 scene.always(&own, What::Camera(narrow, calibration.size.map(|pixels| pixels as f32)));
                 let mut has_points = false;
                 for cloud in bag.topics.values() {
-                    has_points |= projected((cloud, frame, calibration), &buffer, &own, scene);
+                    has_points |= projected((cloud, frame, calibration), buffer, &own, scene);
                 }
                 images.extend(has_points.then_some(own));
             }

@@ -79,8 +79,7 @@ impl<'v> Grounds<'v> {
 /// clouds where rules would have their frames.
 pub(super) fn clouds(placed: &Placed, grounds: &Grounds, scene: &mut Scene) -> Vec<Path> {
     let world = placed.world();
-    let namespace = world.bags.iter().flat_map(crate::world::tf2::namespaces).min();
-    let (buffer, _) = world.tf2(namespace.unwrap_or_default());
+    let buffer = placed.buffer();
     let mut has_any = false;
     let mut hidden = Vec::new();
     let topics = world.bags.iter().flat_map(|bag| bag.topics.values());

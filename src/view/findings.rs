@@ -45,12 +45,10 @@ pub(super) fn findings(run: &Run, placed: &[Placed], labels: &Labels, scene: &mu
             At::Message(message) => Some(message.stamp_ns.filter(|stamp| *stamp != 0).unwrap_or(message.log_ns)),
             _ => None,
         });
-        let own = placed
-            .iter()
-            .filter(|placed| labels.may_be(&finding.subject, placed.number));
-        let own: Vec<&Placed> = own.collect();
+        let number_of_world = labels.number(&finding.subject);
+        let own = number_of_world.map_or(placed, |of| placed.get(of..=of).unwrap_or_default());
         let size_m = own.first().map_or(1.0, |placed| placed.size_m);
-        let frame = frame_of(finding, run, &own);
+        let frame = frame_of(finding, run, own);
         if number == 0 {
             worst = Worst {
                 at_ns: stamp_ns,
@@ -165,7 +163,7 @@ fn loudness(finding: &Finding) -> (Level, Color) {
 
 /// The frame that a finding is about: that which a rule would have elsewhere, else the last of those that it names between backticks
 /// which stands in a tree, else that of the messages that it points at.
-fn frame_of(finding: &Finding, run: &Run, placed: &[&Placed]) -> Option<Path> {
+fn frame_of(finding: &Finding, run: &Run, placed: &[Placed]) -> Option<Path> {
     let path = |frame: FrameId| placed.iter().find_map(|placed| placed.path(&frame));
     let moved = finding.prefers.iter().map(|prefers| prefers.source.clone());
     let is_topic = |word: &String| {
@@ -184,7 +182,7 @@ fn frame_of(finding: &Finding, run: &Run, placed: &[&Placed]) -> Option<Path> {
         .cloned()
 }
 
-fn frame_of_messages<'p>(finding: &Finding, run: &Run, placed: &[&'p Placed]) -> Option<&'p Path> {
+fn frame_of_messages<'p>(finding: &Finding, run: &Run, placed: &'p [Placed]) -> Option<&'p Path> {
     finding.places.iter().find_map(|label| {
         let At::Message(message) = &label.place.at else {
             return None;

@@ -45,11 +45,6 @@ impl<'r> Labels<'r> {
         let mut labels = ends.filter_map(|at| self.0.get(subject.get(..at)?));
         labels.next().copied()
     }
-
-    /// Whether a subject is not that of another platform.
-    fn may_be(&self, subject: &str, number: usize) -> bool {
-        self.number(subject).is_none_or(|of| of == number)
-    }
 }
 
 /// Everything that a run has to be looked at. It must have kept what was [`Run::seen`], its rows their plots.
@@ -76,8 +71,7 @@ pub fn scene(run: &Run) -> Scene {
             .filter(|(of, _)| of.is_none_or(|of| of == number))
             .map(|(_, finding)| *finding)
             .collect();
-        let mut frames = tree::frames(world, &findings, (&top, &events_ns), &mut scene);
-        frames.number = number;
+        let frames = tree::frames(world, &findings, (&top, &events_ns), &mut scene);
         robot::robots(&frames, &mut scene);
         let hidden = clouds::clouds(&frames, &grounds, &mut scene);
         images.extend(cameras::cameras(&frames, &mut scene));
@@ -90,7 +84,6 @@ pub fn scene(run: &Run) -> Scene {
             name: label.map_or_else(|| "Frames".to_owned(), |label| format!("Frames of {label}")),
             kind: Kind::Space,
             origin: top.clone(),
-            shown: vec![top.clone()],
             hidden,
             bounds: None,
             eye: None,
@@ -117,7 +110,6 @@ fn views(run: &Run, spaces: Vec<View>, images: Vec<Path>, scene: &Scene, drawn: 
     let flat = |name: String, kind: Kind, origin: Path| View {
         name,
         kind,
-        shown: vec![origin.clone()],
         origin,
         hidden: Vec::new(),
         bounds: None,

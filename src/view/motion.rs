@@ -66,14 +66,12 @@ fn correction(edge: &TfEdge, prefix: &str, scene: &mut Scene) {
         0 | 1 => sample.pose.translation_m.get(number).copied().unwrap_or(f64::NAN),
         _ => sample.pose.isometry().rotation.euler_angles().2.to_degrees(),
     };
-    for (number, name) in ["x, m", "y, m", "yaw, deg"].into_iter().enumerate() {
-        let own = path.then(name);
-        let color = OF_AXES.get(number).copied().unwrap_or(OF_STAMPS);
-        scene.always(&own, What::Curve(name.to_owned(), color, true));
-        for sample in every(&edge.samples) {
+    for (number, (name, color)) in ["x, m", "y, m", "yaw, deg"].into_iter().zip(OF_AXES).enumerate() {
+        let values = every(&edge.samples).map(|sample| {
             let at_ns = moment(sample.at.stamp_ns.unwrap_or(0), sample.at.log_ns);
-            scene.at(&own, at_ns, What::Number(value(sample, number)));
-        }
+            (at_ns, value(sample, number))
+        });
+        curve(&path.then(name), (name, color), values, scene);
     }
 }
 
@@ -111,18 +109,15 @@ fn inertial(said: &Said, prefix: &str, scene: &mut Scene) {
                 .then(name.clone())
                 .then(what)
                 .then(letter);
-            scene.always(&path, What::Curve(format!("{what} {letter}, {unit}"), color, true));
-            for row in every(&rows) {
-                let values = if what == "acceleration" {
+            let values = every(&rows).filter_map(|row| {
+                let vector = if what == "acceleration" {
                     row.linear_acceleration
                 } else {
                     row.angular_velocity
                 };
-                let value = values.get(axis).copied().unwrap_or(f64::NAN);
-                if value.is_finite() {
-                    scene.at(&path, moment(row.stamp_ns, row.log_ns), What::Number(value));
-                }
-            }
+                Some((moment(row.stamp_ns, row.log_ns), *vector.get(axis)?))
+            });
+            curve(&path, (&format!("{what} {letter}, {unit}"), color), values, scene);
         }
     }
 }

@@ -1,10 +1,12 @@
 //! Where the frames of a world stand in the tree of entities, and how they are named there.
 
 use std::collections::BTreeMap;
+use std::rc::Rc;
 
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 
 use crate::verdict::Finding;
+use crate::world::tf2::{self, Buffer};
 use crate::world::{FrameId, World};
 
 use super::scene::{Color, Path, Points, Scene, What, narrow};
@@ -14,9 +16,9 @@ pub(super) const OF_LABELS: Color = [200, 200, 200];
 
 /// Where the frames of a world stand in the tree of entities.
 pub(super) struct Placed<'w> {
-    /// The number of the world.
-    pub(super) number: usize,
     world: &'w World,
+    /// The transforms of the first namespace, as tf2 hears them.
+    buffer: Rc<Buffer>,
     paths: BTreeMap<FrameId, Path>,
     /// Roots by their frames: that of each component.
     root_of: BTreeMap<FrameId, FrameId>,
@@ -33,9 +35,11 @@ pub(super) struct Placed<'w> {
 impl<'w> Placed<'w> {
     /// Nothing yet.
     pub(super) fn of(world: &'w World) -> Self {
+        let namespace = world.bags.iter().flat_map(tf2::namespaces).min();
+        let (buffer, _) = world.tf2(namespace.unwrap_or_default());
         Self {
-            number: 0,
             world,
+            buffer: Rc::new(buffer),
             paths: BTreeMap::new(),
             root_of: BTreeMap::new(),
             turn_of: BTreeMap::new(),
@@ -63,7 +67,7 @@ impl<'w> Placed<'w> {
         let aside = Translation3::new(0.0, aside_m, 0.0);
         scene.always(path, What::Pose(Isometry3::from_parts(aside, upright.turn)));
         self.turn_of.insert(root.clone(), upright.turn);
-        (!upright.why.is_empty()).then_some(upright.why)
+        upright.why
     }
 
     /// Draws a frame that stands in no tree, and says why.
@@ -97,6 +101,11 @@ impl<'w> Placed<'w> {
     pub(super) fn stands_beneath(&self, frame: &FrameId, above: &FrameId) -> bool {
         let paths = self.path(frame).zip(self.path(above));
         paths.is_some_and(|(path, above)| path.is_in(above))
+    }
+
+    /// Answers look-ups between frames.
+    pub(super) fn buffer(&self) -> &Rc<Buffer> {
+        &self.buffer
     }
 
     /// The world whose frames they are.

@@ -173,10 +173,8 @@ pub struct View {
     pub name: String,
     /// How it shows.
     pub kind: Kind,
-    /// Where it looks from.
+    /// What is shown, with everything beneath.
     pub origin: Path,
-    /// Entities that are shown, with everything beneath.
-    pub shown: Vec<Path>,
     /// Entities that are there and hidden at first.
     pub hidden: Vec<Path>,
     /// What of a plane is seen at first: the lowest and the highest x, and y downwards; everything where `None`.

@@ -1,12 +1,14 @@
 //! Frames as axes at their poses over time, each beneath its parent; trees that are not connected set apart.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::rc::Rc;
 
 use nalgebra::{Isometry3, Vector3};
 
 use crate::source::SourceId;
 use crate::verdict::Finding;
 use crate::world::graph::{Edge, EdgeOrigin};
+use crate::world::tf2::Buffer;
 use crate::world::{FrameId, World};
 
 use super::claims::{beside, claims, name, of_messages, preferred};
@@ -32,9 +34,7 @@ pub(super) fn frames<'w>(
     let mut components = graph.components();
     components.sort_by_key(|component| std::cmp::Reverse(component.members.len()));
     let mut placed = Placed::of(world);
-    let namespaces: BTreeSet<&str> = world.bags.iter().flat_map(crate::world::tf2::namespaces).collect();
-    let namespace = namespaces.first().copied().unwrap_or_default();
-    let (buffer, _) = world.tf2(namespace);
+    let buffer = Rc::clone(placed.buffer());
     let mut aside_m = 0.0;
     for (number, component) in components.iter().enumerate() {
         let Some(root) = component.roots.first().or_else(|| component.members.first()) else {
@@ -86,7 +86,7 @@ pub(super) fn frames<'w>(
 
 struct Drawing<'a, 'w> {
     placed: &'a mut Placed<'w>,
-    buffer: &'a crate::world::tf2::Buffer,
+    buffer: &'a Buffer,
     events_ns: &'a BTreeSet<i64>,
     root: FrameId,
     /// Who says where frames are.

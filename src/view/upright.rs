@@ -11,15 +11,15 @@ use crate::world::{FrameId, World};
 pub(super) struct Upright {
     /// `seen_from_root`, where what is seen has z up.
     pub(super) turn: UnitQuaternion<f64>,
-    /// Why, for the root's label; empty where nothing is turned.
-    pub(super) why: String,
+    /// Why, for the root's label; `None` where nothing is turned.
+    pub(super) why: Option<String>,
 }
 
 /// By what is declared of the root, else by its name, else by what was measured.
 pub(super) fn upright(world: &World, root: &FrameId, findings: &[&Finding]) -> Upright {
     let turned = |turn: AxisTurn, why: &str| Upright {
         turn: turn.quaternion(),
-        why: why.to_owned(),
+        why: Some(why.to_owned()),
     };
     let declared = world.conventions.of(&Subject {
         file: "",
@@ -59,7 +59,7 @@ pub(super) fn upright(world: &World, root: &FrameId, findings: &[&Finding]) -> U
 fn none() -> Upright {
     Upright {
         turn: UnitQuaternion::identity(),
-        why: String::new(),
+        why: None,
     }
 }
 

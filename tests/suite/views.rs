@@ -19,10 +19,10 @@ use rayon::prelude::*;
 use crate::cases::{cases, laid_out};
 use crate::support;
 
-fn looked_at(folder: &Path) -> Run {
+fn looked_at(folder: &Path, verdicts: Verdicts) -> Run {
     engine::check(&Options {
         paths: vec![folder.to_path_buf()],
-        verdicts: Verdicts::One,
+        verdicts,
         sights: Sights::Everything,
         ..Options::default()
     })
@@ -41,7 +41,7 @@ fn of_files(files: &[(&str, &str)]) -> (Run, Scene) {
     for (name, text) in files {
         fs::write(folder.path().join(name), text).unwrap();
     }
-    let run = looked_at(folder.path());
+    let run = looked_at(folder.path(), Verdicts::One);
     let scene = scene_of(&run);
     (run, scene)
 }
@@ -91,7 +91,7 @@ fn every_rule_has_something_to_be_seen_or_says_why_not() {
             let mut faults = Vec::new();
             for case in bad.flat_map(|section| cases(&section)) {
                 let folder = laid_out(&case);
-                let scene = scene_of(&looked_at(folder.path()));
+                let scene = scene_of(&looked_at(folder.path(), Verdicts::One));
                 let told = scene.items.iter().any(|item| {
                     let is_log = item.path.is_in(&path("findings/log"));
                     is_log && item.path.names().last().is_some_and(|name| name.ends_with(code))
@@ -243,13 +243,7 @@ fn of_recipes(recipes: &[(&str, &str)], verdicts: Verdicts) -> (Run, Scene) {
     for (name, recipe) in recipes {
         support::write(recipe, &folder.path().join(name));
     }
-    let run = engine::check(&Options {
-        paths: vec![folder.path().to_path_buf()],
-        verdicts,
-        sights: Sights::Everything,
-        ..Options::default()
-    })
-    .unwrap();
+    let run = looked_at(folder.path(), verdicts);
     let scene = scene_of(&run);
     (run, scene)
 }
@@ -395,7 +389,7 @@ fn clouds_stand_in_their_frames_at_their_stamps() {
     let car = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/robots/car");
     let folder = tempfile::tempdir().unwrap();
     support::copy_platform(&car, folder.path());
-    let scene = scene_of(&looked_at(folder.path()));
+    let scene = scene_of(&looked_at(folder.path(), Verdicts::One));
     let kinds: BTreeMap<&str, usize> = scene.items.iter().fold(BTreeMap::new(), |mut kinds, item| {
         *kinds.entry(item.path.names()[0].as_str()).or_default() += 1;
         kinds

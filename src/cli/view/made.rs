@@ -8,50 +8,35 @@ use crate::cli::args::View;
 use crate::cli::{Answer, Failure, Surroundings, paths};
 use crate::engine;
 use crate::report::rerun::{Sink, write};
-use crate::report::{Style, terminal};
 use crate::run::Run;
-use crate::view::scene::Scene;
 use crate::view::{LeftOut, estimate, fit, scene};
 
 /// Judges the inputs, and shows what there is to be seen. The exit code is that of reading.
 pub(in crate::cli) fn run(view: View, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
     let run = engine::check(&engine::Options {
-        extent: view.input.reading.extent(),
-        paths: paths(view.input.paths, stdin)?,
         config: view.config,
-        xacro_args: view.input.reading.xacro_args,
-        msg_paths: view.input.reading.msg_paths,
-        progress: surroundings.progress,
         verdicts: engine::Verdicts::One,
         sights: engine::Sights::Everything,
-        ..engine::Options::default()
+        ..view
+            .input
+            .reading
+            .options(paths(view.input.paths, stdin)?, surroundings.progress)
     })?;
-    let style = Style {
-        color: false,
-        ..surroundings.style
-    };
-    let mut answer = Answer {
-        err: terminal::render_unread(&run, style),
-        code: run.exit_code_of_reading(),
-        ..Answer::default()
-    };
+    let mut answer = Answer::of_reading(&run, surroundings);
     if let Some(file) = &view.output {
         answer.out.push_str(&save(&run, file, view.max_size)?);
     }
     if view.spawn {
-        answer.out.push_str(&send(&run, Target::Spawn, view.max_size)?);
+        answer
+            .out
+            .push_str(&send(&run, Sink::Spawn, "the viewer", view.max_size)?);
     }
     if let Some(url) = &view.connect {
-        answer.out.push_str(&send(&run, Target::Connect(url), view.max_size)?);
+        answer
+            .out
+            .push_str(&send(&run, Sink::Connect(url), url, view.max_size)?);
     }
     Ok(answer)
-}
-
-/// Where views go besides files.
-#[derive(Clone, Copy)]
-enum Target<'a> {
-    Spawn,
-    Connect(&'a str),
 }
 
 /// A file that came out larger than asked is written again, smaller; so often at most.
@@ -91,13 +76,10 @@ pub(in crate::cli) fn save(run: &Run, file: &Path, max_bytes: u64) -> Result<Str
     Ok(text)
 }
 
-fn send(run: &Run, target: Target, max_bytes: u64) -> Result<String, Failure> {
-    let mut scene: Scene = scene(run);
+/// Sends the views to a viewer, which is called `words`.
+fn send(run: &Run, sink: Sink, words: &str, max_bytes: u64) -> Result<String, Failure> {
+    let mut scene = scene(run);
     let left_out = fit(&mut scene, usize::try_from(max_bytes).unwrap_or(usize::MAX));
-    let (sink, words) = match target {
-        Target::Spawn => (Sink::Spawn, "the viewer"),
-        Target::Connect(url) => (Sink::Connect(url), url),
-    };
     write(&scene, &name(run), sink).map_err(|error| failed(words, &error))?;
     Ok(told(words, left_out))
 }

@@ -126,12 +126,8 @@ fn view(number: usize, view: &View, own: &RecordingStream) -> RecordingStreamRes
         .with_display_name(Name(view.name.as_str().into()))
         .with_space_origin(entity(&view.origin).to_string());
     own.log(path.as_str(), &known)?;
-    let shown = view.shown.iter().map(|path| format!("+ {}/**", entity(path)));
-    let shown = shown.map(|query| QueryExpression(query.into()));
-    own.log(
-        format!("{path}/ViewContents"),
-        &ViewContents::new(shown.collect::<Vec<_>>()),
-    )?;
+    let shown = QueryExpression(format!("+ {}/**", entity(&view.origin)).into());
+    own.log(format!("{path}/ViewContents"), &ViewContents::new([shown]))?;
     if let Some(eye) = &view.eye {
         let controls = EyeControls3D::new()
             .with_position(Position3D::from(eye.at_m))

@@ -1,0 +1,76 @@
+//! How the values of arguments are read.
+
+use std::ffi::OsStr;
+use std::path::PathBuf;
+
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
+use clap::{Arg, Command, ValueEnum};
+
+use crate::report::Format;
+
+use super::Output;
+
+/// `FILE` or `FORMAT=FILE`. A file whose name has a `=` behind another word is a file.
+#[allow(clippy::unnecessary_wraps)] // clap asks for a result
+pub(super) fn output(text: &str) -> Result<Output, String> {
+    let known = text
+        .split_once('=')
+        .and_then(|(word, file)| Some((Format::from_str(word, false).ok()?, file)));
+    Ok(match known {
+        Some((format, file)) => Output {
+            format: Some(format),
+            file: PathBuf::from(file),
+        },
+        None => Output {
+            format: None,
+            file: PathBuf::from(text),
+        },
+    })
+}
+
+/// The forms and dialects that are written. They stand in a table, which is read only where somebody asks for them.
+#[derive(Clone)]
+pub(super) struct Targets;
+
+impl TypedValueParser for Targets {
+    type Value = String;
+
+    fn parse_ref(&self, cmd: &Command, arg: Option<&Arg>, value: &OsStr) -> Result<String, clap::Error> {
+        PossibleValuesParser::new(crate::convert::targets()).parse_ref(cmd, arg, value)
+    }
+
+    fn possible_values(&self) -> Option<Box<dyn Iterator<Item = PossibleValue> + '_>> {
+        Some(Box::new(crate::convert::targets().into_iter().map(PossibleValue::new)))
+    }
+}
+
+/// `TARGET from SOURCE`.
+pub(super) fn is(text: &str) -> Result<(String, String), String> {
+    let (target, source) = text.split_once(" from ").ok_or("`TARGET from SOURCE` is expected")?;
+    Ok((target.trim().to_owned(), source.trim().to_owned()))
+}
+
+/// Bytes: `800kB`, `100MB`, `2GB`; a number alone is of megabytes.
+pub(super) fn size(text: &str) -> Result<u64, String> {
+    let text = text.trim();
+    let end = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(end);
+    let factor = match unit.trim().to_lowercase().as_str() {
+        "kb" => 1_000,
+        "" | "mb" => 1_000_000,
+        "gb" => 1_000_000_000,
+        _ => return Err("a size has the form 100MB, with kB, MB or GB".to_owned()),
+    };
+    let number: u64 = number
+        .parse()
+        .map_err(|_| "a size begins with a whole number: 100MB".to_owned())?;
+    let bytes = number.checked_mul(factor).filter(|bytes| *bytes > 0);
+    bytes.ok_or_else(|| "a size is more than nothing, and less than everything".to_owned())
+}
+
+pub(super) fn xacro_arg(text: &str) -> Result<String, String> {
+    match text.split_once(":=") {
+        Some((name, _)) if !name.trim().is_empty() => Ok(text.to_owned()),
+        _ => Err("an argument for xacro has the form name:=value".to_owned()),
+    }
+}
