@@ -2,6 +2,10 @@
 //!
 //! Owns the formats. Must not judge, nor know rules or reports.
 
+#[cfg(test)]
+#[allow(dead_code, unreachable_pub)]
+#[path = "../../tests/support/at_hand.rs"]
+mod at_hand;
 pub mod bag;
 pub mod calibration;
 pub mod code;

@@ -224,9 +224,7 @@ fn numbers_that_are_none_come_back() {
 
 #[test]
 fn every_real_recording_is_judged_the_same() {
-    let Some(folder) = support::real_bags() else {
-        return;
-    };
+    let Some(folder) = support::real_bags() else { return };
     let mut count = 0;
     for ending in [".mcap", ".bag", ".db3"] {
         for bag in support::files(&folder, ending) {

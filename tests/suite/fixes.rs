@@ -212,14 +212,6 @@ fn an_error_that_is_sure_is_taken_out_of_a_file_of_any_dialect() {
     assert!(sure > 200 && lost.is_empty(), "{sure} sure, not mended: {lost:#?}");
 }
 
-fn corpus() -> Option<PathBuf> {
-    let folder = match std::env::var_os("FRAMES_LINT_CORPUS") {
-        Some(folder) => PathBuf::from(folder),
-        None => PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../shared/corpus"),
-    };
-    folder.is_dir().then_some(folder)
-}
-
 /// A fault in a text: what is replaced where, and the rule that says so. `None` where the text has no place for it.
 type Inject = fn(&str) -> Option<(String, &'static str)>;
 
@@ -358,7 +350,9 @@ fn over_corpus(
     least: usize,
     put: impl Fn(&Path, &str) -> Vec<Outcome> + Sync,
 ) {
-    let Some(corpus) = corpus() else { return };
+    let Some(corpus) = support::corpus() else {
+        return;
+    };
     let mut files = Vec::new();
     with_ending(&corpus, endings, &mut files);
     // Faults are handed back: what a thread of the pool prints is lost.

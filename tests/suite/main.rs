@@ -31,6 +31,7 @@ mod integrations;
 mod layers;
 mod messages;
 mod pages;
+mod readers;
 mod readme;
 mod recipe;
 mod recordings;

@@ -13,6 +13,8 @@ use nix::sys::stat::Mode;
 use nix::unistd::mkfifo;
 use serde_json::{Value, json};
 
+use super::at_hand::left_out;
+
 /// A browser that needs longer for one answer hangs.
 const PATIENCE: Duration = Duration::from_secs(60);
 
@@ -34,10 +36,11 @@ pub struct Page<'b> {
 }
 
 impl Browser {
-    /// Starts Chromium; `None`, and a line that says so, where none is installed.
+    /// Starts Chromium; `None`, and a note, where none is installed.
+    #[track_caller]
     pub fn start() -> Option<Self> {
         let Some(program) = installed() else {
-            eprintln!("skipped: no chromium is installed");
+            left_out("no chromium");
             return None;
         };
         let folder = tempfile::tempdir().expect("a temporary folder");

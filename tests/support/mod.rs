@@ -4,6 +4,7 @@
 
 #![allow(
     dead_code,
+    unused_imports,
     clippy::print_stderr,
     unreachable_pub,
     clippy::unwrap_used,
@@ -15,6 +16,7 @@
     clippy::missing_panics_doc
 )]
 
+pub mod at_hand;
 pub mod browser;
 pub mod camera;
 pub mod clouds;
@@ -49,6 +51,8 @@ use frames_lint::run::Run;
 use frames_lint::source::{ReadStatus, Source, SourceId, SourceKind};
 use frames_lint::world::FrameId;
 use frames_lint::world::bag::{BagEvidence, TfEdge};
+
+pub use at_hand::{corpus, left_out, real_bags};
 
 /// The MCAP that a recipe describes; see [`recipe::Recipe`] for every knob. A recipe that does not parse panics with the
 /// reason.
@@ -125,15 +129,6 @@ pub fn edge<'a>(bag: &'a BagEvidence, parent: &str, child: &str) -> &'a TfEdge {
 /// Frames as words.
 pub fn names<'a>(frames: impl IntoIterator<Item = &'a FrameId>) -> Vec<&'a str> {
     frames.into_iter().map(FrameId::as_str).collect()
-}
-
-/// The folder of real recordings: `FRAMES_LINT_BAGS`, or `../shared/bags` beside the repository. `None` where absent.
-pub fn real_bags() -> Option<PathBuf> {
-    let folder = std::env::var_os("FRAMES_LINT_BAGS").map_or_else(
-        || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/bags"),
-        PathBuf::from,
-    );
-    folder.is_dir().then_some(folder)
 }
 
 /// Every file under a folder whose name holds `part`, sorted.

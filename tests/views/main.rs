@@ -1,9 +1,9 @@
 //! Views as they are written for the viewer: read back with the viewer's own library, of the same version.
 //!
-//! Needs Python with `rerun-sdk`: `FRAMES_LINT_PYTHON` names it, else `target/ci-python/bin/python`. Without it the tests report themselves as
-//! skipped.
+//! Needs Python with `rerun-sdk`: `FRAMES_LINT_PYTHON` names it, else `target/ci-python/bin/python`. Without it the tests are noted as
+//! left out.
 
-#![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::print_stderr)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
@@ -39,7 +39,7 @@ fn python() -> Option<PathBuf> {
 /// What a file of views holds; `None` where there is nothing to read it with.
 fn read(file: &Path) -> Option<Value> {
     let Some(python) = python() else {
-        eprintln!("skipped: no Python with rerun-sdk {VERSION}");
+        support::left_out(&format!("no Python with rerun-sdk {VERSION}"));
         return None;
     };
     let read = Command::new(python)

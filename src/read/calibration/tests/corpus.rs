@@ -1,12 +1,12 @@
-//! Real published files, where a folder of them is at hand: `FRAMES_LINT_CORPUS`, or `shared/corpus` beside the
-//! repository's parent. Skipped elsewhere.
+//! Real published files, where a folder of them is at hand.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use nalgebra::{Matrix3, UnitQuaternion};
 
 use super::*;
+use crate::read::at_hand::corpus;
 
 /// Rotations of left cameras in their body frames: EuRoC (the dataset's `cam0/sensor.yaml`) and TUM-VI (the dataset's
 /// camchain, transposed). Many projects publish the same nine numbers.
@@ -40,18 +40,6 @@ const GOLDEN: [(&str, [f64; 9]); 2] = [
         ],
     ),
 ];
-
-pub(super) fn corpus() -> Option<PathBuf> {
-    let folder = match std::env::var_os("FRAMES_LINT_CORPUS") {
-        Some(folder) => PathBuf::from(folder),
-        None => Path::new(env!("CARGO_MANIFEST_DIR"))
-            .ancestors()
-            .skip(1)
-            .map(|up| up.join("shared/corpus"))
-            .find(|p| p.is_dir())?,
-    };
-    folder.is_dir().then_some(folder)
-}
 
 /// Every YAML and JSON file of the corpus, read.
 pub(super) fn read_all(folder: &Path) -> Vec<(String, Source, Facts)> {

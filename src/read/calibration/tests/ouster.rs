@@ -69,7 +69,9 @@ fn what_is_cut_off_is_read_as_far_as_it_goes_and_what_is_no_ousters_is_none() {
 #[test]
 fn the_metadata_of_the_corpus_are_those_of_the_table() {
     use crate::tables::{OusterPart, Tables};
-    let Some(folder) = super::corpus::corpus() else { return };
+    let Some(folder) = crate::read::at_hand::corpus() else {
+        return;
+    };
     let (tables, mut seen) = (Tables::default(), 0);
     for (path, _, facts) in super::corpus::read_all(&folder.join("ouster_meta")) {
         assert_eq!(facts.ousters.len(), 1, "{path}");

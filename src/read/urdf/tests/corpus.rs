@@ -3,21 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use super::{Read, read_text, read_xacro};
+use crate::read::at_hand::corpus;
 use crate::read::text::decode;
 use crate::source::ReadStatus;
 use crate::world::Spelling;
 use crate::world::robot::ConsumerOpinion;
 
-/// The folder of real files of a format, from `FRAMES_LINT_CORPUS` or beside the repository.
-fn folder(format: &str) -> Option<PathBuf> {
-    let beside = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../shared/corpus");
-    let corpus = std::env::var_os("FRAMES_LINT_CORPUS").map_or_else(beside, PathBuf::from);
-    Some(corpus.join(format)).filter(|folder| folder.is_dir())
-}
-
 fn files(format: &str) -> Vec<PathBuf> {
     let mut files = Vec::new();
-    let mut folders: Vec<PathBuf> = folder(format).into_iter().collect();
+    let mut folders: Vec<PathBuf> = corpus().map(|corpus| corpus.join(format)).into_iter().collect();
     while let Some(folder) = folders.pop() {
         for entry in std::fs::read_dir(folder).unwrap() {
             let path = entry.unwrap().path();
