@@ -20,7 +20,7 @@ fn main() {
     let tests: BTreeSet<&&str> = reasons.values().flatten().collect();
     match tests.len() {
         0 => println!("\nNo test was left out."),
-        count => println!("\n{count} tests, or parts of them, were left out for want of data or programs:"),
+        count => println!("\nTests left out for want of data or programs, wholly or in part: {count}"),
     }
     for (why, tests) in &reasons {
         println!("  {}: {why}", tests.len());

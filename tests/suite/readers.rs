@@ -14,6 +14,7 @@ use crate::support::reading::folder;
 use crate::support::recipe::DRIVE;
 use crate::support::rosbag1::{Connection, Layout, Rosbag1};
 use crate::support::rosbag2::{Db3, Drive, Yaml, write_parts};
+use crate::support::schemas::definition;
 
 const ROBOT: &str = "<robot name=\"r\"><link name=\"base_link\"/><link name=\"lidar\"/><joint name=\"j\" type=\"fixed\"><parent link=\"base_link\"/><child link=\"lidar\"/><origin xyz=\"1 0 1\"/></joint></robot>\n";
 /// A part for other files needs no expansion.
@@ -54,6 +55,9 @@ fn every_reader_reads_a_file_made_for_it() {
     let number = bag.connection(&Connection {
         topic: "/tf",
         message_type: "tf2_msgs/TFMessage",
+        // A header of ROS 1 has a number, and a time that is a type of its own.
+        definition: &definition("tf2_msgs/msg/TFMessage")
+            .replace("builtin_interfaces/Time stamp", "uint32 seq\ntime stamp"),
         ..Connection::default()
     });
     bag.message(number, 1_500_000_000_000_000_000, &[0; 4]);
@@ -75,7 +79,7 @@ fn every_reader_reads_a_file_made_for_it() {
         ("drive.mcap", "mcap"),
         ("drive.db3", "sqlite"),
         ("drive.bag", "rosbag1"),
-        ("parts", "rosbag2"),
+        ("parts/metadata.yaml", "rosbag2"),
         ("product.py", "code"),
     ] {
         let input = found
