@@ -13,6 +13,8 @@
     allow(clippy::unwrap_used, clippy::expect_used, clippy::indexing_slicing, clippy::panic)
 )]
 
+pub(crate) mod advice;
+pub mod analysis;
 pub mod cli;
 pub mod collect;
 pub mod compare;

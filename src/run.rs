@@ -255,6 +255,8 @@ pub struct Summary {
     pub not_evaluated: usize,
     /// Rows judged wrong all of whose findings the user accepts.
     pub waived: usize,
+    /// Rows judged wrong whose findings others say in their place.
+    pub explained: usize,
     /// Rules that broke.
     pub crashed: usize,
     /// The run in one word.
@@ -285,6 +287,7 @@ impl Run {
             passed: self.verdict.count(Outcome::Pass),
             not_evaluated: self.verdict.count(Outcome::NotEvaluated),
             waived: self.verdict.count(Outcome::Waived),
+            explained: self.verdict.count(Outcome::Explained),
             crashed: self.verdict.count(Outcome::Crashed),
             verdict,
         }
@@ -414,6 +417,7 @@ mod tests {
             verdict: Verdict {
                 rows: outcomes.iter().map(|outcome| row(*outcome)).collect(),
                 findings: findings.collect(),
+                ..Verdict::default()
             },
             ..Run::default()
         }

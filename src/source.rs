@@ -209,6 +209,14 @@ impl Place {
         message.map_or_else(|| Self::whole(source), |message| Self::message(source, message.clone()))
     }
 
+    /// The topic of a message.
+    pub fn topic(&self) -> Option<&str> {
+        match &self.at {
+            At::Message(message) => Some(&message.topic),
+            At::Whole | At::Text(_) => None,
+        }
+    }
+
     /// The byte span, where the place has one.
     pub fn span(&self) -> Option<Span> {
         match self.at {

@@ -2,6 +2,7 @@
 //!
 //! Must not know how a verdict is shown, nor which rules exist.
 
+pub mod deference;
 pub mod plot;
 pub mod waiver;
 
@@ -10,6 +11,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::source::{Confidence, Place};
 
+pub use deference::{Explainer, RuleCode, Unless};
 pub use plot::Plot;
 pub use waiver::Waived;
 
@@ -59,6 +61,8 @@ pub enum Outcome {
     NotEvaluated,
     /// Found wrong, and accepted by the user.
     Waived,
+    /// Found wrong, and said by a finding of another rule.
+    Explained,
     /// The rule itself broke.
     Crashed,
 }
@@ -66,7 +70,7 @@ pub enum Outcome {
 impl Outcome {
     /// Whether the rule came to a judgement: a row that is waived was judged before it was accepted.
     pub fn is_judged(self) -> bool {
-        matches!(self, Self::Pass | Self::Fail | Self::Waived)
+        matches!(self, Self::Pass | Self::Fail | Self::Waived | Self::Explained)
     }
 
     /// The word used in reports.
@@ -76,6 +80,7 @@ impl Outcome {
             Self::Fail => "fail",
             Self::NotEvaluated => "not-evaluated",
             Self::Waived => "waived",
+            Self::Explained => "explained",
             Self::Crashed => "crashed",
         }
     }
@@ -254,6 +259,15 @@ pub struct Finding {
     /// Set where the user accepts it: it counts for nothing, and stays in every report.
     #[serde(default)]
     pub waived: Option<Waived>,
+    /// Rules that would say it better where they find the same: by the subject, topic or part of a file, or by what is named.
+    #[serde(skip)]
+    pub unless: Vec<Unless>,
+    /// Findings that may explain it; see [`deference::match_up`].
+    #[serde(skip)]
+    pub explainers: Vec<Explainer>,
+    /// The finding that says it in its place.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub explained_by: Option<Explainer>,
     /// Where a frame would stand by the rule's judgement, where it knows: for those who look at it.
     #[serde(skip)]
     pub prefers: Option<Preferred>,
@@ -299,6 +313,9 @@ impl Finding {
             measured: Vec::new(),
             fix: None,
             waived: None,
+            unless: Vec::new(),
+            explainers: Vec::new(),
+            explained_by: None,
             prefers: None,
         }
     }
@@ -378,6 +395,27 @@ impl Finding {
         self
     }
 
+    /// A rule that says it better, where it finds the same.
+    #[must_use]
+    pub fn unless(mut self, rule: RuleCode) -> Self {
+        self.unless.push(Unless::Rule(rule));
+        self
+    }
+
+    /// A rule that says it better, where one of its findings names `about`.
+    #[must_use]
+    pub fn unless_about(mut self, rule: RuleCode, about: impl Into<String>) -> Self {
+        self.unless.push(Unless::About(rule, about.into()));
+        self
+    }
+
+    /// A finding of the same rule on `subject` has the same cause, and speaks for both.
+    #[must_use]
+    pub fn same_cause_as(mut self, subject: impl Into<String>) -> Self {
+        self.unless.push(Unless::CauseOf(subject.into()));
+        self
+    }
+
     /// Where a frame would stand instead: `target_from_source`.
     #[must_use]
     pub fn prefers(mut self, target: impl Into<String>, source: impl Into<String>, pose: Isometry3<f64>) -> Self {
@@ -444,6 +482,9 @@ pub struct Verdict {
     pub rows: Vec<Row>,
     /// Findings, sorted by severity, rule and place.
     pub findings: Vec<Finding>,
+    /// Findings that others of these say in their place, sorted alike.
+    #[serde(default)]
+    pub explained: Vec<Finding>,
 }
 
 impl Verdict {
@@ -452,20 +493,21 @@ impl Verdict {
     pub fn sort(&mut self) {
         self.rows
             .sort_by(|a, b| (&a.rule, &a.subject, a.outcome).cmp(&(&b.rule, &b.subject, b.outcome)));
-        self.findings.sort_by(|a, b| {
-            b.severity
-                .cmp(&a.severity)
-                .then_with(|| b.confidence.cmp(&a.confidence))
-                .then_with(|| {
-                    (&a.rule, &a.subject, &a.places, &a.message).cmp(&(&b.rule, &b.subject, &b.places, &b.message))
-                })
-        });
+        let order = |a: &Finding, b: &Finding| {
+            let by_weight = (b.severity, b.confidence).cmp(&(a.severity, a.confidence));
+            by_weight.then_with(|| {
+                (&a.rule, &a.subject, &a.places, &a.message).cmp(&(&b.rule, &b.subject, &b.places, &b.message))
+            })
+        };
+        self.findings.sort_by(order);
+        self.explained.sort_by(order);
     }
 
     /// Adds another verdict.
     pub fn extend(&mut self, other: Self) {
         self.rows.extend(other.rows);
         self.findings.extend(other.findings);
+        self.explained.extend(other.explained);
     }
 
     /// Findings that somebody has accepted.

@@ -83,7 +83,7 @@ fn rank(row: &Row) -> u8 {
     match row.outcome {
         Outcome::Crashed => 4,
         Outcome::Fail => 3,
-        Outcome::Waived => 2,
+        Outcome::Waived | Outcome::Explained => 2,
         Outcome::Pass => 1,
         Outcome::NotEvaluated => 0,
     }

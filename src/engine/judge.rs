@@ -2,9 +2,11 @@
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-use crate::page::{PageError, Status};
-use crate::rules::Judge;
+use crate::analysis::{Estimates, Settings};
+use crate::page::Status;
+use crate::rules::{Judge, Kind};
 use crate::source::{Confidence, ReadStatus};
+use crate::verdict::deference;
 use crate::verdict::waiver::{Applied, Misspelt};
 use crate::verdict::{Finding, Measured, NotEvaluated, Outcome, Row, Verdict};
 use crate::world::{BagEvidence, World};
@@ -15,14 +17,15 @@ use super::plan::Enabled;
 pub(super) fn judge<'r>(
     world: &World,
     rules: impl IntoIterator<Item = &'r Enabled> + Clone,
+    settings: &Settings,
     label: Option<&str>,
 ) -> Verdict {
     let mut verdict = Verdict::default();
-    for rule in rules
-        .clone()
-        .into_iter()
-        .filter(|rule| rule.entry.review.is_none() && rule.entry.gate.is_none())
-    {
+    let estimates = Estimates::new(world, settings);
+    for rule in rules.clone() {
+        let (Kind::World(asked) | Kind::Across(asked)) = rule.entry.kind else {
+            continue;
+        };
         let mut out = Judge::default();
         out.without_plots = !rule.plots;
         let missing: Vec<&str> = rule
@@ -34,14 +37,12 @@ pub(super) fn judge<'r>(
             .collect();
         let mut crash = None;
         if missing.is_empty() {
-            crash = crash_of(|| (rule.entry.run)(world, rule.whole()?, &mut out));
+            crash = crash_of(|| asked(&estimates, &mut out));
         } else {
             not_asked(world, &missing, &mut out);
         }
         if crash.is_none() {
             not_silent(rule, &mut out);
-        }
-        if crash.is_none() {
             crash = unmeasured(&out);
         }
         if rule.entry.needs.iter().any(|need| need.is_of_bags()) {
@@ -50,11 +51,13 @@ pub(super) fn judge<'r>(
         doubt_guesses(world, &mut out);
         take(out, rule, label, crash, &mut verdict);
     }
+    deference::match_up(&mut verdict.findings);
+    deference::settle(&mut verdict);
     // What speaks of the findings comes when all are there.
     for rule in rules {
-        if let Some(review) = rule.entry.review {
+        if let Kind::Review(asked) = rule.entry.kind {
             let mut out = Judge::default();
-            let crash = crash_of(|| review(&mut verdict.findings, &verdict.rows, rule.whole()?, &mut out));
+            let crash = crash_of(|| asked(settings, &mut verdict.findings, &verdict.rows, &mut out));
             let crash = crash.or_else(|| unmeasured(&out));
             take(out, rule, label, crash, &mut verdict);
         }
@@ -65,9 +68,9 @@ pub(super) fn judge<'r>(
 /// What the rules say of what the user accepts.
 pub(super) fn judge_gate(applied: &[Applied], misspelt: &[Misspelt], rules: &[Enabled], verdict: &mut Verdict) {
     for rule in rules {
-        let Some(gate) = rule.entry.gate else { continue };
+        let Kind::Gate(asked) = rule.entry.kind else { continue };
         let mut out = Judge::default();
-        let crash = crash_of(|| gate(applied, misspelt, rule.whole()?, &mut out)).or_else(|| {
+        let crash = crash_of(|| asked(applied, misspelt, &mut out)).or_else(|| {
             not_silent(rule, &mut out);
             unmeasured(&out)
         });
@@ -76,12 +79,9 @@ pub(super) fn judge_gate(applied: &[Applied], misspelt: &[Misspelt], rules: &[En
 }
 
 /// Asks a rule. How it broke, where it did.
-fn crash_of(asked: impl FnOnce() -> Result<(), PageError>) -> Option<String> {
-    match catch_unwind(AssertUnwindSafe(asked)) {
-        Ok(Ok(())) => None,
-        Ok(Err(error)) => Some(error.to_string()),
-        Err(panic) => Some(panic_words(panic.as_ref())),
-    }
+fn crash_of(asked: impl FnOnce()) -> Option<String> {
+    let panic = catch_unwind(AssertUnwindSafe(asked)).err()?;
+    Some(panic_words(panic.as_ref()))
 }
 
 /// A rule that says nothing had nothing to judge.
@@ -246,22 +246,15 @@ mod tests {
 
     fn run_with(entry: &'static Entry) -> Verdict {
         let rule = Enabled::new(entry).unwrap();
-        judge(&World::default(), [&rule], None)
+        judge(&World::default(), [&rule], &Settings::default(), None)
     }
 
     #[test]
     fn an_unmet_need_becomes_a_row_with_its_reason() {
-        static ENTRY: Entry = Entry {
-            page: FRONT,
-            needs: &[Need::Robot],
-            evidence: Evidence::LEAST,
-            run: |_, _, _| panic!("must not be asked"),
-            review: None,
-            gate: None,
-            across: false,
-            check_limits: |_| Ok(()),
-        };
-        let verdict = run_with(&ENTRY);
+        let entry = Entry::of_test(FRONT, &[Need::Robot], Evidence::LEAST, |_, _| {
+            panic!("must not be asked")
+        });
+        let verdict = run_with(entry);
         assert_eq!(verdict.rows.len(), 1);
         assert_eq!(verdict.rows[0].outcome, Outcome::NotEvaluated);
         assert_eq!(verdict.rows[0].reason.as_deref(), Some("missing input: no URDF"));
@@ -269,17 +262,8 @@ mod tests {
 
     #[test]
     fn silence_becomes_not_evaluated() {
-        static ENTRY: Entry = Entry {
-            page: FRONT,
-            needs: &[],
-            evidence: Evidence::LEAST,
-            run: |_, _, _| Ok(()),
-            review: None,
-            gate: None,
-            across: false,
-            check_limits: |_| Ok(()),
-        };
-        let verdict = run_with(&ENTRY);
+        let entry = Entry::of_test(FRONT, &[], Evidence::LEAST, |_, _| {});
+        let verdict = run_with(entry);
         assert_eq!(
             verdict.rows[0].reason.as_deref(),
             Some("not applicable: nothing here to judge (one for each test)")
@@ -288,20 +272,11 @@ mod tests {
 
     #[test]
     fn a_crash_is_caught_and_named_and_what_was_judged_before_stays() {
-        static ENTRY: Entry = Entry {
-            page: FRONT,
-            needs: &[],
-            evidence: Evidence::LEAST,
-            run: |_, _, out| {
-                out.pass("first", [Measured::count("things", 1)]);
-                panic!("boom")
-            },
-            review: None,
-            gate: None,
-            across: false,
-            check_limits: |_| Ok(()),
-        };
-        let verdict = run_with(&ENTRY);
+        let entry = Entry::of_test(FRONT, &[], Evidence::LEAST, |_, out| {
+            out.pass("first", [Measured::count("things", 1)]);
+            panic!("boom")
+        });
+        let verdict = run_with(entry);
         assert_eq!(verdict.count(Outcome::Crashed), 1);
         assert_eq!(verdict.count(Outcome::Pass), 1);
         let crashed = verdict.rows.iter().find(|row| row.outcome == Outcome::Crashed).unwrap();
@@ -310,38 +285,18 @@ mod tests {
 
     #[test]
     fn a_pass_without_a_number_is_a_fault_of_the_rule() {
-        static ENTRY: Entry = Entry {
-            page: FRONT,
-            needs: &[],
-            evidence: Evidence::LEAST,
-            run: |_, _, out| {
-                out.pass("thing", []);
-                Ok(())
-            },
-            review: None,
-            gate: None,
-            across: false,
-            check_limits: |_| Ok(()),
-        };
-        assert_eq!(run_with(&ENTRY).count(Outcome::Crashed), 1);
+        let entry = Entry::of_test(FRONT, &[], Evidence::LEAST, |_, out| {
+            out.pass("thing", []);
+        });
+        assert_eq!(run_with(entry).count(Outcome::Crashed), 1);
     }
 
     #[test]
     fn the_page_caps_the_confidence() {
-        static ENTRY: Entry = Entry {
-            page: FRONT,
-            needs: &[],
-            evidence: Evidence::LEAST,
-            run: |_, _, out| {
-                out.fail(Finding::error("thing", "wrong", Place::whole(SourceId(0))).measured(Measured::count("n", 1)));
-                Ok(())
-            },
-            review: None,
-            gate: None,
-            across: false,
-            check_limits: |_| Ok(()),
-        };
-        let verdict = run_with(&ENTRY);
+        let entry = Entry::of_test(FRONT, &[], Evidence::LEAST, |_, out| {
+            out.fail(Finding::error("thing", "wrong", Place::whole(SourceId(0))).measured(Measured::count("n", 1)));
+        });
+        let verdict = run_with(entry);
         assert_eq!(verdict.findings[0].confidence, Confidence::Likely);
         assert_eq!(verdict.findings[0].severity, Severity::Error);
         assert_eq!(verdict.findings[0].rule, "TEST01");

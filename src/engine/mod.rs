@@ -34,7 +34,7 @@ use crate::world::{Conventions, NamedDataset, World};
 
 use evidence::Saved;
 use gate::{Demanded, Gate};
-use plan::Enabled;
+use plan::Choice;
 use platform::Member;
 use renumber::Renumber;
 
@@ -140,13 +140,13 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
 /// and finding is told once.
 pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Result<Run, UsageError> {
     let config = configuration(options)?;
-    let mut rules = plan::enabled(&options.select, &options.ignore, config.as_ref())?;
-    for rule in &mut rules {
+    let mut choice = plan::enabled(&options.select, &options.ignore, config.as_ref())?;
+    for rule in &mut choice.rules {
         rule.plots = options.sights >= Sights::Plots;
     }
     let setup = Setup {
         options,
-        rules,
+        choice,
         definitions: definitions(options)?,
         config,
     };
@@ -168,7 +168,7 @@ pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Resu
 struct Setup<'o> {
     options: &'o Options,
     config: Option<Config>,
-    rules: Vec<Enabled>,
+    choice: Choice,
     definitions: Arc<Definitions>,
 }
 
@@ -178,6 +178,7 @@ impl Setup<'_> {
         Run {
             sources,
             rules: self
+                .choice
                 .rules
                 .iter()
                 .map(|rule| RuleInfo::new(&rule.front, rule.entry.page))
@@ -204,7 +205,7 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, Usa
         &inputs,
         setup.options,
         setup.config.as_ref(),
-        (&setup.rules, &setup.definitions),
+        (&setup.choice, &setup.definitions),
         others,
     );
     let several = worlds.len() + others > 1;
@@ -220,7 +221,12 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, Usa
     if several {
         run.platforms = labels;
     }
-    let gate = Gate::new(setup.options, setup.config.as_ref(), &setup.rules, &mut run.sources)?;
+    let gate = Gate::new(
+        setup.options,
+        setup.config.as_ref(),
+        &setup.choice.rules,
+        &mut run.sources,
+    )?;
     let mut laid = gate.lay(&mut run.verdict, &run.sources, &run.platforms);
     let demanded = Demanded {
         rows: &run.verdict.rows,
@@ -228,7 +234,7 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, Usa
         recording: None,
     };
     gate.demand(&mut laid, &demanded, &run.platforms);
-    gate.close(laid, &mut run, &setup.rules);
+    gate.close(laid, &mut run, &setup.choice.rules);
     Ok(run)
 }
 
@@ -239,7 +245,7 @@ fn add_saved(setup: &Setup, saved: Saved, several: bool, run: &mut Run) -> Vec<S
         sources,
         skipped,
     } = furnished(setup, saved);
-    let mut verdict = merged(judge_all(&worlds, &setup.rules, several));
+    let mut verdict = merged(judge_all(&worlds, &setup.choice, several));
     run.seen.extend(setup.seen(&worlds));
     let labels = worlds.into_iter().map(|world| world.label).collect();
     let mut sources = Arc::unwrap_or_clone(sources);
@@ -259,7 +265,7 @@ fn furnished(setup: &Setup, mut saved: Saved) -> Saved {
 }
 
 /// A choice of rules, ready to judge worlds that are in memory: saved, altered or made.
-pub struct Rules(Vec<Enabled>);
+pub struct Rules(Choice);
 
 impl Rules {
     /// The rules with these codes, names and families; all where there are none.
@@ -270,7 +276,7 @@ impl Rules {
 
     /// What the rules say of a world. Nothing is read, and nothing is asked for again.
     pub fn judge(&self, world: &World) -> Verdict {
-        let mut verdict = judge::judge(world, &self.0, None);
+        let mut verdict = judge::judge(world, &self.0.rules, &self.0.settings, None);
         verdict.sort();
         verdict
     }
@@ -279,7 +285,7 @@ impl Rules {
 /// Reads the inputs as far as [`check`] with every rule would, and keeps no judgement.
 pub fn collect(options: &Options) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;
-    let (mut worlds, _) = settle(&inputs, options, None, (&plan::all()?, &definitions(options)?), 0);
+    let (mut worlds, _) = settle(&inputs, options, None, (&Choice::all()?, &definitions(options)?), 0);
     Ok(Run {
         sources: take_sources(&mut worlds),
         worlds,
@@ -293,13 +299,13 @@ fn settle(
     inputs: &Inputs,
     options: &Options,
     config: Option<&Config>,
-    (rules, definitions): (&[Enabled], &Arc<Definitions>),
+    (choice, definitions): (&Choice, &Arc<Definitions>),
     others: usize,
 ) -> (Vec<World>, Vec<Verdict>) {
-    let mut plan = sampling::Plan::new(options.extent, rules);
+    let mut plan = sampling::Plan::new(options.extent, &choice.rules);
     loop {
         let worlds = worlds(inputs, options, config, definitions, &plan);
-        let verdicts = judge_all(&worlds, rules, worlds.len() + others > 1);
+        let verdicts = judge_all(&worlds, choice, worlds.len() + others > 1);
         if !plan.widen(&worlds, &verdicts) {
             return (worlds, verdicts);
         }
@@ -307,9 +313,10 @@ fn settle(
 }
 
 /// One verdict for each world; subjects say which where there are several.
-fn judge_all(worlds: &[World], rules: &[Enabled], several: bool) -> Vec<Verdict> {
+fn judge_all(worlds: &[World], choice: &Choice, several: bool) -> Vec<Verdict> {
     parallel::map(worlds.iter().collect(), |world| {
-        judge::judge(world, rules, several.then_some(world.label.as_str()))
+        let label = several.then_some(world.label.as_str());
+        judge::judge(world, &choice.rules, &choice.settings, label)
     })
 }
 

@@ -1,8 +1,8 @@
 //! Which rules run: selection by code, name and family.
 
 use std::collections::BTreeMap;
-use std::sync::OnceLock;
 
+use crate::analysis::Settings;
 use crate::config::Config;
 use crate::page::{Front, PageError, names_rule};
 use crate::rules::{Entry, RULES};
@@ -15,7 +15,6 @@ pub(super) struct Enabled {
     pub(super) front: Front,
     /// The rule.
     pub(super) entry: &'static Entry,
-    whole: OnceLock<Result<Front, PageError>>,
     /// Whether it makes plots.
     pub(super) plots: bool,
     /// Limits of the user's own.
@@ -28,27 +27,9 @@ impl Enabled {
         Ok(Self {
             front: Front::parse_head(entry.page)?,
             entry,
-            whole: OnceLock::new(),
             plots: false,
             overrides: BTreeMap::new(),
         })
-    }
-
-    /// The front matter with its limits, read when the rule is first asked.
-    pub(super) fn whole(&self) -> Result<&Front, PageError> {
-        if !self.entry.page.contains("\nlimits:") {
-            return Ok(&self.front);
-        }
-        let read = || {
-            let mut front = Front::parse_limits(self.entry.page)?;
-            for (name, value) in &self.overrides {
-                if let Some(limit) = front.limits.get_mut(name) {
-                    limit.value = value.clone();
-                }
-            }
-            Ok(front)
-        };
-        self.whole.get_or_init(read).as_ref().map_err(Clone::clone)
     }
 }
 
@@ -63,13 +44,36 @@ pub(super) fn all() -> Result<Vec<Enabled>, UsageError> {
         .collect()
 }
 
+/// The rules that run, and the limits of all.
+pub(super) struct Choice {
+    /// The rules that run.
+    pub(super) rules: Vec<Enabled>,
+    /// The limits in force, those of rules that do not run among them: estimates rest on them too.
+    pub(super) settings: Settings,
+}
+
+impl Choice {
+    /// Every rule, with the limits of its page.
+    pub(super) fn all() -> Result<Self, UsageError> {
+        let rules = all()?;
+        Ok(Self {
+            settings: settings(&rules),
+            rules,
+        })
+    }
+}
+
+fn settings(rules: &[Enabled]) -> Settings {
+    let mut settings = Settings::default();
+    for rule in rules {
+        (rule.entry.add_limits)(&mut settings, rule.entry.page, rule.overrides.clone());
+    }
+    settings
+}
+
 /// The rules named by `select` without those named by `ignore`; where nothing is selected here, as the configuration says, and all
 /// where it does not say. Limits are those of the configuration.
-pub(super) fn enabled(
-    select: &[String],
-    ignore: &[String],
-    config: Option<&Config>,
-) -> Result<Vec<Enabled>, UsageError> {
+pub(super) fn enabled(select: &[String], ignore: &[String], config: Option<&Config>) -> Result<Choice, UsageError> {
     let mut all = all()?;
     for word in select.iter().chain(ignore) {
         if !all.iter().any(|rule| matches(&rule.front, word)) {
@@ -92,15 +96,16 @@ pub(super) fn enabled(
         }
         ignore.extend(left_out.map(|(word, _)| word.clone()));
     }
-    let chosen: Vec<Enabled> = all
+    let settings = settings(&all);
+    let rules: Vec<Enabled> = all
         .into_iter()
         .filter(|rule| select.is_empty() || select.iter().any(|word| matches(&rule.front, word)))
         .filter(|rule| !ignore.iter().any(|word| matches(&rule.front, word)))
         .collect();
-    if chosen.is_empty() {
+    if rules.is_empty() {
         return Err(UsageError("--select and --ignore leave no rule to run".to_owned()));
     }
-    Ok(chosen)
+    Ok(Choice { rules, settings })
 }
 
 /// Whether a word names this rule: its code, its name or its family, in any case.

@@ -45,7 +45,7 @@ impl Renumber {
                 .iter_mut()
                 .for_each(|problem| self.place(&mut problem.place));
         }
-        for finding in &mut verdict.findings {
+        for finding in verdict.findings.iter_mut().chain(&mut verdict.explained) {
             finding.places.iter_mut().for_each(|label| self.place(&mut label.place));
             let edits = finding.fix.iter_mut().flat_map(|fix| &mut fix.edits);
             edits.for_each(|edit| self.place(&mut edit.place));

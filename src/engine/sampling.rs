@@ -227,22 +227,10 @@ mod tests {
 
     #[test]
     fn rules_that_are_content_widen_only_for_time_that_is_given() {
-        const PATTERN: Entry = Entry {
-            page: include_str!("../../rules/axes/imu-units.md"),
-            needs: &[],
-            evidence: Evidence::USUAL,
-            run: |_, _, _| Ok(()),
-            review: None,
-            gate: None,
-            across: false,
-            check_limits: |_| Ok(()),
-        };
-        static CONTENT: Entry = Entry {
-            evidence: Evidence::MOTION,
-            ..PATTERN
-        };
+        const PAGE: &str = include_str!("../../rules/axes/imu-units.md");
+        let content = Entry::of_test(PAGE, &[], Evidence::MOTION, |_, _| {});
         let widens = |budget: Option<Duration>| {
-            let rule = Enabled::new(&CONTENT).unwrap();
+            let rule = Enabled::new(content).unwrap();
             let mut row = row("platform", NotEvaluated::TooLittleEvidence);
             row.rule.clone_from(&rule.front.code);
             let asked = Extent {

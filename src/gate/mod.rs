@@ -14,6 +14,7 @@ use globset::GlobMatcher;
 use crate::page::names_rule;
 use crate::run::{RuleInfo, Unmet};
 use crate::source::{Place, Source, SourceId, Span};
+use crate::verdict::deference;
 use crate::verdict::waiver::{Applied, Day, Misspelt, Waiver, plain_subject};
 use crate::verdict::{Finding, Outcome, Row, Severity, Verdict};
 use crate::world::conventions::ends_with;
@@ -127,11 +128,13 @@ pub struct Passed {
 
 /// Lays a policy, and the comments in the sources, over a verdict: everything but what is required.
 pub fn lay(verdict: &mut Verdict, policy: &Policy, context: &Context) -> Laid {
+    verdict.recall();
     weigh(verdict, policy, context);
     let (comments, misspelt) = comments::all(context);
     let mut known = comments;
     known.extend(policy.exceptions.iter().cloned());
     let applied = accept(verdict, known, context);
+    deference::settle(verdict);
     settle_rows(verdict);
     Laid {
         applied,

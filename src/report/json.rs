@@ -12,7 +12,7 @@ use serde::Serialize;
 use crate::run::{FailOn, Recording, Run, Summary, Unmet};
 use crate::source::{Problem, Source};
 use crate::verdict::waiver::Day;
-use crate::verdict::{Finding, Fix, Label, Measured, PlaceRole, Row, Safety, Waived};
+use crate::verdict::{Explainer, Finding, Fix, Label, Measured, PlaceRole, Row, Safety, Waived};
 
 use super::place::{Locator, Spot};
 
@@ -26,6 +26,7 @@ struct Document<'a> {
     inputs: Rows<'a, Source, Input<'a>>,
     outcomes: Rows<'a, Row, OutcomeRow<'a>>,
     findings: Rows<'a, Finding, FindingRow<'a>>,
+    explained: Rows<'a, Finding, FindingRow<'a>>,
     required: Vec<UnmetRow<'a>>,
     recordings: Vec<RecordingRow<'a>>,
     summary: Counts,
@@ -122,6 +123,7 @@ pub(super) struct FindingRow<'a> {
     measured: Vec<Number<'a>>,
     fix: Option<FixRow<'a>>,
     waived: Option<WaivedRow<'a>>,
+    explained_by: Option<&'a Explainer>,
 }
 
 #[derive(Serialize)]
@@ -209,6 +211,7 @@ pub(super) struct Counts {
     passed: usize,
     not_evaluated: usize,
     waived: usize,
+    explained: usize,
     crashed: usize,
     verdict: &'static str,
 }
@@ -233,6 +236,11 @@ pub fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
             locator: &locator,
             row: finding_row,
         },
+        explained: Rows {
+            items: &run.verdict.explained,
+            locator: &locator,
+            row: finding_row,
+        },
         required: run.unmet.iter().map(unmet).collect(),
         recordings: run.recordings.iter().map(recording).collect(),
         summary: counts(&run.summary(fail_on)),
@@ -250,6 +258,7 @@ pub(super) fn counts(summary: &Summary) -> Counts {
         passed: summary.passed,
         not_evaluated: summary.not_evaluated,
         waived: summary.waived,
+        explained: summary.explained,
         crashed: summary.crashed,
         verdict: summary.verdict.word(),
     }
@@ -316,6 +325,7 @@ pub(super) fn finding_row<'a>(finding: &'a Finding, locator: &Locator) -> Findin
         measured: finding.measured.iter().map(number).collect(),
         fix: finding.fix.as_ref().and_then(|fix| fix_row(fix, locator)),
         waived: finding.waived.as_ref().map(waived),
+        explained_by: finding.explained_by.as_ref(),
     }
 }
 

@@ -79,6 +79,7 @@ fn case(row: &Row, findings: &[&Finding], fail_on: FailOn, locator: &Locator) ->
         }
         Outcome::NotEvaluated => skipped(row.reason.as_deref().unwrap_or("not evaluated")),
         Outcome::Waived => skipped(&format!("waived: {}", row.reason.as_deref().unwrap_or_default())),
+        Outcome::Explained => skipped(row.reason.as_deref().unwrap_or("explained")),
         Outcome::Pass | Outcome::Fail => match counting.first() {
             None => TestCaseStatus::success(),
             Some(first) => {

@@ -10,7 +10,6 @@ pub mod claim;
 pub mod cloud;
 pub mod content;
 pub mod conventions;
-mod derived;
 pub mod frame;
 pub mod graph;
 pub mod laser;
@@ -27,7 +26,6 @@ pub mod robot;
 pub mod tf2;
 pub mod transform_name;
 
-use std::any::Any;
 use std::collections::BTreeSet;
 use std::sync::{Arc, OnceLock};
 
@@ -36,7 +34,6 @@ use serde::{Deserialize, Serialize};
 use crate::source::{At, Place, Placed, Source, SourceId};
 use crate::tables::{Dataset, Tables};
 
-use derived::Derived;
 use launch::{LocalizationSettings, StaticPublisher};
 
 pub use bag::BagEvidence;
@@ -102,8 +99,6 @@ pub struct World {
     pub jpl: Vec<Placed<String>>,
     #[serde(skip)]
     graph: OnceLock<FrameGraph>,
-    #[serde(skip)]
-    derived: Derived,
 }
 
 /// What one reader found in one source: merged into a [`World`] by the engine.
@@ -211,7 +206,6 @@ impl World {
             }),
             jpl: kept(&self.jpl, |one| at(&one.place)),
             graph: OnceLock::new(),
-            derived: Derived::default(),
         }
     }
 
@@ -230,7 +224,6 @@ impl World {
         self.localizations.extend(facts.localizations);
         self.jpl.extend(facts.jpl);
         self.graph = OnceLock::new();
-        self.derived = Derived::default();
     }
 
     /// Takes in what the user declares: it speaks before names and guesses, and settles the order of bare quaternions.
@@ -267,17 +260,10 @@ impl World {
         }
         self.conventions = conventions;
         self.graph = OnceLock::new();
-        self.derived = Derived::default();
     }
 
     /// The frame graph of URDF and TF together, built once. Calibration claims are compared with it, not part of it.
     pub fn graph(&self) -> &FrameGraph {
         self.graph.get_or_init(|| FrameGraph::new(self))
-    }
-
-    /// What several rules need of this world and is dear to work out: made by the first that asks. `make` must not ask
-    /// for another.
-    pub fn derived<T: Any + Send + Sync>(&self, make: impl FnOnce(&Self) -> T) -> Arc<T> {
-        self.derived.get_or_make(|| make(self))
     }
 }

@@ -217,18 +217,20 @@ fn check_not_evaluated(front: &Front, case: &Case<'_>, faults: &mut Vec<String>)
         faults.push(format!("{code} {}: was evaluated", case.title));
     }
     for line in expectations(case) {
-        let Some(reason) = line.strip_prefix("not-evaluated ") else {
-            faults.push(format!(
-                "{code} {}: an expect line here opens with not-evaluated",
-                case.title
-            ));
-            continue;
+        let (outcome, reason) = match (line.strip_prefix("not-evaluated "), line.as_str()) {
+            (Some(reason), _) => (Outcome::NotEvaluated, reason),
+            (None, reason) if reason.starts_with("explained by ") => (Outcome::Explained, reason),
+            _ => {
+                let what = "an expect line here opens with `not-evaluated` or `explained by`";
+                faults.push(format!("{code} {}: {what}", case.title));
+                continue;
+            }
         };
         let said = run
             .verdict
             .rows
             .iter()
-            .filter(|row| row.rule == *code)
+            .filter(|row| row.rule == *code && row.outcome == outcome)
             .any(|row| row.reason.as_deref().is_some_and(|said| said.contains(reason)));
         if !said {
             let all: Vec<_> = run.verdict.rows.iter().filter(|row| row.rule == *code).collect();

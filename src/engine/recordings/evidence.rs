@@ -46,7 +46,7 @@ pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
         let of_drive = worlds.iter().filter(|world| world.members.iter().any(|id| is_of(*id)));
         let mut parts: Vec<World> = of_drive.map(|world| world.only(stays)).collect();
         let label = name(recordings, &mut parts, &sources);
-        let verdict = merged(judge_all(&parts, &room.setup.rules, true));
+        let verdict = merged(judge_all(&parts, &room.setup.choice, true));
         let mut drive = room.drive(label, recordings, (parts, &[]), verdict);
         for id in &mut drive.recording.sources {
             *id = source_id(id.0 as usize + before);
@@ -56,7 +56,7 @@ pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
     let rest: Vec<World> = worlds.iter().filter(|world| world.bags.is_empty()).cloned().collect();
     let rest_labels: Vec<String> = rest.iter().map(|world| world.label.clone()).collect();
     whole.run.seen.extend(room.setup.seen(&rest));
-    let rest = (merged(judge_all(&rest, &room.setup.rules, true)), rest_labels);
+    let rest = (merged(judge_all(&rest, &room.setup.choice, true)), rest_labels);
     let compared = room.compare(&worlds, &drives, whole);
     for (mut verdict, labels) in [Some(rest), compared].into_iter().flatten() {
         renumber.all(&mut [], &mut verdict);

@@ -12,6 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use crate::gate::Laid;
 use crate::progress::Progress;
 use crate::read::discover::Inputs;
+use crate::rules::Kind;
 use crate::run::{Grown, Recording, Run};
 use crate::source::{Source, SourceId, SourceKind};
 use crate::verdict::waiver::plain_subject;
@@ -47,7 +48,12 @@ pub(super) fn check(
         .config
         .as_ref()
         .map(|config| Declared::new(config, &mut shared.sources));
-    let gate = Gate::new(setup.options, setup.config.as_ref(), &setup.rules, &mut shared.sources)?;
+    let gate = Gate::new(
+        setup.options,
+        setup.config.as_ref(),
+        &setup.choice.rules,
+        &mut shared.sources,
+    )?;
     let room = Room {
         setup,
         reading,
@@ -147,7 +153,7 @@ struct Drive {
 
 impl Room<'_> {
     fn judge(&self, recordings: &[usize]) -> Drive {
-        let mut plan = sampling::Plan::new(self.setup.options.extent, &self.setup.rules);
+        let mut plan = sampling::Plan::new(self.setup.options.extent, &self.setup.choice.rules);
         loop {
             let (own, members) = self.reading.members(recordings, self.shared.sources.len(), &plan);
             let mut sources = self.shared.sources.clone();
@@ -161,7 +167,7 @@ impl Room<'_> {
             let (mut worlds, others): (Vec<World>, Vec<World>) =
                 worlds.into_iter().partition(|world| world.members.iter().any(is_own));
             let label = name(recordings, &mut worlds, &sources);
-            let verdicts = judge_all(&worlds, &self.setup.rules, true);
+            let verdicts = judge_all(&worlds, &self.setup.choice, true);
             if !plan.widen(&worlds, &verdicts) {
                 let mut drive = self.drive(label, recordings, (worlds, &others), merged(verdicts));
                 drive.left = drive.worlds.iter_mut().flat_map(slim).collect();
@@ -263,9 +269,10 @@ impl Room<'_> {
             let beside = self.beside.lock().unwrap_or_else(PoisonError::into_inner);
             beside.get(members).cloned()
         };
+        let choice = &self.setup.choice;
         let judged = parallel::map(others.iter().collect(), |world| {
             known(&world.members).unwrap_or_else(|| {
-                let verdict = Arc::new(judge::judge(world, &self.setup.rules, Some(&world.label)));
+                let verdict = Arc::new(judge::judge(world, &choice.rules, &choice.settings, Some(&world.label)));
                 let mut beside = self.beside.lock().unwrap_or_else(PoisonError::into_inner);
                 beside.insert(world.members.clone(), Arc::clone(&verdict));
                 verdict
@@ -287,7 +294,7 @@ impl Room<'_> {
         }
         let sources = Arc::new(self.shared.sources.clone());
         self.furnish(&mut worlds, &sources);
-        let verdict = merged(judge_all(&worlds, &self.setup.rules, true));
+        let verdict = merged(judge_all(&worlds, &self.setup.choice, true));
         whole.run.seen.extend(self.setup.seen(&worlds));
         let labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
         whole.lay(verdict, &labels, self.gate);
@@ -334,12 +341,24 @@ impl Room<'_> {
             return None;
         }
         let labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
-        let rules: Vec<_> = self.setup.rules.iter().filter(|rule| rule.entry.across).collect();
+        let rules: Vec<_> = self
+            .setup
+            .choice
+            .rules
+            .iter()
+            .filter(|rule| matches!(rule.entry.kind, Kind::Across(_)))
+            .collect();
         let mut verdict = merged(parallel::map(worlds, |world| {
-            judge::judge(world, rules.iter().copied(), Some(&world.label))
+            judge::judge(
+                world,
+                rules.iter().copied(),
+                &self.setup.choice.settings,
+                Some(&world.label),
+            )
         }));
         let compares = |finding: &Finding| are_several(&mut finding.places.iter().map(|label| label.place.source));
         verdict.findings.retain(compares);
+        verdict.explained.retain(compares);
         let key = |row: &Row, platforms: &[String]| {
             let subject = plain_subject(&row.subject, platforms);
             (row.rule.clone(), subject.to_owned())
@@ -354,10 +373,11 @@ impl Room<'_> {
         let found: BTreeSet<(&str, &str)> = verdict
             .findings
             .iter()
+            .chain(&verdict.explained)
             .map(|finding| (finding.rule.as_str(), finding.subject.as_str()))
             .collect();
         verdict.rows.retain(|row| match row.outcome {
-            Outcome::Fail => found.contains(&(row.rule.as_str(), row.subject.as_str())),
+            Outcome::Fail | Outcome::Explained => found.contains(&(row.rule.as_str(), row.subject.as_str())),
             _ => !known.contains(&key(row, &labels)),
         });
         Some((verdict, labels))

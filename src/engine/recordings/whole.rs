@@ -6,7 +6,7 @@ use crate::gate::Laid;
 use crate::run::{Grown, Recording, Run};
 use crate::source::{Derived, Source};
 use crate::verdict::waiver::plain_subject;
-use crate::verdict::{Label, Outcome, Row, Verdict};
+use crate::verdict::{Finding, Label, Outcome, Row, Verdict};
 
 use super::super::{Gate, Renumber};
 use super::{Drive, Room, put};
@@ -35,7 +35,7 @@ impl OfFiles {
         };
         let key = |rule: &str, subject: &str| (rule.to_owned(), subject.to_owned());
         let (mut of_files, mut of_drive) = (BTreeSet::new(), BTreeSet::new());
-        verdict.findings.retain_mut(|finding| {
+        let mut is_new = |finding: &mut Finding| {
             let known = key(&finding.rule, &finding.subject);
             if !finding.places.iter().all(is_file) {
                 of_drive.insert(known);
@@ -49,7 +49,9 @@ impl OfFiles {
                 finding.message.clone(),
                 finding.places.clone(),
             ))
-        });
+        };
+        verdict.findings.retain_mut(&mut is_new);
+        verdict.explained.retain_mut(&mut is_new);
         let mut rows = Vec::with_capacity(verdict.rows.len());
         for row in verdict.rows {
             let known = key(&row.rule, &row.subject);
@@ -129,7 +131,7 @@ impl<'a> Whole<'a> {
     pub(super) fn end(mut self, room: &Room) -> Run {
         let (rows, findings) = (self.run.verdict.rows.len(), self.run.verdict.findings.len());
         room.gate
-            .close(std::mem::take(&mut self.laid), &mut self.run, &room.setup.rules);
+            .close(std::mem::take(&mut self.laid), &mut self.run, &room.setup.choice.rules);
         self.tell(Vec::new(), rows, findings, None);
         self.run.verdict.sort();
         self.run

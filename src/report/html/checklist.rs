@@ -246,7 +246,7 @@ fn rank(outcome: Outcome) -> usize {
     match outcome {
         Outcome::Crashed => 0,
         Outcome::Fail => 1,
-        Outcome::Waived => 2,
+        Outcome::Explained | Outcome::Waived => 2,
         Outcome::Pass => 3,
         Outcome::NotEvaluated => 4,
     }

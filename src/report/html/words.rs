@@ -50,6 +50,7 @@ pub(super) fn outcome(outcome: Outcome) -> (&'static str, &'static str, &'static
         Outcome::Fail => ("fail", "✗", "failed"),
         Outcome::NotEvaluated => ("open", "–", "not evaluated"),
         Outcome::Waived => ("waived", "⊘", "waived"),
+        Outcome::Explained => ("waived", "→", "explained"),
         Outcome::Crashed => ("crashed", "!", "crashed"),
     }
 }

@@ -41,6 +41,9 @@ fn counts(run: &Run, summary: &Summary, style: Style) -> String {
     if summary.waived > 0 {
         parts.push(format!("{} waived", summary.waived));
     }
+    if summary.explained > 0 {
+        parts.push(format!("{} explained by others", summary.explained));
+    }
     if summary.crashed > 0 {
         parts.push(format!("{} crashed", summary.crashed));
     }

@@ -1,10 +1,12 @@
 //! AUTH03: latched transforms that no description and no calibration file states.
 
+use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 
 use serde::Deserialize;
 
-use crate::rules::{Judge, Need, Rule, names, tf};
+use crate::analysis::{names, tf};
+use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::tables::Tables;
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
@@ -12,12 +14,12 @@ use crate::world::bag::TfEdge;
 use crate::world::{BagEvidence, ClaimKind, FrameId, World};
 
 /// AUTH03.
-pub struct AdhocStaticTransform;
+pub(crate) struct AdhocStaticTransform;
 
 /// Limits of AUTH03.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     max_edges: f64,
 }
 
@@ -26,7 +28,7 @@ impl Rule for AdhocStaticTransform {
     const NEEDS: &'static [Need] = &[Need::Robot, Need::Tf];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let links = links(world);
         let stated = stated(world);
         for bag in &world.bags {

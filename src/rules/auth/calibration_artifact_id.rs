@@ -1,26 +1,17 @@
 //! AUTH02: which calibration and which description a recording was made with.
 
-use serde::Deserialize;
+use crate::analysis::Estimates;
+use crate::analysis::auth::revision::{Limits, is_recorded};
 
 use crate::rules::{Judge, Need, Rule};
-use crate::source::{Derived, Place};
+use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{BagEvidence, FrameId, Robot, World};
 
-use super::revision::{Differences, counterpart, differences};
+use crate::analysis::auth::revision::{Differences, counterpart, differences};
 
 /// AUTH02.
-pub struct CalibrationArtifactId;
-
-/// Limits of AUTH02.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    pub(super) shared_links: f64,
-    pub(super) same_m: f64,
-    pub(super) same_rad: f64,
-    max_differences: f64,
-}
+pub(crate) struct CalibrationArtifactId;
 
 /// Words of names and keys that say which calibration, or which vehicle.
 #[rustfmt::skip]
@@ -34,7 +25,7 @@ impl Rule for CalibrationArtifactId {
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for robot in world
             .robots
             .iter()
@@ -46,12 +37,6 @@ impl Rule for CalibrationArtifactId {
             judge_notes(world, bag, out);
         }
     }
-}
-
-/// Whether the robot was described in a recording.
-pub(super) fn is_recorded(world: &World, robot: &Robot) -> bool {
-    let source = world.source(robot.source);
-    source.is_some_and(|source| matches!(source.derived, Some(Derived::Message(_))))
 }
 
 fn judge_description(world: &World, recorded: &Robot, limits: &Limits, out: &mut Judge) {
@@ -74,7 +59,7 @@ fn judge_description(world: &World, recorded: &Robot, limits: &Limits, out: &mut
         if rigid == 0 {
             out.pass(subject, [measured]);
         } else {
-            let why = format!("{rigid} fixed joint(s) differ in their origin only; see CROSS01 and CROSS02");
+            let why = format!("{rigid} fixed joint(s) differ in their origin only: two statements of one mounting");
             out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         }
         return;

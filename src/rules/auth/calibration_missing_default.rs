@@ -1,19 +1,21 @@
 //! AUTH05: a calibration file is named but not there, or there but empty, and an identity stands in for it.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
-use crate::rules::{Judge, Need, Rule, names};
+use crate::analysis::names;
+use crate::rules::{Judge, Need, Rule};
 use crate::source::{Place, ReadStatus, Source, SourceKind};
 use crate::verdict::{Finding, Measured};
 use crate::world::{Claim, ClaimKind, FileReference, FrameId, ReferenceState, World};
 
 /// AUTH05.
-pub struct CalibrationMissingDefault;
+pub(crate) struct CalibrationMissingDefault;
 
 /// Limits of AUTH05.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     identity_deg: f64,
     identity_m: f64,
 }
@@ -29,7 +31,7 @@ impl Rule for CalibrationMissingDefault {
     const NEEDS: &'static [Need] = &[];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let stand_in = identity_mount(world, limits);
         for reference in &world.references {
             judge_reference(reference, stand_in, out);

@@ -1,5 +1,6 @@
 //! AUTH04: topics with orientations or velocities that the configuration leaves out.
 
+use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 
 use crate::rules::{Judge, Need, NoLimits, Rule};
@@ -9,7 +10,7 @@ use crate::world::bag::TopicEvidence;
 use crate::world::{BagEvidence, FrameId, World};
 
 /// AUTH04.
-pub struct ConventionUndeclared;
+pub(crate) struct ConventionUndeclared;
 
 /// Topics that are named in a finding.
 const NAMED: usize = 8;
@@ -19,7 +20,7 @@ impl Rule for ConventionUndeclared {
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         for bag in &world.bags {
             judge_bag(world, bag, out);
         }

@@ -1,5 +1,6 @@
 //! AUTH01: two programs publish one transform.
 
+use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 
 use serde::Deserialize;
@@ -8,17 +9,17 @@ use crate::math::stats::median;
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::BagEvidence;
 use crate::world::bag::TfEdge;
 use crate::world::content::Step;
-use crate::world::{BagEvidence, World};
 
 /// AUTH01.
-pub struct MultipleAuthorities;
+pub(crate) struct MultipleAuthorities;
 
 /// Limits of AUTH01.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     min_steps: u64,
     undone_count: u64,
     undone_share: f64,
@@ -33,7 +34,7 @@ impl Rule for MultipleAuthorities {
     const NEEDS: &'static [Need] = &[Need::Tf];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             for edge in &bag.tf {
                 judge_edge(bag, edge, limits, out);

@@ -1,30 +1,16 @@
 //! AXES13: the axes of a platform's own frame: x forward, y left, z up.
 
+use crate::analysis::Estimates;
+use crate::analysis::axes::bases::Limits;
 use nalgebra::Vector3;
-use serde::Deserialize;
 
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 
-use super::bases::{Axis, Base, Bases, Seen};
+use crate::analysis::axes::bases::{Axis, Base, Bases, Seen};
 
 /// AXES13.
-pub struct BaseFrameFlu;
-
-/// Limits of AXES13.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    pub(super) window_s: f64,
-    pub(super) max_step_s: f64,
-    pub(super) min_step_m: f64,
-    pub(super) max_turn_deg: f64,
-    pub(super) min_way_m: f64,
-    pub(super) min_windows: f64,
-    pub(super) min_concentration: f64,
-    pub(super) max_angle_deg: f64,
-}
+pub(crate) struct BaseFrameFlu;
 
 impl Rule for BaseFrameFlu {
     const PAGE: &'static str = include_str!("../../../rules/axes/base-frame-flu.md");
@@ -32,7 +18,7 @@ impl Rule for BaseFrameFlu {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for base in Bases::of(world).bags.iter().flatten() {
             let subject = format!("axes of `{}`, by {}", base.frame, base.stream);
             match &base.seen {
@@ -54,7 +40,7 @@ fn judge_seen(base: &Base, subject: String, seen: &Seen, limits: &Limits, out: &
     };
     let says = |word: &str| base.frame.has_token(word);
     if says("frd") || says("ned") {
-        let why = "its name says that its axes are others: NAME05";
+        let why = "its name says that its axes are others";
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
     if seen.is_turned() {
@@ -66,8 +52,7 @@ fn judge_seen(base: &Base, subject: String, seen: &Seen, limits: &Limits, out: &
     }
     if let Some((axis, sensor)) = seen.gravity.as_ref().filter(|(axis, _)| *axis != up) {
         let why = format!(
-            "{} points up by the pose, {} by gravity ({sensor}): the frame that the pose is told in (AXES14) or the sensor (AXES01) is \
-             turned",
+            "{} points up by the pose, {} by gravity ({sensor}): the frame that the pose is expressed in, or the sensor, is turned",
             up.word(),
             axis.word()
         );
@@ -82,7 +67,7 @@ fn judge_seen(base: &Base, subject: String, seen: &Seen, limits: &Limits, out: &
     }
     if let Some(sensor) = &seen.against {
         let why = format!(
-            "the pose turns against the gyro of {sensor}: all of the pose is told in NED/FRD, or the gyro is wrong (AXES05, QUAT01)"
+            "the pose turns against the gyro of {sensor}: all of the pose is expressed in NED/FRD, or the gyro is wrong"
         );
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
@@ -101,7 +86,7 @@ fn judge_seen(base: &Base, subject: String, seen: &Seen, limits: &Limits, out: &
         }
         Some(forward) => {
             let why = format!(
-                "by its pose it goes along {}, by its velocity it does not: AXES08 says which",
+                "by its pose it goes along {}, by its velocity it does not",
                 forward.word()
             );
             out.not_evaluated(subject, NotEvaluated::NotApplicable, why);

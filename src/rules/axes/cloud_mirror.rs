@@ -1,27 +1,28 @@
 //! AXES11: whether a cloud is a mirror image, by how it turns against a gyro.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
+use crate::analysis::hand_eye::HandEye;
+use crate::analysis::lidar::Clouds;
+use crate::analysis::motion::{Imu, Motion, mount::mount};
+use crate::analysis::scan_motion::{Moved, ScanMotion, Steps};
 use crate::math::regress::{Through, fit_huber};
-use crate::rules::hand_eye::HandEye;
-use crate::rules::lidar::Clouds;
-use crate::rules::motion::{Imu, Motion, mount};
-use crate::rules::scan_motion::{Moved, ScanMotion, Steps};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{FrameId, World};
 
-use super::rates::Integrals;
-use super::sensors::{Sensor, Sensors};
+use crate::analysis::axes::rates::Integrals;
+use crate::analysis::axes::sensors::{Sensor, Sensors};
 
 /// AXES11.
-pub struct CloudMirror;
+pub(crate) struct CloudMirror;
 
 /// Limits of AXES11.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     pair_s: f64,
     max_sigma_deg: f64,
     min_pairs: usize,
@@ -58,7 +59,7 @@ impl Rule for CloudMirror {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         Clouds::say_packets(world, "handedness", out);
         let (motion, sensors, scans) = (Motion::of(world), Sensors::of(world), ScanMotion::of(world));
         for clouds in Clouds::scanners(world) {
@@ -138,7 +139,7 @@ impl Beside {
     }
 
     /// For planar scanners, which robots have that have no gyro; the wheels may be mirrored themselves, so that it is a hint.
-    fn poses(world: &World, clouds: &Clouds, limits: &Limits) -> Option<Self> {
+    fn poses(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Option<Self> {
         clouds.laser?;
         let seconds = |moved: &Moved| moved.to.on(None) - moved.from.on(None);
         let known = HandEye::unchecked(world, clouds, |steps| {

@@ -1,27 +1,28 @@
 //! AXES09: where the ground is under a lidar, and whether it is level.
 
-use std::sync::Arc;
+use crate::analysis::Estimates;
+use std::rc::Rc;
 
 use nalgebra::{Isometry3, Vector3};
 use serde::Deserialize;
 
-use super::plots;
-use super::up_axis_flip::{self, UpAxisFlip};
+use crate::analysis::axes::plots;
+use crate::analysis::ground;
+use crate::analysis::ground::{Ground, Planes, SIDES};
+use crate::analysis::lidar::Clouds;
+use crate::analysis::motion::{Motion, mount::mount};
 use crate::math::stats::{mad, median};
-use crate::rules::ground::{self, Ground, Planes, SIDES};
-use crate::rules::lidar::Clouds;
-use crate::rules::motion::{Motion, mount};
-use crate::rules::{Evidence, Judge, Need, Rule, limits_of};
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Plot};
 use crate::world::{FrameId, World};
 
 /// AXES09.
-pub struct GroundZ;
+pub(crate) struct GroundZ;
 
 /// Limits of AXES09.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     max_off_m: f64,
     sigmas: f64,
     likely_off_m: f64,
@@ -61,9 +62,9 @@ impl Rule for GroundZ {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         Clouds::say_packets(world, "ground", out);
-        let Some(up) = limits_of::<UpAxisFlip>() else { return };
+        let up = world.limits::<crate::analysis::ground::Limits>();
         let (motion, planes) = (Motion::of(world), Planes::of(world));
         for clouds in Clouds::all(world) {
             let subject = clouds.subject("ground");
@@ -156,10 +157,10 @@ fn expected(world: &World, base: &FrameId) -> Option<f64> {
 }
 
 fn judge_over(
-    (motion, planes): (&Arc<Motion>, &Planes),
+    (motion, planes): (&Rc<Motion>, &Planes),
     clouds: &Clouds,
     over: &Over,
-    (limits, up): (&Limits, &up_axis_flip::Limits),
+    (limits, up): (&Limits, &crate::analysis::ground::Limits),
     out: &mut Judge,
 ) {
     let subject = clouds.subject("ground");
@@ -178,7 +179,7 @@ fn judge_over(
     let lean_deg = (over.mount.rotation * axis).angle(&Vector3::z()).to_degrees();
     if lean_deg > limits.max_lean_deg {
         let why = format!(
-            "the ground lies {lean_deg:.0} deg away from under `{}`: that is a turned axis (AXES10), and no height",
+            "the ground lies {lean_deg:.0} deg away from under `{}`: that is a turned axis, and no height",
             over.base
         );
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
@@ -288,7 +289,7 @@ fn applied_already(
     clouds: &Clouds,
     over: &Over,
     subject: &str,
-    (limits, up): (&Limits, &up_axis_flip::Limits),
+    (limits, up): (&Limits, &crate::analysis::ground::Limits),
 ) -> Option<Finding> {
     let told_m = over.sensor.z - over.expected_m?;
     if over.is_base || told_m < limits.min_height_m {

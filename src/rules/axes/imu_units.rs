@@ -1,24 +1,24 @@
 //! AXES02: the units of an inertial sensor.
 
+use crate::analysis::Estimates;
 use nalgebra::Vector3;
 use serde::Deserialize;
 
+use crate::analysis::motion::{Imu, Motion, Timed};
 use crate::math::readings::Reading;
 use crate::math::regress::bound_that_reaches_one;
 use crate::math::stats::median;
-use crate::rules::motion::{Imu, Motion, Timed};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 use crate::world::motion::InertialRow;
 
 /// AXES02.
-pub struct ImuUnits;
+pub(crate) struct ImuUnits;
 
 /// Limits of AXES02.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     min_s: f64,
     gravity: f64,
     gravity_share: f64,
@@ -41,7 +41,7 @@ impl Rule for ImuUnits {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &Motion::of(world).bags {
             for imu in &bag.imus {
                 judge_acceleration(imu, limits, out);

@@ -1,36 +1,15 @@
 //! AXES14: z of the frames that poses are told in points up.
 
-use serde::Deserialize;
+use crate::analysis::Estimates;
+use crate::analysis::axes::worlds::Limits;
 
-use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::rules::{Evidence, Judge, Need, Rule, codes};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
-use crate::world::World;
 
-use super::worlds::{Frame, Gravity, Heights, Worlds};
+use crate::analysis::axes::worlds::{Frame, Gravity, Heights, Worlds};
 
 /// AXES14.
-pub struct MapZUp;
-
-/// Limits of AXES14.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    pub(super) warning_deg: f64,
-    pub(super) error_deg: f64,
-    pub(super) min_s: f64,
-    pub(super) min_rows: u64,
-    pub(super) steady_s: f64,
-    pub(super) planar_deg: f64,
-    pub(super) max_step_s: f64,
-    pub(super) min_concentration: f64,
-    pub(super) gravity: f64,
-    pub(super) gravity_share: f64,
-    pub(super) min_rms_m: f64,
-    pub(super) sigmas: f64,
-    pub(super) min_points: usize,
-    pub(super) min_correlation: f64,
-    pub(super) max_slope: f64,
-}
+pub(crate) struct MapZUp;
 
 impl Rule for MapZUp {
     const PAGE: &'static str = include_str!("../../../rules/axes/map-z-up.md");
@@ -38,17 +17,8 @@ impl Rule for MapZUp {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for frame in Worlds::of(world).frames() {
-            if frame.name.has_token("ned") {
-                let subject = format!("z of `{}`", frame.name);
-                out.not_evaluated(
-                    subject,
-                    NotEvaluated::NotApplicable,
-                    "its name says that z points down: NAME04",
-                );
-                continue;
-            }
             let subject = |by: &str| format!("z of `{}`, by {by}", frame.name);
             let is_told = match &frame.gravity {
                 Ok(gravity) => judge_gravity(frame, subject("gravity"), gravity, limits, out),
@@ -58,11 +28,10 @@ impl Rule for MapZUp {
                 }
             };
             match &frame.heights {
-                Ok(_) if is_told => {
-                    let why = "part of what gravity says of this frame";
-                    out.not_evaluated(subject("altitude"), NotEvaluated::NotApplicable, why);
+                Ok(heights) => {
+                    let cause = is_told.then(|| subject("gravity"));
+                    judge_heights(frame, subject("altitude"), cause, heights, limits, out);
                 }
-                Ok(heights) => judge_heights(frame, subject("altitude"), heights, limits, out),
                 Err((why, reason)) => out.not_evaluated(subject("altitude"), *why, reason),
             }
         }
@@ -82,14 +51,6 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
     ];
     if degrees <= limits.warning_deg {
         out.pass(subject, measured);
-        return false;
-    }
-    if gravity.sensor_is_right == Some(false) {
-        let why = format!(
-            "gravity's up is {degrees:.0} deg from z, by {}, which AXES01 speaks of",
-            gravity.sensor
-        );
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         return false;
     }
     let is_small = degrees <= limits.error_deg;
@@ -115,7 +76,7 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
     // Of a sensor that is not on a base nobody else looks at the sign.
     let is_sure = !is_small && gravity.sensor_is_right == Some(true);
     let severity = if is_sure { Severity::Error } else { Severity::Warning };
-    let (relation, kind, help) = named(gravity, limits);
+    let (relation, kind, help) = named(frame, gravity, limits);
     let mut doubt = String::new();
     if !is_sure && !is_small {
         doubt = format!("; or the accelerometer of {} has the other sign", gravity.sensor);
@@ -133,17 +94,34 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
         .likely()
         .relation(relation)
         .help(help);
+    let mut finding = by_name(frame, finding);
+    if gravity.sensor_is_right == Some(false) {
+        finding = finding.unless_about(codes::AXES01, gravity.sensor.as_str());
+    }
     out.fail(measured.into_iter().fold(finding, Finding::measured));
     true
 }
 
+/// A finding on a frame whose name may promise other axes: then the rule of such names says it better.
+fn by_name(frame: &Frame, finding: Finding) -> Finding {
+    let finding = frame.told_in.tell(finding);
+    if frame.told_in.is_ned() {
+        finding.unless_about(codes::NAME04, format!("`{}`", frame.name))
+    } else {
+        finding
+    }
+}
+
 /// What a frame with this up may be: a word, words, and what to do.
-fn named(gravity: &Gravity, limits: &Limits) -> (&'static str, &'static str, &'static str) {
+fn named(frame: &Frame, gravity: &Gravity, limits: &Limits) -> (&'static str, &'static str, &'static str) {
     let near = |x: f64, y: f64, z: f64| {
         let cosine = gravity.up.x * x + gravity.up.y * y + gravity.up.z * z;
         cosine >= limits.error_deg.to_radians().cos()
     };
-    if near(0.0, 0.0, -1.0) {
+    if near(0.0, 0.0, -1.0) && frame.told_in.is_ned() {
+        let help = "the data have z up: call the frame by a name without `ned`, or convert its poses to NED";
+        ("z-up", " (z up, where north-east-down has it down)", help)
+    } else if near(0.0, 0.0, -1.0) {
         let help = "REP-103 wants z up: convert NED poses, `R_enu_flu = P * R_ned_frd * F` and (y, x, -z), or call the frame `_ned`";
         ("z-down", " (z down, as in NED)", help)
     } else if near(0.0, -1.0, 0.0) {
@@ -165,7 +143,14 @@ fn named(gravity: &Gravity, limits: &Limits) -> (&'static str, &'static str, &'s
     }
 }
 
-fn judge_heights(frame: &Frame, subject: String, heights: &Heights, limits: &Limits, out: &mut Judge) {
+fn judge_heights(
+    frame: &Frame,
+    subject: String,
+    cause: Option<String>,
+    heights: &Heights,
+    limits: &Limits,
+    out: &mut Judge,
+) {
     let measured = [
         Measured::new("change of z over that of the altitude", heights.slope, "1").samples(heights.points as u64),
         Measured::new("correlation", heights.correlation, "1").limit(limits.min_correlation),
@@ -182,5 +167,6 @@ fn judge_heights(frame: &Frame, subject: String, heights: &Heights, limits: &Lim
         .likely()
         .relation("z-down")
         .help("z points up (REP-103): negate z, or convert poses from NED, (y, x, -z)");
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    let finding = cause.into_iter().fold(finding, Finding::same_cause_as);
+    out.fail(measured.into_iter().fold(by_name(frame, finding), Finding::measured));
 }

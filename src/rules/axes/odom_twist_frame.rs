@@ -1,39 +1,20 @@
 //! AXES08: the velocity of odometry against the motion of its own pose.
 
-use serde::Deserialize;
+use crate::analysis::Estimates;
+use crate::analysis::axes::twist::Limits;
+use crate::analysis::axes::twist_frame::{SIDE_BETTER, has_twist};
 
+use crate::analysis::motion::{Motion, Stream};
+use crate::analysis::quat::level::is_reordered;
 use crate::math::regress::bound_that_reaches_one;
-use crate::rules::motion::{Motion, Stream};
-use crate::rules::quat::level_order::is_reordered;
-use crate::rules::{Evidence, Judge, Need, Rule, limits_of};
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 use crate::world::motion::PoseRow;
 
-use super::twist::{Reading, Twists};
+use crate::analysis::axes::twist::{Reading, Twists};
 
 /// AXES08.
-pub struct OdomTwistFrame;
-
-/// A residual with y negated that is less than this part of that as defined is smaller by more than rounding: of a platform that
-/// never goes aside the two are the same.
-const SIDE_BETTER: f64 = 0.95;
-
-/// Limits of AXES08.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    /// Length of the windows that the velocity is integrated over, seconds.
-    pub(super) window_s: f64,
-    /// Longest step between two messages inside a window, seconds.
-    pub(super) max_step_s: f64,
-    min_distance_m: f64,
-    max_residual: f64,
-    min_ratio: f64,
-    least_aside: f64,
-    min_turn_deg: f64,
-    turn_agrees: f64,
-}
+pub(crate) struct OdomTwistFrame;
 
 impl Rule for OdomTwistFrame {
     const PAGE: &'static str = include_str!("../../../rules/axes/odom-twist-frame.md");
@@ -41,12 +22,12 @@ impl Rule for OdomTwistFrame {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &Motion::of(world).bags {
             for stream in bag.poses.iter().filter(|stream| has_twist(stream)) {
-                if is_reordered(stream) {
+                if is_reordered(stream, &world.limits()) {
                     let subject = format!("velocity of {}", stream.subject);
-                    let why = "the orientation stands in the order w x y z, which QUAT02 reports";
+                    let why = "the orientation is level only when it is read as w x y z: its axes say nothing of the velocity";
                     out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
                     continue;
                 }
@@ -57,31 +38,13 @@ impl Rule for OdomTwistFrame {
                 } else {
                     judge_linear(stream, &twists, limits, out);
                 }
-                if pose.is_some_and(|(best, _)| best.0 == Reading::Inverse) {
-                    let subject = format!("turning velocity of {}", stream.subject);
-                    let why = "the pose turns against the yaw rate: part of what AXES08 reports of its orientation";
-                    out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-                } else {
-                    judge_turning(stream, &twists, limits, out);
-                }
+                // An inverse orientation turns against its yaw rate as well.
+                let is_inverse = pose.is_some_and(|(best, _)| best.0 == Reading::Inverse);
+                let cause = is_inverse.then(|| format!("velocity of {}", stream.subject));
+                judge_turning(stream, &twists, cause, limits, out);
             }
         }
     }
-}
-
-/// Whether the velocity is told in the header's frame, by the limits of this rule's page.
-pub(crate) fn is_in_world(stream: &Stream<PoseRow>) -> bool {
-    limits_of::<OdomTwistFrame>().is_some_and(|limits| {
-        let twists = Twists::of(stream, &limits);
-        let told = twists.told(limits.least_aside);
-        let best = told.first();
-        twists.distance_m >= limits.min_distance_m
-            && best.is_some_and(|best| best.0 == Reading::World && best.1 <= limits.max_residual)
-    })
-}
-
-fn has_twist(stream: &Stream<PoseRow>) -> bool {
-    stream.rows().any(|timed| timed.row.twist.is_some())
 }
 
 /// The reading of a wrong pose that explains what no reading of the velocity does, and the next one.
@@ -233,7 +196,7 @@ fn confirms_orientation(twists: &Twists, limits: &Limits) -> bool {
         && inverse >= limits.min_ratio * as_defined.max(limits.max_residual / 10.0)
 }
 
-fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out: &mut Judge) {
+fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, cause: Option<String>, limits: &Limits, out: &mut Judge) {
     let (turning, is_confirmed) = (&twists.turning, confirms_orientation(twists, limits));
     let subject = format!("turning velocity of {}", stream.subject);
     let turned_deg = turning.turned_rad.to_degrees();
@@ -289,21 +252,13 @@ fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out
             "the yaw rate on {} {words}: {:.2} times what its own pose turns",
             stream.topic, turning.slope
         );
-        out.fail(
-            stream
-                .told_in
-                .tell(Finding::error(&subject, message, stream.place()))
-                .likely()
-                .help(help)
-                .measured(measured.limit(limits.turn_agrees))
-                .measured(Measured::new("turned", turned_deg, "deg")),
-        );
-    }
-}
-
-impl Limits {
-    /// Correlation below which a yaw rate is another thing than the turning of the pose.
-    fn max_correlation(&self) -> f64 {
-        1.0 - self.max_residual
+        let finding = stream
+            .told_in
+            .tell(Finding::error(&subject, message, stream.place()))
+            .likely()
+            .help(help)
+            .measured(measured.limit(limits.turn_agrees))
+            .measured(Measured::new("turned", turned_deg, "deg"));
+        out.fail(cause.into_iter().fold(finding, Finding::same_cause_as));
     }
 }

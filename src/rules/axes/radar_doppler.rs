@@ -1,28 +1,28 @@
 //! AXES15: a radar's range rates against the motion of its platform: their sign, the yaw of its mounting, and whether the motion has
 //! been taken out of them already.
 
+use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 use serde::Deserialize;
 
+use crate::analysis::radar::{Radar, Scan, Wanted, Way, found_again, scans};
 use crate::math::circular::{circular_mean, difference, wrapped};
 use crate::math::doppler::Near;
 use crate::math::stats::median;
-use crate::rules::radar::{Radar, Scan, Wanted, Way, found_again, scans};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::source::Confidence;
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 use crate::world::radar::{RadarForm, SpeedForm};
 
 /// AXES15.
-pub struct RadarDoppler;
+pub(crate) struct RadarDoppler;
 
 /// Limits of AXES15.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     min_speed_m_s: f64,
     min_detections: usize,
     min_scans: usize,
@@ -80,7 +80,7 @@ impl Rule for RadarDoppler {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for radar in Radar::all(world) {
             if let Err((reason, why)) = judge_radar(world, &radar, limits, out) {
                 out.not_evaluated(subject(&radar), reason, why);
@@ -93,7 +93,7 @@ fn subject(radar: &Radar) -> String {
     format!("range rates of {}", radar.said.subject())
 }
 
-fn judge_radar(world: &World, radar: &Radar, limits: &Limits, out: &mut Judge) -> Result<(), Why> {
+fn judge_radar(world: &Estimates, radar: &Radar, limits: &Limits, out: &mut Judge) -> Result<(), Why> {
     let evidence = radar.evidence;
     if evidence.speeds == SpeedForm::Components && evidence.sideways == 0 {
         let why = format!(

@@ -1,82 +1,24 @@
 //! AXES10: a cloud whose ground is not where z says that down is.
 
-use std::sync::Arc;
+use crate::analysis::Estimates;
+use crate::analysis::ground::Limits;
+use std::rc::Rc;
 
 use nalgebra::Vector3;
-use serde::Deserialize;
 
+use crate::analysis::ground;
+use crate::analysis::ground::{Ground, Planes, SIDES};
+use crate::analysis::lidar::Clouds;
+use crate::analysis::motion::{Motion, mount::mount};
 use crate::math::stats::median;
 use crate::math::support::open_above;
-use crate::rules::ground::{self, Ground, IsGround, Planes, SIDES};
-use crate::rules::lidar::Clouds;
-use crate::rules::motion::{Motion, mount};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, SeenPlane};
 use crate::world::cloud::CloudSample;
 use crate::world::{FrameId, World};
 
 /// AXES10.
-pub struct UpAxisFlip;
-
-/// Limits of AXES10.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    min_clouds: usize,
-    min_agreement: f64,
-    min_score: f64,
-    min_ratio: f64,
-    max_below: f64,
-    min_on: f64,
-    min_above: f64,
-    min_around: f64,
-    min_far: f64,
-    narrow: usize,
-    narrow_on: f64,
-    narrow_score: f64,
-    max_at_horizon: f64,
-    least_m: f64,
-    max_off_deg: f64,
-    ceiling_cells: f64,
-    min_open: f64,
-    top_deg: f64,
-    min_top_deg: f64,
-    min_gravity: f64,
-}
-
-impl Limits {
-    /// What a ground is.
-    pub(crate) fn is_ground(&self) -> IsGround {
-        IsGround {
-            min_on: self.min_on,
-            min_above: self.min_above,
-            min_around: self.min_around,
-            min_far: self.min_far,
-            narrow: self.narrow,
-            narrow_on: self.narrow_on,
-            narrow_score: self.narrow_score,
-            max_below: self.max_below,
-            max_at_horizon: self.max_at_horizon,
-            least_m: self.least_m,
-            min_score: self.min_score,
-            min_ratio: self.min_ratio,
-        }
-    }
-
-    /// The side that enough of the clouds agree on; else why there is none.
-    pub(crate) fn agreed(&self, clouds: &Clouds, grounds: &[Ground]) -> Result<usize, String> {
-        let (side, count) = ground::most(grounds).unwrap_or_default();
-        if count >= self.min_clouds && count as f64 >= self.min_agreement * grounds.len() as f64 {
-            return Ok(side);
-        }
-        Err(format!(
-            "{} of {} sampled clouds show a ground, {count} of them on one side; {} are needed",
-            grounds.len(),
-            clouds.evidence.samples.len(),
-            self.min_clouds
-        ))
-    }
-}
+pub(crate) struct UpAxisFlip;
 
 impl Rule for UpAxisFlip {
     const PAGE: &'static str = include_str!("../../../rules/axes/up-axis-flip.md");
@@ -84,7 +26,7 @@ impl Rule for UpAxisFlip {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         Clouds::say_packets(world, "up", out);
         let (motion, planes) = (Motion::of(world), Planes::of(world));
         for clouds in Clouds::all(world) {
@@ -125,7 +67,7 @@ fn seen(world: &World, clouds: &Clouds, grounds: &[(usize, Ground)], side: usize
 
 fn judge_side(
     world: &World,
-    motion: &Arc<Motion>,
+    motion: &Rc<Motion>,
     clouds: &Clouds,
     (side, grounds): (usize, &[Ground]),
     limits: &Limits,

@@ -1,6 +1,7 @@
 //! CAMERA09: what is declared of grids seen from above and of panoramas, against itself, and against their messages.
 
-use serde::Deserialize;
+use crate::analysis::Estimates;
+use crate::analysis::camera::grids::Limits;
 
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
@@ -9,30 +10,19 @@ use crate::world::bag::TopicEvidence;
 use crate::world::projection::{Form, Grid, GridAt, Panorama, Projection, Sense};
 use crate::world::{BagEvidence, World};
 
-use super::declared::{is_about, name};
-use super::fault::Fault;
-use super::grids;
+use crate::analysis::camera::declared::{is_about, name};
+use crate::analysis::camera::fault::Fault;
+use crate::analysis::camera::grids;
 
 /// CAMERA09.
-pub struct BevPanoramaMetadata;
-
-/// Limits of CAMERA09.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    pub(super) max_resolution_m: f64,
-    pub(super) same: f64,
-    pub(super) max_norm: f64,
-    pub(super) max_tilt_deg: f64,
-    pub(super) max_pixels: u32,
-}
+pub(crate) struct BevPanoramaMetadata;
 
 impl Rule for BevPanoramaMetadata {
     const PAGE: &'static str = include_str!("../../../rules/camera/bev-panorama-metadata.md");
     const NEEDS: &'static [Need] = &[];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             for topic in bag.topics.values() {
                 for grid in topic.content.grids.iter().flat_map(|grids| &grids.grids) {

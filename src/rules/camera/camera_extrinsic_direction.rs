@@ -1,20 +1,22 @@
 //! CAMERA06: which of its two readings a camera's extrinsics in a file have, by the transforms of the robot.
 
+use crate::analysis::Estimates;
 use nalgebra::Isometry3;
 use serde::Deserialize;
 
-use crate::rules::{Judge, Need, Rule, names};
+use crate::analysis::names;
+use crate::rules::{Judge, Need, Rule};
 use crate::source::Confidence;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{Claim, ClaimKind, FrameId, World};
 
 /// CAMERA06.
-pub struct CameraExtrinsicDirection;
+pub(crate) struct CameraExtrinsicDirection;
 
 /// Limits of CAMERA06.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     off_m: f64,
     off_deg: f64,
     away_m: f64,
@@ -53,7 +55,7 @@ impl Rule for CameraExtrinsicDirection {
     const NEEDS: &'static [Need] = &[Need::Calibration];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for claim in &world.claims {
             let ClaimKind::File { .. } = claim.kind else { continue };
             if !(claim.has_rotation && claim.has_translation) {
@@ -142,7 +144,7 @@ fn judge_claim(
     let is_named = claim.frames.is_some();
     let graph = world.graph();
     if is_named && graph.chain(target, source, |edge| edge.is_rigid).is_some() {
-        let why = "both names are the robot's own frames: CROSS01 and CROSS02 compare them";
+        let why = "both names are the robot's own frames: their transforms are compared as stated";
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
     let (of_target, of_source) = match (meant(world, target), meant(world, source)) {

@@ -1,21 +1,21 @@
 //! CAMERA03: a distortion that is not that of its model, or folds within the image.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
 use crate::math::distortion::{Radial, Reach};
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 
-use super::Published;
+use crate::analysis::camera::published::Published;
 
 /// CAMERA03.
-pub struct CameraInfoDistortion;
+pub(crate) struct CameraInfoDistortion;
 
 /// Limits of CAMERA03.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     tangential: f64,
     least_reach: f64,
     wide_deg: f64,
@@ -26,7 +26,7 @@ impl Rule for CameraInfoDistortion {
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for published in Published::all(world) {
             let subject = format!("distortion of {}", published.subject());
             if published.is_usable(&subject, out) {

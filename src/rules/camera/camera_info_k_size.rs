@@ -1,5 +1,6 @@
 //! CAMERA02: intrinsics that do not fit the image.
 
+use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
@@ -7,18 +8,18 @@ use serde::Deserialize;
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::BagEvidence;
 use crate::world::camera::ImageForm;
-use crate::world::{BagEvidence, World};
 
-use super::Published;
+use crate::analysis::camera::published::Published;
 
 /// CAMERA02.
-pub struct CameraInfoKSize;
+pub(crate) struct CameraInfoKSize;
 
 /// Limits of CAMERA02.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     exact: f64,
     aspect: f64,
     least_centre: f64,
@@ -33,7 +34,7 @@ impl Rule for CameraInfoKSize {
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let spaces: Vec<BTreeMap<&str, Space>> = world.bags.iter().map(spaces).collect();
         for published in Published::all(world) {
             judge_k(&published, limits, out);
@@ -68,7 +69,7 @@ fn spaces(bag: &BagEvidence) -> BTreeMap<&str, Space<'_>> {
     let mut spaces: BTreeMap<&str, Space> = BTreeMap::new();
     for topic in bag.topics.values() {
         let forms = topic.content.images.iter().flat_map(|images| &images.forms);
-        let namespace = super::namespace(&topic.topic);
+        let namespace = crate::analysis::camera::published::namespace(&topic.topic);
         let space = spaces.entry(namespace).or_default();
         space.calibrations += usize::from(topic.content.calibrations.is_some());
         space.images.extend(forms.map(|form| (topic.topic.as_str(), form)));

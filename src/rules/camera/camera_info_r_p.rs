@@ -1,22 +1,22 @@
 //! CAMERA04: a rectification that is no rotation, or a projection that does not fit the camera.
 
+use crate::analysis::Estimates;
 use nalgebra::Matrix3;
 use serde::Deserialize;
 
 use crate::math::rotation::orthogonality_error;
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 
-use super::Published;
+use crate::analysis::camera::published::Published;
 
 /// CAMERA04.
-pub struct CameraInfoRP;
+pub(crate) struct CameraInfoRP;
 
 /// Limits of CAMERA04.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     orthonormal: f64,
     exact: f64,
     least_zoom: f64,
@@ -28,7 +28,7 @@ impl Rule for CameraInfoRP {
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for published in Published::all(world) {
             let subject = format!("rectification of {}", published.subject());
             if published.is_usable(&subject, out) {

@@ -1,82 +1,19 @@
 //! CAMERA05: whether a camera looks at what the lidar sees, and the right way up.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
+use crate::analysis::Estimates;
+use crate::analysis::camera::in_view::{Views, cameras};
+use crate::analysis::camera::looks::Limits;
 
-use serde::Deserialize;
-
-use crate::rules::ground::Planes;
-use crate::rules::{Evidence, Judge, Need, Rule, limits_of, places};
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured};
 use crate::world::{FrameId, World};
 
-use super::Published;
-use super::looks::{Fault, Shown, Why, look};
-use super::views::Attitude;
+use crate::analysis::camera::looks::{Fault, Shown};
+use crate::analysis::camera::published::Published;
+use crate::analysis::camera::views::Attitude;
 
 /// CAMERA05.
-pub struct LidarInView;
-
-/// Limits of CAMERA05.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    pub(super) min_clouds: usize,
-    pub(super) near_m: f64,
-    pub(super) far_m: f64,
-    pub(super) min_points: usize,
-    pub(super) min_most: f64,
-    pub(super) blind: f64,
-    pub(super) seeing: f64,
-    pub(super) max_pitch_deg: f64,
-    pub(super) max_roll_deg: f64,
-    pub(super) mended_roll_deg: f64,
-    pub(super) mended_pitch_deg: f64,
-    pub(super) max_lean_deg: f64,
-    pub(super) max_away_m: f64,
-    pub(super) under_m: f64,
-    pub(super) ahead_deg: f64,
-}
-
-/// What lidars show of every camera of a world: by recording and frame.
-pub(super) struct Views(BTreeMap<(usize, FrameId), Result<Shown, Why>>);
-
-impl Views {
-    /// Worked out once.
-    fn of(world: &World) -> Arc<Self> {
-        // What it rests on is made first: a derivation must not ask for another.
-        let planes = Planes::of(world);
-        world.derived(|world| {
-            let limits = limits_of::<LidarInView>();
-            let views = cameras(world).into_iter().filter_map(|(key, camera)| {
-                let shown = look(world, &planes, &camera, &key.1, limits.as_ref()?);
-                Some((key, shown))
-            });
-            Self(views.collect())
-        })
-    }
-}
-
-/// Whether this rule has a finding on a camera's frame.
-pub(super) fn reports(world: &World, frame: &FrameId) -> bool {
-    let views = Views::of(world);
-    let of_frame = |(key, shown): (&(usize, FrameId), &Result<Shown, Why>)| {
-        key.1 == *frame && shown.as_ref().is_ok_and(|shown| matches!(shown.judged, Ok(Some(_))))
-    };
-    views.0.iter().any(of_frame)
-}
-
-/// The first calibration of every camera's frame.
-fn cameras(world: &World) -> BTreeMap<(usize, FrameId), Published<'_>> {
-    let mut cameras = BTreeMap::new();
-    for published in Published::all(world) {
-        let index = world.bags.iter().position(|bag| bag.source == published.bag.source);
-        if let (Some(index), Some(frame)) = (index, published.frame()) {
-            cameras.entry((index, frame)).or_insert(published);
-        }
-    }
-    cameras
-}
+pub(crate) struct LidarInView;
 
 impl Rule for LidarInView {
     const PAGE: &'static str = include_str!("../../../rules/camera/lidar-in-view.md");
@@ -84,7 +21,7 @@ impl Rule for LidarInView {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let views = Views::of(world);
         for (key, camera) in cameras(world) {
             let subject = format!("what lidars show of `{}` in {}", key.1, world.path(camera.bag.source));
@@ -128,7 +65,7 @@ fn judge_shown(
     let edge = world
         .graph()
         .edges_to(frame)
-        .find_map(|edge| places::of_numbers(world, edge));
+        .find_map(|edge| crate::analysis::places::of_numbers(world, edge));
     let place = edge.unwrap_or_else(|| camera.place());
     let (topic, base) = (&shown.topic, &shown.base);
     let finding = match fault {

@@ -1,23 +1,24 @@
 //! CAMERA01: where cameras look, and which way up, by their optical frames.
 
+use crate::analysis::Estimates;
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use crate::rules::motion::mount;
-use crate::rules::name::optical_suffix;
-use crate::rules::{Judge, Need, Rule, names, places};
+use crate::analysis::motion::mount::mount;
+use crate::analysis::names;
+use crate::rules::{Judge, Need, Rule, codes};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::{FrameId, World};
+use crate::world::FrameId;
 
-use super::{VERTICAL, Ways, lidar_in_view, looks_against_its_name};
+use crate::analysis::camera::published::{VERTICAL, Ways, looks_against_its_name};
 
 /// CAMERA01.
-pub struct OpticalRotation;
+pub(crate) struct OpticalRotation;
 
 /// Limits of CAMERA01.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     max_pitch_deg: f64,
     min_down: f64,
 }
@@ -27,7 +28,7 @@ impl Rule for OpticalRotation {
     const NEEDS: &'static [Need] = &[Need::RobotOrTf];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for frame in &world.graph().frames {
             if names::optical_stem(frame).is_some() {
                 judge_frame(world, frame, limits, out);
@@ -36,16 +37,8 @@ impl Rule for OpticalRotation {
     }
 }
 
-fn judge_frame(world: &World, frame: &FrameId, limits: &Limits, out: &mut Judge) {
+fn judge_frame(world: &Estimates, frame: &FrameId, limits: &Limits, out: &mut Judge) {
     let subject = format!("view of `{frame}`");
-    if optical_suffix::reports(world, frame) {
-        let why = "its axes are not the optical ones of its camera, as NAME06 reports";
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-    }
-    if lidar_in_view::reports(world, frame) {
-        let why = "CAMERA05 reports what is wrong with it, by what a lidar sees";
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-    }
     let Some(mount) = mount(world, frame) else {
         let why = "no rigid chain of transforms leads to a base";
         return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
@@ -60,10 +53,16 @@ fn judge_frame(world: &World, frame: &FrameId, limits: &Limits, out: &mut Judge)
     let Some(place) = world
         .graph()
         .edges_to(frame)
-        .find_map(|edge| places::of_numbers(world, edge))
-        .or_else(|| places::first(world, frame))
+        .find_map(|edge| crate::analysis::places::of_numbers(world, edge))
+        .or_else(|| crate::analysis::places::first(world, frame))
     else {
         return;
+    };
+    // Axes that are not the optical ones, and what a lidar sees of the camera, say it better.
+    let better = |finding: Finding| {
+        let about = format!("`{frame}`");
+        let finding = finding.unless_about(codes::NAME06, about.as_str());
+        finding.unless_about(codes::CAMERA05, about)
     };
     if pitch_deg.abs() > limits.max_pitch_deg {
         if names::has_word(frame, VERTICAL) {
@@ -81,7 +80,7 @@ fn judge_frame(world: &World, frame: &FrameId, limits: &Limits, out: &mut Judge)
             .likely()
             .relation(if pitch_deg > 0.0 { "looks-up" } else { "looks-down" })
             .help("an optical frame has z forward, x right, y down (REP-103); say `up` or `down` in the name of a camera that looks there");
-        return out.fail(measured.into_iter().fold(finding, Finding::measured));
+        return out.fail(better(measured.into_iter().fold(finding, Finding::measured)));
     }
     if down < -limits.min_down {
         let message = format!(
@@ -92,7 +91,7 @@ fn judge_frame(world: &World, frame: &FrameId, limits: &Limits, out: &mut Judge)
             .hint()
             .relation("upside-down")
             .help("right for a camera that hangs on its head and whose images are not turned; else turn the frame by 180 deg about its z");
-        return out.fail(measured.into_iter().fold(finding, Finding::measured));
+        return out.fail(better(measured.into_iter().fold(finding, Finding::measured)));
     }
     let looks = turned * Vector3::z();
     if looks_against_its_name(frame, &looks) == Ways::Against {
@@ -106,7 +105,7 @@ fn judge_frame(world: &World, frame: &FrameId, limits: &Limits, out: &mut Judge)
             .likely()
             .relation("reversed")
             .help("z is the direction of view (REP-103): RPY(-pi/2, 0, -pi/2) from a link with x forward, not RPY(-pi/2, 0, pi/2)");
-        return out.fail(measured.into_iter().fold(finding, Finding::measured));
+        return out.fail(better(measured.into_iter().fold(finding, Finding::measured)));
     }
     out.pass(subject, measured);
 }

@@ -1,37 +1,24 @@
 //! CAMERA08: declared range images against the clouds that they are made of.
 
-use serde::Deserialize;
+use crate::analysis::Estimates;
+use crate::analysis::camera::range_images::Limits;
 
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, NotEvaluated};
-use crate::world::World;
 use crate::world::projection::{Form, Projection, RangeImage};
 
-use super::declared::name;
-use super::range_images::{against, alone, beams, clouds};
+use crate::analysis::camera::declared::name;
+use crate::analysis::camera::range_images::{against, alone, beams, clouds};
 
 /// CAMERA08.
-pub struct RangeImageConfig;
-
-/// Limits of CAMERA08.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    pub(super) near_m: f64,
-    pub(super) min_points: usize,
-    pub(super) max_off_deg: f64,
-    pub(super) max_outside: f64,
-    pub(super) quantile: f64,
-    pub(super) min_resultant: f64,
-    pub(super) max_beam_mm: f64,
-}
+pub(crate) struct RangeImageConfig;
 
 impl Rule for RangeImageConfig {
     const PAGE: &'static str = include_str!("../../../rules/camera/range-image-config.md");
     const NEEDS: &'static [Need] = &[];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let declared: Vec<(&Projection, &RangeImage)> = world
             .projections()
             .filter_map(|projection| match &projection.form {

@@ -1,5 +1,6 @@
 //! CAMERA07: a stereo pair whose baseline is another in TF than in its calibration.
 
+use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
@@ -9,15 +10,15 @@ use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
 use crate::world::camera::Calibration;
 
-use super::Published;
+use crate::analysis::camera::published::Published;
 
 /// CAMERA07.
-pub struct StereoBaseline;
+pub(crate) struct StereoBaseline;
 
 /// Limits of CAMERA07.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     warning: f64,
     error: f64,
     least_m: f64,
@@ -32,7 +33,7 @@ impl Rule for StereoBaseline {
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let all: Vec<Published> = Published::all(world)
             .filter(|published| !published.is_uncalibrated())
             .collect();

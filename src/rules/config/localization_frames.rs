@@ -1,22 +1,22 @@
 //! CONFIG03: frames of `robot_localization` that its filters refuse, or with which they publish nothing.
 
+use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
 use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::source::{Place, SourceId};
 use crate::verdict::{Finding, Measured};
-use crate::world::World;
 use crate::world::launch::LocalizationSettings;
 
 /// CONFIG03.
-pub struct LocalizationFrames;
+pub(crate) struct LocalizationFrames;
 
 impl Rule for LocalizationFrames {
     const PAGE: &'static str = include_str!("../../../rules/config/localization-frames.md");
     const NEEDS: &'static [Need] = &[];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         let mut publishers: BTreeMap<(SourceId, String, String), (&str, Place)> = BTreeMap::new();
         for settings in &world.localizations {
             let Some(frames) = Frames::of(settings) else { continue };

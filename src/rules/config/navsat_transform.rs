@@ -1,21 +1,22 @@
 //! CONFIG02: headings of `navsat_transform_node` in degrees, or with the sign of the declination the wrong way round.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
 use crate::math::magnetism::declination_deg;
-use crate::rules::{Judge, Need, Rule, geo};
+use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 use crate::world::launch::LocalizationSettings;
 
 /// CONFIG02.
-pub struct NavsatTransform;
+pub(crate) struct NavsatTransform;
 
 /// Limits of CONFIG02.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     max_declination_rad: f64,
     least_deg: f64,
     agree_deg: f64,
@@ -31,7 +32,7 @@ impl Rule for NavsatTransform {
     const NEEDS: &'static [Need] = &[];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for settings in &world.localizations {
             let first = [DECLINATION, OFFSET, "datum"]
                 .iter()
@@ -104,7 +105,7 @@ fn judge_offset(settings: &LocalizationSettings, of: &str, limits: &Limits, out:
         let finding = Finding::warning(subject, message, place.clone()).hint();
         out.fail(
             finding
-                .help("write 1.5707963, or correct the driver's convention (AXES04 measures it)")
+                .help("write 1.5707963, or correct the driver's convention")
                 .measured(measured),
         );
     } else {
@@ -185,5 +186,5 @@ fn position(world: &World, settings: &LocalizationSettings) -> Option<((f64, f64
     };
     datum
         .or_else(origin)
-        .or_else(|| geo::some_position(world).map(|position| (position, None)))
+        .or_else(|| crate::analysis::geo::fixes::some_position(world).map(|position| (position, None)))
 }

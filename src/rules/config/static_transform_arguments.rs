@@ -1,20 +1,22 @@
 //! CONFIG01: arguments that `static_transform_publisher` refuses, or reads as something else than was meant.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
-use crate::rules::{Judge, Need, Rule, names};
+use crate::analysis::names;
+use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::launch::{ArgumentForm, StaticPublisher, Unread};
 use crate::world::{Claim, Spelling, World};
 
 /// CONFIG01.
-pub struct StaticTransformArguments;
+pub(crate) struct StaticTransformArguments;
 
 /// Limits of CONFIG01.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     quarter_deg: f64,
     zero_deg: f64,
     unit: f64,
@@ -28,7 +30,7 @@ impl Rule for StaticTransformArguments {
     const NEEDS: &'static [Need] = &[];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for publisher in &world.publishers {
             let subject = format!(
                 "arguments of `{}` of {}",

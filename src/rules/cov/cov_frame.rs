@@ -1,36 +1,21 @@
 //! COV04: covariances that are told in other axes than the message says.
 
-use serde::Deserialize;
+mod pairs;
 
-use crate::rules::axes::odom_twist_frame::is_in_world;
-use crate::rules::motion::Stream;
-use crate::rules::{Evidence, Judge, Need, Rule};
+mod limits;
+use crate::analysis::Estimates;
+use crate::rules::cov::cov_frame::limits::Limits;
+
+use crate::analysis::motion::Stream;
+use crate::rules::{Evidence, Judge, Need, Rule, codes};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 use crate::world::motion::PoseRow;
 
-use super::declared::{Axes, Declared, each};
-use super::noise::Noise;
+use crate::analysis::cov::declared::{Axes, Declared, each};
+use crate::analysis::cov::noise::Noise;
 
 /// COV04.
-pub struct CovFrame;
-
-/// Limits of COV04.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    min_matrices: f64,
-    pub(super) min_stretch: f64,
-    min_spread: f64,
-    along: f64,
-    across: f64,
-    min_poses: f64,
-    scale: f64,
-    round: f64,
-    pub(super) min_turn_deg: f64,
-    pub(super) same_share: f64,
-    pub(super) rigid_share: f64,
-}
+pub(crate) struct CovFrame;
 
 impl Rule for CovFrame {
     const PAGE: &'static str = include_str!("../../../rules/cov/cov-frame.md");
@@ -38,14 +23,14 @@ impl Rule for CovFrame {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         each(world, "pose.covariance", |_, stream, declared| {
             judge_pose(stream, declared, limits, out);
         });
         each(world, "twist.covariance", |_, stream, declared| {
             judge_twist(stream, declared, limits, out);
         });
-        super::cov_frame_pairs::judge(world, limits, out);
+        crate::rules::cov::cov_frame::pairs::judge(world, limits, out);
     }
 }
 
@@ -109,16 +94,12 @@ fn judge_twist(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
         );
         return out.not_evaluated(subject, little, why);
     }
-    if is_in_world(stream) {
-        let why = "the velocity itself is told in the axes of the world, which AXES08 reports";
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-    }
     let message = format!(
         "`twist.covariance` on `{}` turns with the yaw (constancy of its longer axis {:.2} less the yaw, {:.2} as told): it is in the \
          axes of the world, and the velocity is in those of the child frame",
         stream.topic, axes.less_yaw, axes.constant
     );
-    let finding = Finding::warning(subject, message, stream.place()).likely().relation("in-world").help(
+    let finding = Finding::warning(subject, message, stream.place()).likely().relation("in-world").unless(codes::AXES08).help(
         "publish it in the child frame: `C_body = R^T C_world R`, with `R` the orientation of the pose, for both blocks of three",
     );
     out.fail(measured.into_iter().fold(finding, Finding::measured));

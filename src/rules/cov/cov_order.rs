@@ -1,25 +1,25 @@
 //! COV02: the rotations of a covariance stand before its positions.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
+use crate::analysis::motion::Stream;
 use crate::math::level::tilt;
 use crate::math::readings::Reading as Slots;
-use crate::rules::motion::Stream;
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 use crate::world::motion::PoseRow;
 
-use super::declared::{Declared, each};
-use super::fit::{Fit, Reading};
+use crate::analysis::cov::declared::{Declared, each};
+use crate::analysis::cov::fit::{Fit, Reading};
 
 /// COV02.
-pub struct CovOrder;
+pub(crate) struct CovOrder;
 
 /// Limits of COV02.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     min_poses: f64,
     fits: f64,
     loosely: f64,
@@ -34,7 +34,7 @@ impl Rule for CovOrder {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         each(world, "pose.covariance", |_, stream, declared| {
             judge_stream(stream, declared, limits, out);
         });
@@ -75,7 +75,7 @@ fn judge_stream(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limi
                 "the variances miss the noise of the poses by a factor of {told:.1e} as told, and by {swapped:.1e} with rotations first: \
                  they speak of other errors than those from pose to pose"
             ),
-            Some(_) => "another unit explains it: see COV05".to_owned(),
+            Some(_) => "another unit explains it".to_owned(),
         };
         return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
     }

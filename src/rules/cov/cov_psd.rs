@@ -1,21 +1,22 @@
 //! COV01: covariances that are none: not finite, not symmetric, with a negative variance, or never filled.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::BagEvidence;
 use crate::world::bag::TopicEvidence;
 use crate::world::content::{CovarianceAt, CovarianceEvidence};
-use crate::world::{BagEvidence, World};
 
 /// COV01.
-pub struct CovPsd;
+pub(crate) struct CovPsd;
 
 /// Limits of COV01.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     asymmetry: f64,
     negative: f64,
     gross: f64,
@@ -28,7 +29,7 @@ impl Rule for CovPsd {
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             for said in bag.topics.values().flat_map(TopicEvidence::said) {
                 // What is guessed from plain fields has the covariances alone that are among them.

@@ -1,27 +1,27 @@
 //! COV05: covariances in other units than m² and rad².
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
+use crate::analysis::motion::Stream;
 use crate::math::noise::DEG2_PER_RAD2;
-use crate::rules::motion::Stream;
-use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::rules::{Evidence, Judge, Need, Rule, codes};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 use crate::world::bag::TopicEvidence;
 use crate::world::content::CovarianceEvidence;
 use crate::world::motion::PoseRow;
 
-use super::declared::{Declared, each};
-use super::fit::{Fit, Reading};
+use crate::analysis::cov::declared::{Declared, each};
+use crate::analysis::cov::fit::{Fit, Reading};
 
 /// COV05.
-pub struct CovUnits;
+pub(crate) struct CovUnits;
 
 /// Limits of COV05.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     unknown_rad2: f64,
     widest_deg2: f64,
     grows: f64,
@@ -37,7 +37,7 @@ impl Rule for CovUnits {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             for topic in bag.topics.values() {
                 for (field, first) in [("orientation_covariance", 0), ("pose.covariance", 3)] {
@@ -167,10 +167,11 @@ fn judge_noise(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
             "deviations in place of variances",
             "square them: a covariance holds variances",
         ),
-        Some(Reading::RotationFirst) => {
-            let why = "its rotations stand first, which COV02 reports";
-            return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-        }
+        Some(Reading::RotationFirst) => (
+            "rotation-first",
+            "its rotations first",
+            "exchange the blocks of three: positions come before rotations",
+        ),
         Some(Reading::AsTold) | None => {
             let why = format!(
                 "the variances miss the noise of the poses by a factor of {told:.1e}, and no other unit explains that: they speak of other \
@@ -188,6 +189,7 @@ fn judge_noise(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
     out.fail(
         Finding::warning(subject, message, stream.place())
             .likely()
+            .unless(codes::COV02)
             .relation(word)
             .help(help)
             .measured(factor("factor to the noise, so read", best))

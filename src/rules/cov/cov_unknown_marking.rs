@@ -1,21 +1,22 @@
 //! COV03: inertial messages that carry no orientation, and do not say so.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::BagEvidence;
 use crate::world::bag::{Said, TopicEvidence};
 use crate::world::content::{ContentEvidence, ImuEvidence};
-use crate::world::{BagEvidence, World};
 
 /// COV03.
-pub struct CovUnknownMarking;
+pub(crate) struct CovUnknownMarking;
 
 /// Limits of COV03.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     min_messages: u64,
     constant_share: f64,
     turned_rad: f64,
@@ -27,7 +28,7 @@ impl Rule for CovUnknownMarking {
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             for said in bag.topics.values().flat_map(TopicEvidence::said) {
                 if let Some(imu) = &said.content.imu {

@@ -1,5 +1,6 @@
 //! CROSS03: transforms of one calibration that do not close a loop.
 
+use crate::analysis::Estimates;
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Isometry3;
@@ -11,15 +12,15 @@ use crate::source::SourceId;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{FrameId, World};
 
-use super::statements::{Statement, are_of_one_platform, described, statements};
+use crate::analysis::cross::statements::{Statement, are_of_one_platform, described, statements};
 
 /// CROSS03.
-pub struct CalibrationLoop;
+pub(crate) struct CalibrationLoop;
 
 /// Limits of CROSS03.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     edge_deg: f64,
     edge_m: f64,
     warn_sigmas: f64,
@@ -38,7 +39,7 @@ impl Rule for CalibrationLoop {
     const NEEDS: &'static [Need] = &[Need::Calibration];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let all = statements(world);
         let mut by_source: BTreeMap<SourceId, Vec<&Statement>> = BTreeMap::new();
         for statement in all.iter().filter(|statement| statement.is_of_a_file()) {

@@ -1,23 +1,21 @@
 //! CROSS01: two sources state different transforms for one pair of frames.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
-use crate::rules::quat::euler_sequence::EulerSequence;
-use crate::rules::{Judge, Need, Rule, limits_of};
+use crate::rules::{Judge, Need, Rule, codes};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
 
-use super::angles;
-use super::blame::named;
-use super::statements::{Pair, pairs};
+use crate::analysis::cross::statements::{Pair, pairs};
 
 /// CROSS01.
-pub struct ExtrinsicConsistency;
+pub(crate) struct ExtrinsicConsistency;
 
 /// Limits of CROSS01.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     equal_deg: f64,
     equal_m: f64,
     warn_deg: f64,
@@ -29,15 +27,14 @@ impl Rule for ExtrinsicConsistency {
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        let angles = limits_of::<EulerSequence>();
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for pair in pairs(world) {
-            judge_pair(world, &pair, limits, angles, out);
+            judge_pair(world, &pair, limits, out);
         }
     }
 }
 
-fn judge_pair(world: &World, pair: &Pair, limits: &Limits, angles: Option<angles::Limits>, out: &mut Judge) {
+fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
     let subject = pair.subject(world);
     let found = pair.classify();
     let (angle_deg, distance_m) = (found.angle_rad.to_degrees(), found.distance_m);
@@ -61,17 +58,7 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, angles: Option<angles
         out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         return;
     }
-    if angles.is_some_and(|limits| angles::explained(pair, &limits).is_some()) {
-        let why = "QUAT03 names the order in which the angles are put together";
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-        return;
-    }
     let small = angle_deg <= limits.warn_deg && distance_m <= limits.warn_m;
-    if let (false, Some(relation)) = (small, named(pair)) {
-        let why = format!("CROSS02 names the convention error: {}", relation.word());
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-        return;
-    }
     let (severity, words, help) = if small {
         (
             Severity::Warning,
@@ -82,7 +69,7 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, angles: Option<angles
         (
             Severity::Error,
             "different transforms",
-            "no known convention error turns one into the other: find out which is measured, and use it in both",
+            "find out which is measured, and use it in both",
         )
     };
     let message = format!(
@@ -92,6 +79,8 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, angles: Option<angles
     let [rotation, translation] = measured;
     let finding = Finding::new(severity, subject, message, pair.other.place.clone())
         .help(help)
+        .unless(codes::CROSS02)
+        .unless(codes::QUAT03)
         .measured(rotation)
         .measured(translation);
     out.fail(pair.point_at_all(finding));

@@ -1,29 +1,28 @@
 //! CROSS02: a named convention error turns one source's transform into another's.
 
+use crate::analysis::Estimates;
 use nalgebra::Isometry3;
 use serde::Deserialize;
 
+use crate::advice::literal::with_fix;
+use crate::advice::restate::restated;
 use crate::math::relation::{Classification, Relation, Tolerance, classify};
 use crate::math::rotation::from_rpy;
-use crate::rules::literal::with_fix;
-use crate::rules::quat::euler_sequence::EulerSequence;
-use crate::rules::restate::restated;
-use crate::rules::{Judge, Need, Rule, limits_of};
+use crate::rules::{Judge, Need, Rule, codes};
 use crate::source::Confidence;
 use crate::verdict::{Edit, Finding, Measured, NotEvaluated, Safety};
 use crate::world::World;
 
-use super::angles;
-use super::blame::{blame, holds_radians_twice, same_cause};
-use super::statements::{Direction, Pair, pairs};
+use crate::analysis::cross::blame::{blame, holds_radians_twice, same_cause};
+use crate::analysis::cross::statements::{Direction, Pair, pairs};
 
 /// CROSS02.
-pub struct ExtrinsicRelation;
+pub(crate) struct ExtrinsicRelation;
 
 /// Limits of CROSS02.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     small_deg: f64,
     small_m: f64,
     alternatives_turn_deg: f64,
@@ -35,17 +34,8 @@ impl Rule for ExtrinsicRelation {
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        let angles = limits_of::<EulerSequence>();
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for pair in pairs(world) {
-            if let Some(limits) = angles
-                && pair.repeats.is_none()
-                && angles::explained(&pair, &limits).is_some()
-            {
-                let why = "QUAT03 names the order in which the angles are put together";
-                out.not_evaluated(pair.subject(world), NotEvaluated::NotApplicable, why);
-                continue;
-            }
             judge_pair(world, pair, limits, out);
         }
     }
@@ -72,7 +62,7 @@ fn judge_pair(world: &World, mut pair: Pair, limits: &Limits, out: &mut Judge) {
         (_, true) | (Some(Relation::Equal), _) => out.pass(subject, difference),
         (None, _) => {
             let why = format!(
-                "they differ by {angle_deg:.2} deg and {distance_m:.3} m, and no convention error explains that; see CROSS01"
+                "they differ by {angle_deg:.2} deg and {distance_m:.3} m, and no convention error explains that"
             );
             out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         }
@@ -86,7 +76,8 @@ fn judge_pair(world: &World, mut pair: Pair, limits: &Limits, out: &mut Judge) {
                 pair.reference.target.to_string(),
                 pair.reference.source_frame.to_string(),
             );
-            let finding = pair.point_at_all(finding(&pair, subject, relation, &found, difference));
+            let finding = finding(&pair, subject, relation, &found, difference).unless(codes::QUAT03);
+            let finding = pair.point_at_all(finding);
             let finding = finding.prefers(target, source, right.unwrap_or(pair.reference.pose));
             let title = format!("state it without the error ({})", relation.word());
             let edits = mended(world, &pair, relation, &found);

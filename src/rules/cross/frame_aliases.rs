@@ -1,22 +1,24 @@
 //! CROSS07: what a calibration calls its sensors, and which frames of the platform these are by their transform.
 
+use crate::analysis::Estimates;
 use nalgebra::Isometry3;
 use serde::Deserialize;
 
+use crate::analysis::names;
+use crate::analysis::names::{has_word, has_word_of};
 use crate::math::relation::{Relation, Tolerance, classify};
-use crate::rules::names::{self, has_word, has_word_of};
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::graph::FrameGraph;
 use crate::world::{Claim, ClaimKind, FrameId, World};
 
 /// CROSS07.
-pub struct FrameAliases;
+pub(crate) struct FrameAliases;
 
 /// Limits of CROSS07.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     equal_deg: f64,
     equal_m: f64,
     plain_deg: f64,
@@ -29,7 +31,7 @@ impl Rule for FrameAliases {
     const NEEDS: &'static [Need] = &[Need::Calibration];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let graph = world.graph();
         let aliases = &world.conventions.aliases;
         for claim in &world.claims {
@@ -200,7 +202,7 @@ fn suspicion(
         .hint()
         .relation(relation.word())
         .help(format!(
-            "{} If these are the frames, say so in frames-lint.yaml (aliases: {{{}}}), and CROSS02 judges it",
+            "{} If these are the frames, say so in frames-lint.yaml (aliases: {{{}}}), and their transforms are compared",
             relation.describe(),
             aliases(names, candidate)
         ))

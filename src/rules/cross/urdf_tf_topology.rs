@@ -1,5 +1,6 @@
 //! CROSS06: the recording's tree hangs together otherwise than the URDF says.
 
+use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
 use serde::Deserialize;
@@ -11,12 +12,12 @@ use crate::world::bag::TfEdge;
 use crate::world::{BagEvidence, FrameId, Robot, World, robot::Joint};
 
 /// CROSS06.
-pub struct UrdfTfTopology;
+pub(crate) struct UrdfTfTopology;
 
 /// Limits of CROSS06.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     moves_deg: f64,
     moves_m: f64,
 }
@@ -26,7 +27,7 @@ impl Rule for UrdfTfTopology {
     const NEEDS: &'static [Need] = &[Need::Robot, Need::Tf];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for robot in world.robots.iter().filter(|robot| robot.fragment.is_none()) {
             let joints: BTreeMap<FrameId, &Joint> = robot
                 .joints

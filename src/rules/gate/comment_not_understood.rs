@@ -1,25 +1,19 @@
 //! GATE03: a comment to frames-lint that says nothing which it understands.
 
-use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::rules::{Judge, OfGate};
 use crate::verdict::waiver::{Applied, Misspelt, WaiverKind};
 use crate::verdict::{Finding, Measured};
-use crate::world::World;
 
 /// The rule.
-pub struct CommentNotUnderstood;
+pub(crate) struct CommentNotUnderstood;
 
-impl Rule for CommentNotUnderstood {
+impl OfGate for CommentNotUnderstood {
     const PAGE: &'static str = include_str!("../../../rules/gate/comment-not-understood.md");
-    const NEEDS: &'static [Need] = &[];
-    const OF_GATE: bool = true;
-    type Limits = NoLimits;
 
-    fn judge(_: &World, _: &NoLimits, _: &mut Judge) {}
-
-    fn judge_gate(applied: &[Applied], misspelt: &[Misspelt], _: &NoLimits, out: &mut Judge) {
+    fn judge(applied: &[Applied], misspelt: &[Misspelt], out: &mut Judge) {
         for one in applied.iter().filter(|one| one.waiver.kind == WaiverKind::Comment) {
             out.pass(
-                super::subject(&one.waiver),
+                crate::advice::waiver::subject(&one.waiver),
                 [Measured::count("faults of the comment", 0).limit(0.0)],
             );
         }

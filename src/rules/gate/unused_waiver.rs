@@ -1,32 +1,29 @@
 //! GATE01: an acceptance that is for nothing.
 
-use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::rules::{Judge, OfGate};
 use crate::verdict::waiver::{Applied, Misspelt};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 
 /// The rule.
-pub struct UnusedWaiver;
+pub(crate) struct UnusedWaiver;
 
-impl Rule for UnusedWaiver {
+impl OfGate for UnusedWaiver {
     const PAGE: &'static str = include_str!("../../../rules/gate/unused-waiver.md");
-    const NEEDS: &'static [Need] = &[];
-    const OF_GATE: bool = true;
-    type Limits = NoLimits;
 
-    fn judge(_: &World, _: &NoLimits, _: &mut Judge) {}
-
-    fn judge_gate(applied: &[Applied], _: &[Misspelt], _: &NoLimits, out: &mut Judge) {
+    fn judge(applied: &[Applied], _: &[Misspelt], out: &mut Judge) {
         for one in applied {
             let waiver = &one.waiver;
-            let subject = super::subject(waiver);
+            let subject = crate::advice::waiver::subject(waiver);
             let matched = Measured::count("findings that it is for", one.matched).limit(1.0);
             if one.matched > 0 {
                 out.pass(subject, [matched]);
             } else if let Some(why) = &one.unjudged {
                 out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
             } else {
-                let message = format!("{} accepts nothing that was found", super::opening(waiver));
+                let message = format!(
+                    "{} accepts nothing that was found",
+                    crate::advice::waiver::opening(waiver)
+                );
                 out.fail(
                     Finding::warning(subject, message, waiver.place.clone())
                         .label(format!("reason: {}", waiver.reason))

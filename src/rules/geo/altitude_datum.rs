@@ -1,41 +1,16 @@
 //! GEO06: heights above mean sea level that are given as heights above the ellipsoid.
 
-use serde::Deserialize;
+use crate::analysis::Estimates;
+use crate::analysis::geo::heights::Limits;
 
-use crate::rules::motion::Motion;
+use crate::analysis::motion::Motion;
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 
-use super::heights::{Apart, Datum, Heights};
+use crate::analysis::geo::heights::{Apart, Datum, Heights};
 
 /// GEO06.
-pub struct AltitudeDatum;
-
-/// Limits of GEO06.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    min_undulation_m: f64,
-    pub(super) max_off_m: f64,
-    max_spread_m: f64,
-    min_samples: usize,
-    untold_m: f64,
-    sigmas: f64,
-    same_m: f64,
-}
-
-impl Limits {
-    /// From how far above the ellipsoid on mean sea level can be told from it by the difference of two heights, metres. Two of one
-    /// receiver have one error.
-    fn needed_m(&self, heights: &Heights, other: &Heights, apart: Apart) -> f64 {
-        if apart.aside_m <= self.same_m {
-            return self.min_undulation_m;
-        }
-        let [one, two] = [heights, other].map(|heights| heights.sd_m.unwrap_or(self.untold_m));
-        self.min_undulation_m.max(self.max_off_m + self.sigmas * one.hypot(two))
-    }
-}
+pub(crate) struct AltitudeDatum;
 
 /// How two heights stand to each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,7 +31,7 @@ impl Rule for AltitudeDatum {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &Motion::of(world).bags {
             let all = Heights::all(world, bag, limits);
             for (index, heights) in all.iter().enumerate() {

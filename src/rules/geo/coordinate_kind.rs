@@ -1,35 +1,23 @@
 //! GEO03: positions that are not the kind of coordinates that their frame has.
 
-use serde::Deserialize;
+mod kinds;
 
-use crate::rules::motion::Motion;
-use crate::rules::names::{self, Standard};
+use crate::analysis::Estimates;
+use crate::analysis::geo::kinds::Limits;
+
+use crate::analysis::motion::Motion;
+use crate::analysis::names;
+use crate::analysis::names::Standard;
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{FrameId, World};
 
-use super::columns::{Column, columns};
-use super::kind_findings::{angle, earth_centred, grid, mixed};
-use super::kinds::Kind;
+use crate::analysis::geo::columns::{Column, columns};
+use crate::analysis::geo::kinds::Kind;
+use crate::rules::geo::coordinate_kind::kinds::{angle, earth_centred, grid, mixed};
 
 /// GEO03.
-pub struct CoordinateKind;
-
-/// Limits of GEO03.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    pub(super) local_m: f64,
-    pub(super) earth_least_m: f64,
-    pub(super) earth_most_m: f64,
-    pub(super) utm_least_m: f64,
-    pub(super) utm_easting_m: f64,
-    pub(super) utm_northing_m: f64,
-    pub(super) height_m: f64,
-    pub(super) near_m: f64,
-    pub(super) agree_deg: f64,
-    pub(super) least_deg: f64,
-}
+pub(crate) struct CoordinateKind;
 
 impl Rule for CoordinateKind {
     const PAGE: &'static str = include_str!("../../../rules/geo/coordinate-kind.md");
@@ -37,7 +25,7 @@ impl Rule for CoordinateKind {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let motion = Motion::of(world);
         let bags = world.bags.iter().zip(&motion.bags);
         for of in bags {

@@ -1,35 +1,24 @@
 //! GEO02: the rotation between the Earth's frame and a local one.
 
-use serde::Deserialize;
+use crate::analysis::Estimates;
+use crate::analysis::geo::level::Limits;
 
 use crate::math::earth_turns::{EarthTurn, shown};
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
-use crate::world::World;
 
-use super::earth::OnEarth;
-use super::level::{Seen, expected, see};
+use crate::analysis::geo::earth::OnEarth;
+use crate::analysis::geo::level::{Seen, expected, see};
 
 /// GEO02.
-pub struct EcefEnuRotation;
-
-/// Limits of GEO02.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    pub(super) warning_deg: f64,
-    error_deg: f64,
-    relation_deg: f64,
-    pub(super) max_height_m: f64,
-    pub(super) pole_m: f64,
-}
+pub(crate) struct EcefEnuRotation;
 
 impl Rule for EcefEnuRotation {
     const PAGE: &'static str = include_str!("../../../rules/geo/ecef-enu-rotation.md");
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for stated in OnEarth::all(world) {
             judge_one(&stated, limits, out);
         }

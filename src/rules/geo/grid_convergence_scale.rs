@@ -1,18 +1,20 @@
 //! GEO04: a map that is turned and scaled as the UTM grid is.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
-use crate::rules::motion::{Motion, Stream};
-use crate::rules::{Evidence, Judge, Need, Rule, names};
+use crate::analysis::motion::{Motion, Stream};
+use crate::analysis::names;
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::motion::{FixRow, PoseRow};
 use crate::world::{EarthOrigin, FrameId, World};
 
-use super::grid::{Grid, Laid};
-use super::overlay::{Overlay, is_way};
+use crate::analysis::geo::grid::{Grid, Laid};
+use crate::analysis::geo::overlay::{Overlay, is_way};
 
 /// GEO04.
-pub struct GridConvergenceScale;
+pub(crate) struct GridConvergenceScale;
 
 /// Words of frames that say that they are a grid.
 const GRIDS: &[&str] = &["utm", "mgrs", "grid"];
@@ -23,7 +25,7 @@ const PROJECTIONS: &[&str] = &["MGRS", "LocalCartesianUTM", "UTM"];
 /// Limits of GEO04.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     max_angle_deg: f64,
     max_scale: f64,
     sigmas: f64,
@@ -44,7 +46,7 @@ impl Rule for GridConvergenceScale {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &Motion::of(world).bags {
             for fixes in &bag.fixes {
                 for poses in bag.poses.iter().filter(|poses| is_way(poses)) {

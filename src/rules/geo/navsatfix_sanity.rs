@@ -1,6 +1,7 @@
 //! GEO01: positions that no receiver can mean.
 
-use serde::Deserialize;
+use crate::analysis::Estimates;
+use crate::analysis::geo::fixes::Limits;
 
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
@@ -9,28 +10,17 @@ use crate::world::bag::TopicEvidence;
 use crate::world::content::FixEvidence;
 use crate::world::{BagEvidence, World};
 
-use super::fixes::{Position, meant, middle, misread, others};
+use crate::analysis::geo::fixes::{Position, meant, middle, misread, others};
 
 /// GEO01.
-pub struct NavsatfixSanity;
-
-/// Limits of GEO01.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    max_wrong: f64,
-    error_share: f64,
-    pub(super) agree_deg: f64,
-    pub(super) scaled_deg: f64,
-    pub(super) origin_deg: f64,
-}
+pub(crate) struct NavsatfixSanity;
 
 impl Rule for NavsatfixSanity {
     const PAGE: &'static str = include_str!("../../../rules/geo/navsatfix-sanity.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             for said in bag.topics.values().flat_map(TopicEvidence::said) {
                 if let Some(fixes) = said.content.fixes.as_ref() {

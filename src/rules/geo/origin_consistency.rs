@@ -1,7 +1,10 @@
 //! GEO07: sources that put the origin of a local frame at different places on the Earth.
 
+mod own;
+
+use crate::analysis::Estimates;
+use crate::analysis::geo::origins::Limits;
 use nalgebra::Vector3;
-use serde::Deserialize;
 
 use crate::math::geoid::undulation_m;
 use crate::rules::{Evidence, Judge, Need, Rule};
@@ -9,44 +12,19 @@ use crate::source::Confidence;
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::{EarthOrigin, World};
 
-use super::apart::{between, direction, told};
-use super::origins::{By, Origin, origins};
-use super::own_origin;
+use crate::analysis::geo::apart::{between, direction, told};
+use crate::analysis::geo::origins::{By, Origin, origins};
 
 /// GEO07.
-pub struct OriginConsistency;
-
-/// Limits of GEO07.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    pub(super) warning_m: f64,
-    pub(super) error_m: f64,
-    pub(super) track_m: f64,
-    site_m: f64,
-    geoid_m: f64,
-    min_geoid_m: f64,
-    pub(super) max_height_m: f64,
-    pub(super) local_m: f64,
-    pub(super) min_extent_m: f64,
-    pub(super) min_points: usize,
-    pub(super) blocks: usize,
-    pub(super) max_scale: f64,
-    pub(super) sigmas: f64,
-    pub(super) copied_m: f64,
-    pub(super) aligned_deg: f64,
-    pub(super) errors_last_s: f64,
-    pub(super) untold_m: f64,
-}
+pub(crate) struct OriginConsistency;
 
 impl Rule for OriginConsistency {
     const PAGE: &'static str = include_str!("../../../rules/geo/origin-consistency.md");
     const NEEDS: &'static [Need] = &[];
     const EVIDENCE: Evidence = Evidence::MOTION;
-    const ACROSS: bool = true;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for stated in &world.origins {
             judge_place(stated, out);
         }
@@ -54,12 +32,12 @@ impl Rule for OriginConsistency {
         for why in left_out {
             out.not_evaluated("origin", NotEvaluated::TooLittleEvidence, why);
         }
-        own_origin::judge(world, &all, limits, out);
+        own::judge(world, &all, limits, out);
         let Some((reference, others)) = all.split_first() else {
             return;
         };
         if others.is_empty() {
-            if let Some(finding) = own_origin::missing(reference, limits) {
+            if let Some(finding) = own::missing(reference, limits) {
                 return out.fail(finding);
             }
             let why = format!(
@@ -155,7 +133,7 @@ fn judge_pair(world: &World, reference: &Origin, other: &Origin, limits: &Limits
         named(other),
         told(other),
         geoid_m.map_or(String::new(), |n| format!(
-            "; they differ in height alone, by what the geoid lies over the ellipsoid here ({n:.1} m): one is above mean sea level (GEO06)"
+            "; they differ in height alone, by what the geoid lies over the ellipsoid here ({n:.1} m): one is above mean sea level"
         ))
     );
     let help = if by_track {

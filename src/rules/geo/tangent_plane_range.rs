@@ -1,27 +1,27 @@
 //! GEO05: how far from its origin a tangent plane is used.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
+use crate::analysis::motion::{Motion, Stream};
 use crate::math::geodesy::{Geodetic, tangent_departure_m};
-use crate::rules::motion::{Motion, Stream};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 use crate::world::motion::PoseRow;
 
-use super::curvature::{Curvature, Follows};
-use super::earth::OnEarth;
-use super::overlay::{Overlay, is_way};
-use super::plane::Plane;
+use crate::analysis::geo::curvature::{Curvature, Follows};
+use crate::analysis::geo::earth::OnEarth;
+use crate::analysis::geo::overlay::{Overlay, is_way};
+use crate::analysis::geo::plane::Plane;
 
 /// GEO05.
-pub struct TangentPlaneRange;
+pub(crate) struct TangentPlaneRange;
 
 /// Limits of GEO05.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     max_departure_m: f64,
     note_departure_m: f64,
     max_tilt_deg: f64,
@@ -40,7 +40,7 @@ impl Rule for TangentPlaneRange {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let stated = OnEarth::all(world);
         for bag in &Motion::of(world).bags {
             let mut planes: Vec<Plane<'_>> = stated
@@ -88,7 +88,7 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
     };
     if *distance_m > limits.elsewhere_m {
         let why = format!(
-            "{who} is {:.0} km from the origin: that is no plane that is used too far away, but another place on the Earth (GEO02, GEO07)",
+            "{who} is {:.0} km from the origin: that is no plane that is used too far away, but another place on the Earth",
             distance_m / 1e3
         );
         return out.not_evaluated(plane.subject, NotEvaluated::NotApplicable, why);

@@ -1,23 +1,24 @@
 //! NAME05: frames named forward-right-down or forward-left-up that are turned otherwise.
 
+use crate::analysis::Estimates;
 use nalgebra::UnitQuaternion;
 use serde::Deserialize;
 
+use crate::analysis::promised::BodyAxes;
+use crate::analysis::suffix::{known_turn, off_deg, place_of, relation_to, siblings};
 use crate::math::relation::Relation;
-use crate::rules::promised::BodyAxes;
-use crate::rules::suffix::{known_turn, off_deg, place_of, relation_to, siblings};
 use crate::rules::{Judge, Need, Rule};
 use crate::source::{Confidence, Place};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{Claim, ClaimKind, FrameId, World};
 
 /// NAME05.
-pub struct FluFrdSuffix;
+pub(crate) struct FluFrdSuffix;
 
 /// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Deviation from the rotation that the names promise, degrees.
     pub max_deg: f64,
 }
@@ -27,7 +28,7 @@ impl Rule for FluFrdSuffix {
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for frame in &world.graph().frames {
             if let Some(axes) = BodyAxes::of(frame) {
                 judge_frame(world, frame, axes, limits, out);

@@ -1,21 +1,24 @@
 //! NAME01: one frame spelled in two ways that differ only in case.
 
+use crate::analysis::Estimates;
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::rules::{Judge, Need, NoLimits, Rule, names, places};
+use crate::advice::places;
+use crate::analysis::names;
+use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::source::SourceId;
 use crate::verdict::{Finding, Measured, Safety};
 use crate::world::{FrameId, FrameRole, FrameUse, World};
 
 /// NAME01.
-pub struct FrameCaseMismatch;
+pub(crate) struct FrameCaseMismatch;
 
 impl Rule for FrameCaseMismatch {
     const PAGE: &'static str = include_str!("../../../rules/name/frame-case-mismatch.md");
     const NEEDS: &'static [Need] = &[Need::Frames];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         let mut groups: BTreeMap<String, BTreeMap<FrameId, Vec<&FrameUse>>> = BTreeMap::new();
         let named = world
             .frames

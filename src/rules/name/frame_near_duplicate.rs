@@ -1,21 +1,23 @@
 //! NAME03: a frame that no transform knows, with a name very like one that is known.
 
+use crate::analysis::Estimates;
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Deserialize;
 
-use crate::rules::near::{Near, Reach, nearest};
-use crate::rules::{Judge, Need, Rule, names, places, spelling};
+use crate::analysis::near::{Near, Reach, nearest};
+use crate::analysis::{names, spelling};
+use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured};
 use crate::world::{FrameId, FrameRole, FrameUse, World};
 
 /// NAME03.
-pub struct FrameNearDuplicate;
+pub(crate) struct FrameNearDuplicate;
 
 /// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Edits (insert, drop, replace, swap neighbours) that still count as a slip.
     pub max_edits: usize,
     /// Shortest name, in characters, for which edits are counted.
@@ -27,7 +29,7 @@ impl Rule for FrameNearDuplicate {
     const NEEDS: &'static [Need] = &[Need::RobotOrTf];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let tree = &world.graph().frames;
         let folded: BTreeSet<String> = tree.iter().map(names::fold).collect();
         let reach = Reach {
@@ -70,7 +72,7 @@ impl Rule for FrameNearDuplicate {
 fn judge_near(world: &World, frame: &FrameId, uses: &[&FrameUse], near: &Near, limits: &Limits) -> Finding {
     let used = uses.iter().min_by_key(|used| (used.role, &used.place));
     let (words, place) = used.map_or(("frame", None), |used| (used.role.words(), Some(used.place.clone())));
-    let place = place.or_else(|| places::first(world, frame));
+    let place = place.or_else(|| crate::analysis::places::first(world, frame));
     let message = format!(
         "`{frame}` ({words}) is no frame of the tree, and {} from `{}`, which is",
         near.how, near.frame
@@ -84,7 +86,7 @@ fn judge_near(world: &World, frame: &FrameId, uses: &[&FrameUse], near: &Near, l
             near.frame
         ))
         .measured(edits);
-    match places::first(world, near.frame) {
+    match crate::analysis::places::first(world, near.frame) {
         Some(place) => finding.related(place, format!("`{}`", near.frame)),
         None => finding,
     }

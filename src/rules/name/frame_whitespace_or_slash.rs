@@ -1,22 +1,26 @@
 //! NAME02: blanks, slashes and invisible characters in frame names.
 
+use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
-use crate::rules::spelling::{self, Fault};
-use crate::rules::{Judge, Need, NoLimits, Rule, places, tf};
+use crate::advice::places;
+use crate::analysis::spelling;
+use crate::analysis::spelling::Fault;
+use crate::analysis::tf;
+use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::source::{Confidence, Place, SourceId, SourceKind};
 use crate::verdict::{Finding, Measured, Safety, Severity};
 use crate::world::{FrameId, FrameRole, FrameUse, World};
 
 /// NAME02.
-pub struct FrameWhitespaceOrSlash;
+pub(crate) struct FrameWhitespaceOrSlash;
 
 impl Rule for FrameWhitespaceOrSlash {
     const PAGE: &'static str = include_str!("../../../rules/name/frame-whitespace-or-slash.md");
     const NEEDS: &'static [Need] = &[Need::Frames];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         let mut spelled: BTreeMap<&FrameId, Vec<&FrameUse>> = BTreeMap::new();
         for used in world.frames.iter().filter(|used| is_name(used)) {
             spelled.entry(&used.frame).or_default().push(used);

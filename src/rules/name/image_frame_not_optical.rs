@@ -1,53 +1,31 @@
 //! NAME07: images and camera calibrations whose frame is not the camera's optical one.
 
-use serde::Deserialize;
+use crate::analysis::Estimates;
+use crate::analysis::name::image_frame::{Limits, UPWARD_WORDS};
 
-use crate::rules::names::has_word;
-use crate::rules::{Judge, Need, Rule, limits_of};
+use crate::analysis::names::has_word;
+use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{BagEvidence, FrameId, World};
 
-use super::cameras::{Camera, cameras, optical_beside, up};
+use crate::analysis::name::cameras::{Camera, cameras, optical_beside, up};
 
 /// NAME07.
-pub struct ImageFrameNotOptical;
-
-/// Limits of the page.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    /// Share of the vertical in the frame's z axis from which z is up.
-    pub min_up: f64,
-    /// Deviation up to which a frame beside it is its optical one, degrees.
-    pub optical_deg: f64,
-}
-
-/// Words of cameras that look straight up on purpose.
-const UPWARD_WORDS: &[&str] = &["up", "upward", "upwards", "ceiling", "sky", "zenith"];
+pub(crate) struct ImageFrameNotOptical;
 
 impl Rule for ImageFrameNotOptical {
     const PAGE: &'static str = include_str!("../../../rules/name/image-frame-not-optical.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             for (frame, camera) in cameras(bag) {
                 judge_camera(world, bag, &frame, &camera, limits, out);
             }
         }
     }
-}
-
-/// Whether this rule says of a camera's frame that it is no optical one.
-pub(crate) fn reports(world: &World, bag: &BagEvidence, frame: &FrameId) -> bool {
-    let Some(limits) = limits_of::<ImageFrameNotOptical>() else {
-        return false;
-    };
-    let is_up = || up(world, frame).is_some_and(|(_, z_up)| z_up > limits.min_up && !has_word(frame, UPWARD_WORDS));
-    let of_camera = cameras(bag).get(frame).is_some_and(|camera| camera.is_camera(frame));
-    of_camera && !frame.has_token("optical") && (optical_beside(world, frame, limits.optical_deg).is_some() || is_up())
 }
 
 fn judge_camera(world: &World, bag: &BagEvidence, frame: &FrameId, camera: &Camera, limits: &Limits, out: &mut Judge) {

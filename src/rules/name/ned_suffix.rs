@@ -1,21 +1,23 @@
 //! NAME04: frames named north-east-down (or east-north-up, north-west-up) that are turned otherwise.
 
+use crate::analysis::Estimates;
 use nalgebra::{Isometry3, Vector3};
 use serde::Deserialize;
 
-use crate::rules::promised::Axes;
-use crate::rules::suffix::{known_turn, off_deg, place_of, relation_to, siblings};
-use crate::rules::{Judge, Need, Rule, names};
+use crate::analysis::names;
+use crate::analysis::promised::Axes;
+use crate::analysis::suffix::{known_turn, off_deg, place_of, relation_to, siblings};
+use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{FrameId, World};
 
 /// NAME04.
-pub struct NedSuffix;
+pub(crate) struct NedSuffix;
 
 /// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Deviation from the rotation that the name promises, degrees.
     pub max_deg: f64,
 }
@@ -25,7 +27,7 @@ impl Rule for NedSuffix {
     const NEEDS: &'static [Need] = &[Need::RobotOrTf];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for frame in &world.graph().frames {
             let Some(axes) = Axes::of(frame) else { continue };
             let subject = format!("frame `{frame}`");

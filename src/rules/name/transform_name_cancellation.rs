@@ -1,5 +1,6 @@
 //! NAME08: declared products of transforms whose inner frames do not cancel.
 
+use crate::analysis::Estimates;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::rules::{Judge, Need, NoLimits, Rule};
@@ -8,17 +9,17 @@ use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::transform_name::{self, NameStyle, TransformName};
 use crate::world::{ClaimKind, DeclaredChain, Doubt, FrameId, World};
 
-use super::alike::is_same;
+use crate::analysis::name::alike::is_same;
 
 /// NAME08.
-pub struct TransformNameCancellation;
+pub(crate) struct TransformNameCancellation;
 
 impl Rule for TransformNameCancellation {
     const PAGE: &'static str = include_str!("../../../rules/name/transform-name-cancellation.md");
     const NEEDS: &'static [Need] = &[];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         let backwards = read_from_the_right(world);
         for chain in &world.chains {
             let is_backwards = backwards.contains(&chain.place.source);

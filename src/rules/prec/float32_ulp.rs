@@ -1,20 +1,21 @@
 //! PREC01: coordinates that are too large for float32.
 
+use crate::analysis::Estimates;
+use crate::analysis::single_precision::{single, step_of_single};
 use serde::Deserialize;
 
-use crate::rules::lidar::Clouds;
+use crate::analysis::lidar::Clouds;
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
-use crate::world::World;
 
 /// PREC01.
-pub struct Float32Ulp;
+pub(crate) struct Float32Ulp;
 
 /// Limits of PREC01.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     warning_m: f64,
     error_m: f64,
     min_points: usize,
@@ -25,7 +26,7 @@ impl Rule for Float32Ulp {
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for clouds in Clouds::all(world) {
             judge_clouds(&clouds, limits, out);
         }
@@ -83,23 +84,15 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         farthest_m / 1e3,
         step_m * 1e3
     );
-    let finding = Finding::new(severity, subject, message, Place::message(clouds.bag.source, at.clone()))
-        .relation("float32")
-        .help("take a local origin off in double precision first, and publish it as a transform (PREC03): map tiles have one each");
+    let finding = Finding::new(
+        severity,
+        subject,
+        message,
+        Place::message(clouds.bag.source, at.clone()),
+    )
+    .relation("float32")
+    .help("take a local origin off in double precision first, and publish it as a transform: map tiles have one each");
     out.fail(measured.into_iter().fold(finding, Finding::measured));
-}
-
-#[allow(clippy::cast_possible_truncation)] // what is lost is what is asked
-fn single(value: f64) -> f32 {
-    value as f32
-}
-
-/// From a number of float32 to the next: `2^(floor(log2 M) - 23)`.
-pub(super) fn step_of_single(value: f64) -> f64 {
-    if value < f64::from(f32::MIN_POSITIVE) {
-        return 0.0;
-    }
-    (value.log2().floor() - 23.0).exp2()
 }
 
 #[cfg(test)]

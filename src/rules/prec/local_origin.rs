@@ -1,20 +1,20 @@
 //! PREC03: coordinates far from zero, which a local origin would make small.
 
+use crate::analysis::Estimates;
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-use crate::rules::lidar::Clouds;
+use crate::analysis::lidar::Clouds;
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 
 /// PREC03.
-pub struct LocalOrigin;
+pub(crate) struct LocalOrigin;
 
 /// Limits of PREC03.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     far_m: f64,
     tile_m: f64,
 }
@@ -24,7 +24,7 @@ impl Rule for LocalOrigin {
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for clouds in Clouds::all(world) {
             judge_clouds(&clouds, limits, out);
         }
@@ -45,7 +45,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let middle = points().map(|point| Vector3::from(point.xyz)).sum::<Vector3<f64>>() / count;
     let origin = middle.map(|value| (value / limits.tile_m).round() * limits.tile_m);
     let message = format!(
-        "points on `{}` lie up to {:.1} km from zero: every consumer that calculates in float32 loses what PREC01 says",
+        "points on `{}` lie up to {:.1} km from zero: every consumer that calculates in float32 loses digits",
         clouds.topic.topic,
         farthest_m / 1e3
     );

@@ -1,21 +1,21 @@
 //! PREC02: times of points that their type cannot hold.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
-use crate::rules::lidar::Clouds;
+use crate::analysis::lidar::Clouds;
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 
-use super::float32_ulp::step_of_single;
+use crate::analysis::single_precision::step_of_single;
 
 /// PREC02.
-pub struct PointTimePrecision;
+pub(crate) struct PointTimePrecision;
 
 /// Limits of PREC02.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     max_share: f64,
 }
 
@@ -24,7 +24,7 @@ impl Rule for PointTimePrecision {
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for clouds in Clouds::all(world) {
             judge_clouds(&clouds, limits, out);
         }
@@ -54,7 +54,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         Some((unit_s, _)) => unit_s,
         None if is_epoch_s => 1.0,
         None => {
-            let why = format!("`{}` spans a scan in no unit that is known (TIME06)", times.field);
+            let why = format!("`{}` spans a scan in no unit that is known", times.field);
             return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
         }
     };

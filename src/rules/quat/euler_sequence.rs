@@ -1,20 +1,22 @@
 //! QUAT03: angles that give another source's rotation, or the turning of the gyro, once they are put together in another
 //! order.
 
+use crate::analysis::Estimates;
+use crate::analysis::axes::causes::Turn;
+use crate::analysis::axes::sensors::{Sensor, Sensors};
+use crate::analysis::cross::angles;
+use crate::analysis::cross::angles::{Explained, Limits, Unit};
+use crate::analysis::cross::statements::{Pair, Statement, pairs};
+use crate::analysis::motion::{Imu, Motion};
 use crate::math::euler::Order;
-use crate::rules::axes::causes::Turn;
-use crate::rules::axes::sensors::{Sensor, Sensors};
-use crate::rules::cross::angles::{self, Explained, Limits, Unit};
-use crate::rules::cross::statements::{Pair, Statement, pairs};
-use crate::rules::motion::{Imu, Motion};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
-use super::by_gyro::Ordered;
+use crate::analysis::quat::by_gyro::Ordered;
 
 /// QUAT03.
-pub struct EulerSequence;
+pub(crate) struct EulerSequence;
 
 impl Rule for EulerSequence {
     const PAGE: &'static str = include_str!("../../../rules/quat/euler-sequence.md");
@@ -22,7 +24,7 @@ impl Rule for EulerSequence {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for pair in pairs(world) {
             if pair.reference.rpy.is_some() || pair.other.rpy.is_some() {
                 judge_pair(world, &pair, limits, out);
@@ -59,14 +61,12 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
     if !stated.into_iter().flatten().any(|rpy| angles::can_tell(rpy, limits)) {
         let why = format!(
             "fewer than two of the angles lie more than {} deg off the axes: what their order changes, a quarter turn may \
-             change as well; see CROSS01 and CROSS02",
+             change as well",
             limits.off_axis_deg
         );
         return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
     }
-    let why = format!(
-        "the rotations differ by {apart_deg:.2} deg, and no other order of the angles explains that; see CROSS01 and CROSS02"
-    );
+    let why = format!("the rotations differ by {apart_deg:.2} deg, and no other order of the angles explains that");
     out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
 }
 
@@ -169,7 +169,7 @@ fn judge_sensor(imu: &Imu, sensor: &Sensor, out: &mut Judge) {
             out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
         }
         (None, _) => {
-            let why = "it does not follow the gyro, and no order of angles mends that: see QUAT01";
+            let why = "it does not follow the gyro, and no order of its angles explains that";
             out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         }
     }

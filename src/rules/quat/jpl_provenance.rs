@@ -1,5 +1,6 @@
 //! QUAT05: quaternions of programs that use, or used, JPL's algebra.
 
+use crate::analysis::Estimates;
 use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured};
@@ -7,14 +8,14 @@ use crate::world::conventions::Subject;
 use crate::world::{Doubt, World};
 
 /// QUAT05.
-pub struct JplProvenance;
+pub(crate) struct JplProvenance;
 
 impl Rule for JplProvenance {
     const PAGE: &'static str = include_str!("../../../rules/quat/jpl-provenance.md");
     const NEEDS: &'static [Need] = &[];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         for claim in &world.claims {
             if let Some(Doubt::Algebra(doubt)) = &claim.doubt {
                 let subject = format!("`{}` of {}", claim.label, world.path(claim.place.source));

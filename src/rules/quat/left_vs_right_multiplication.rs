@@ -1,25 +1,26 @@
 //! QUAT04: a constant between two orientations stands on the side that frame names and mounts claim.
 
+use crate::advice::diagnosis::rule_of;
+use crate::analysis::Estimates;
 use nalgebra::UnitQuaternion;
 use serde::Deserialize;
 
+use crate::advice::together::tell_once;
+use crate::analysis::motion::{BagMotion, Motion};
 use crate::math::constants::AxisTurn;
 use crate::math::sides::{Constant, Sides, sides};
-use crate::rules::motion::{BagMotion, Motion};
-use crate::rules::time::tell_once;
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 
-use super::oriented::{Claim, Oriented, oriented};
+use crate::analysis::quat::oriented::{Claim, Oriented, oriented};
 
 /// QUAT04.
-pub struct LeftVsRightMultiplication;
+pub(crate) struct LeftVsRightMultiplication;
 
 /// Limits of QUAT04.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     min_turn_deg: f64,
     min_pairs: usize,
     max_pairs: usize,
@@ -36,7 +37,7 @@ impl Rule for LeftVsRightMultiplication {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let motion = Motion::of(world);
         for bag in &motion.bags {
             judge_bag(world, &motion, bag, limits, out);
@@ -44,7 +45,7 @@ impl Rule for LeftVsRightMultiplication {
     }
 }
 
-fn judge_bag(world: &World, motion: &Motion, bag: &BagMotion, limits: &Limits, out: &mut Judge) {
+fn judge_bag(world: &Estimates, motion: &Motion, bag: &BagMotion, limits: &Limits, out: &mut Judge) {
     let all = oriented(world, motion, bag);
     let mut off = Vec::new();
     for (index, b) in all.iter().enumerate().skip(1) {
@@ -104,12 +105,10 @@ fn judge_pair(a: &Oriented, b: &Oriented, claim: Claim, limits: &Limits, out: &m
         out.pass(subject, measured);
         return None;
     }
-    if let Some(owner) = a.reported_by.or(b.reported_by) {
-        let why = format!("a constant on the side that is not claimed: part of what {owner} reports of the sensor");
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-        return None;
+    let mut finding = contradiction(a, b, &claim, &other, &subject, limits);
+    if let Some(aspect) = a.shown_by.or(b.shown_by) {
+        finding = finding.unless(rule_of(aspect));
     }
-    let finding = contradiction(a, b, &claim, &other, &subject, limits);
     Some(measured.into_iter().fold(finding, Finding::measured))
 }
 

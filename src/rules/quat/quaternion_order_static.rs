@@ -1,35 +1,22 @@
 //! QUAT02: quaternions of one file in two orders, or in another one than their key says; and of a recording in another
 //! one than ROS has.
 
+mod level;
+
+use crate::analysis::Estimates;
+use crate::analysis::quat::level::Limits;
 use std::collections::BTreeMap;
 
-use crate::rules::tally::Tally;
+use crate::advice::tally::Tally;
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::source::SourceId;
 use crate::verdict::{Finding, Measured};
 use crate::world::{ClaimKind, Spelling, World};
 
-use super::level_order;
-use super::listed::{Listed, Slot, said_by_key};
+use crate::analysis::quat::listed::{Listed, Slot, said_by_key};
 
 /// QUAT02.
-pub struct QuaternionOrderStatic;
-
-/// Limits of QUAT02.
-#[derive(Debug, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    /// Size from which the first or the last number looks like the scalar of a small rotation.
-    pub scalar: f64,
-    /// A platform tilted by less is level, degrees.
-    pub(super) level_deg: f64,
-    /// A platform tilted by more is not, degrees.
-    pub(super) tilted_deg: f64,
-    /// How far it must turn, degrees.
-    pub(super) min_turn_deg: f64,
-    /// Orientations needed.
-    pub(super) min_rows: f64,
-}
+pub(crate) struct QuaternionOrderStatic;
 
 impl Rule for QuaternionOrderStatic {
     const PAGE: &'static str = include_str!("../../../rules/quat/quaternion-order-static.md");
@@ -37,7 +24,7 @@ impl Rule for QuaternionOrderStatic {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let mut right = Tally::new("quaternions");
         let mut bare: BTreeMap<SourceId, Vec<Listed>> = BTreeMap::new();
         for claim in &world.claims {
@@ -60,7 +47,7 @@ impl Rule for QuaternionOrderStatic {
             judge_bare(world, source, &listed, &mut right, out);
         }
         right.report(world, out);
-        level_order::judge(world, limits, out);
+        level::judge(world, limits, out);
     }
 }
 

@@ -1,26 +1,27 @@
 //! ROT08: degrees where radians are read.
 
+use crate::analysis::Estimates;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 use nalgebra::UnitQuaternion;
 
+use crate::advice::literal::{rewrite, spell, with_fix};
+use crate::advice::tally::Tally;
+use crate::analysis::pairs::{Pairs, Statement};
 use crate::math::rotation::{from_rpy, rotation_angle_between};
-use crate::rules::literal::{rewrite, spell, with_fix};
-use crate::rules::pairs::{Pairs, Statement};
-use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, Safety};
 use crate::world::World;
 
-use super::angles::{Angles, stated};
+use crate::analysis::rot::angles::{Angles, stated};
 
 /// ROT08.
-pub struct AngleUnit;
+pub(crate) struct AngleUnit;
 
 /// Limits of ROT08.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// How far over a full turn an angle in radians may be, radians.
     pub over_full_turn_rad: f64,
     /// How near to a multiple of an eighth of a turn an angle over a full turn counts as meant in radians, radians.
@@ -36,7 +37,7 @@ impl Rule for AngleUnit {
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let pairs = Pairs::new(world);
         let mut right = Tally::new("roll, pitch, yaw");
         for angles in stated(world) {

@@ -1,25 +1,26 @@
 //! ROT03: a 4x4 matrix whose bottom row is not 0 0 0 1.
 
+use crate::analysis::Estimates;
 use nalgebra::Matrix3;
 
+use crate::advice::literal::{rewrite, with_fix};
+use crate::advice::tally::Tally;
 use crate::math::rotation::orthogonality_error;
-use crate::rules::literal::{rewrite, with_fix};
-use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::verdict::{Edit, Finding, Measured, NotEvaluated, Safety};
 use crate::world::World;
 
-use super::parts::Parts;
+use crate::analysis::rot::parts::Parts;
 
 /// ROT03.
-pub struct HomogeneousLayout;
+pub(crate) struct HomogeneousLayout;
 
 impl Rule for HomogeneousLayout {
     const PAGE: &'static str = include_str!("../../../rules/rot/homogeneous-layout.md");
     const NEEDS: &'static [Need] = &[Need::Matrices];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         let mut right = Tally::new("4x4 matrices");
         for parts in Parts::all(world) {
             if parts.by_columns {

@@ -1,23 +1,24 @@
 //! ROT07: a sensor mounted exactly nowhere, or exactly where another one is.
 
+use crate::analysis::Estimates;
 use nalgebra::Isometry3;
 
-use crate::rules::tally::Tally;
+use crate::advice::tally::Tally;
 use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::verdict::{Finding, Measured};
 use crate::world::World;
 
-use super::sensors::{Mounting, mountings};
+use crate::analysis::rot::sensors::{Mounting, mountings};
 
 /// ROT07.
-pub struct IdentityOrPlaceholder;
+pub(crate) struct IdentityOrPlaceholder;
 
 impl Rule for IdentityOrPlaceholder {
     const PAGE: &'static str = include_str!("../../../rules/rot/identity-or-placeholder.md");
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         let mut right = Tally::new("sensor mountings");
         let all = mountings(world);
         for (index, mounting) in all.iter().enumerate() {

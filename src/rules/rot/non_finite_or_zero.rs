@@ -1,26 +1,28 @@
 //! ROT05: NaN, infinity and the quaternion of all zeros.
 
+use crate::advice::literal::is_spelled_non_finite;
+use crate::advice::tally::Tally;
+use crate::analysis::Estimates;
+use crate::analysis::places::cover;
 use crate::math::rotation::quaternion_norm;
-use crate::rules::literal::{cover, is_spelled_non_finite};
-use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured};
 use crate::world::bag::{BagEvidence, Faults, TfEdge};
 use crate::world::{Claim, ClaimKind, Literal, Robot, Spelling, World};
 
-use super::quaternions;
-use super::urdf_numbers::number_lists;
+use crate::analysis::rot::quaternions;
+use crate::analysis::rot::urdf_numbers::number_lists;
 
 /// ROT05.
-pub struct NonFiniteOrZero;
+pub(crate) struct NonFiniteOrZero;
 
 impl Rule for NonFiniteOrZero {
     const PAGE: &'static str = include_str!("../../../rules/rot/non-finite-or-zero.md");
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         let mut right = Tally::new("statements of numbers");
         for robot in &world.robots {
             judge_robot(world, robot, &mut right, out);

@@ -1,23 +1,26 @@
 //! ROT04: a quaternion that is not of length one.
 
+use crate::advice::literal::{rewrite, spell, with_fix};
+use crate::advice::tally::Tally;
+use crate::analysis::Estimates;
+use crate::analysis::places::cover;
 use crate::math::rotation::{allowed_quaternion_norm_error, quaternion_norm};
-use crate::rules::literal::{cover, rewrite, spell, with_fix};
-use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, Safety, Severity};
 use crate::world::bag::TfEdge;
 use crate::world::{BagEvidence, World};
 
-use super::quaternions::{self, Stated};
+use crate::analysis::rot::quaternions;
+use crate::analysis::rot::quaternions::Stated;
 
 /// ROT04.
-pub struct QuaternionNorm;
+pub(crate) struct QuaternionNorm;
 
 /// Limits of ROT04.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// `| |q|^2 - 1 |` at which tf2 drops a transform.
     pub dropped: f64,
     /// `| |q| - 1 |` of a published quaternion that is worth a warning.
@@ -31,7 +34,7 @@ impl Rule for QuaternionNorm {
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let mut right = Tally::new("quaternions");
         for stated in quaternions::stated(world) {
             judge_stated(world, &stated, limits, &mut right, out);

@@ -1,23 +1,24 @@
 //! ROT01: a matrix that mirrors.
 
+use crate::analysis::Estimates;
 use nalgebra::Rotation3;
 
+use crate::advice::tally::Tally;
+use crate::analysis::pairs::Pairs;
 use crate::math::rotation::{Diagnosis, Flip, allowed_orthogonality_error, det, diagnose};
-use crate::rules::pairs::Pairs;
-use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
-use super::parts::Parts;
+use crate::analysis::rot::parts::Parts;
 
 /// ROT01.
-pub struct RotationDeterminant;
+pub(crate) struct RotationDeterminant;
 
 /// Limits of ROT01.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Largest `|det - 1|` of a rotation.
     pub proper: f64,
     /// Largest `|det + 1|` that is called a reflection.
@@ -29,7 +30,7 @@ impl Rule for RotationDeterminant {
     const NEEDS: &'static [Need] = &[Need::Matrices];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let pairs = Pairs::new(world);
         let mut right = Tally::new("matrices");
         for parts in Parts::all(world) {

@@ -2,17 +2,16 @@
 
 use serde::Deserialize;
 
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Judge, Review};
 use crate::verdict::{Finding, Measured, NotEvaluated, Outcome, PlaceRole, Row};
-use crate::world::World;
 
 /// ROT10.
-pub struct RotationErrorBudget;
+pub(crate) struct RotationErrorBudget;
 
 /// Limits of ROT10.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     near_m: f64,
     middle_m: f64,
     far_m: f64,
@@ -43,13 +42,9 @@ fn turn_deg(measured: &[Measured]) -> Option<f64> {
     angles.max_by(f64::total_cmp)
 }
 
-impl Rule for RotationErrorBudget {
+impl Review for RotationErrorBudget {
     const PAGE: &'static str = include_str!("../../../rules/rot/rotation-error-budget.md");
-    const NEEDS: &'static [Need] = &[];
-    const REVIEWS: bool = true;
     type Limits = Limits;
-
-    fn judge(_: &World, _: &Limits, _: &mut Judge) {}
 
     fn review(found: &mut [Finding], rows: &[Row], limits: &Limits, out: &mut Judge) {
         let subject = "angles of the findings";

@@ -1,22 +1,23 @@
 //! ROT02: a matrix whose axes are not perpendicular or not of length one.
 
+use crate::analysis::Estimates;
 use nalgebra::Rotation3;
 
+use crate::advice::tally::Tally;
 use crate::math::rotation::{Diagnosis, allowed_orthogonality_error, diagnose, nearest_rotation, orthogonality_error};
-use crate::rules::tally::Tally;
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Safety, Severity};
 use crate::world::World;
 
-use super::parts::Parts;
+use crate::analysis::rot::parts::Parts;
 
 /// ROT02.
-pub struct RotationOrthogonality;
+pub(crate) struct RotationOrthogonality;
 
 /// Limits of ROT02.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Error that no printing excuses, as the Frobenius norm of `R^T R - I`.
     pub error: f64,
     /// The most that few printed digits may excuse.
@@ -30,7 +31,7 @@ impl Rule for RotationOrthogonality {
     const NEEDS: &'static [Need] = &[Need::Matrices];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let mut right = Tally::new("matrices");
         for parts in Parts::all(world) {
             if !parts.is_finite() {

@@ -1,24 +1,25 @@
 //! ROT06: a translation in millimetres or centimetres where metres are read.
 
+use crate::analysis::Estimates;
 use nalgebra::Vector3;
 
-use crate::rules::literal::{rewrite, spell, with_fix};
-use crate::rules::pairs::{Pairs, Statement};
-use crate::rules::tally::Tally;
+use crate::advice::literal::{rewrite, spell, with_fix};
+use crate::advice::tally::Tally;
+use crate::analysis::pairs::{Pairs, Statement};
 use crate::rules::{Judge, Need, Rule};
 use crate::source::SourceId;
 use crate::verdict::{Finding, Measured, Safety, Severity};
 use crate::world::World;
 
-use super::translations::{Stated, by_source};
+use crate::analysis::rot::translations::{Stated, by_source};
 
 /// ROT06.
-pub struct TranslationUnits;
+pub(crate) struct TranslationUnits;
 
 /// Limits of ROT06.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Length from which a mounting is looked at, metres.
     pub far_m: f64,
     /// Length from which a joint is looked at that stands among many much shorter ones, metres.
@@ -43,7 +44,7 @@ impl Rule for TranslationUnits {
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let pairs = Pairs::new(world);
         let mut right = Tally::new("translations");
         for (source, group) in by_source(world) {

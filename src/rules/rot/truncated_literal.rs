@@ -1,24 +1,25 @@
 //! ROT09: pi written with so few digits that far points are drawn elsewhere.
 
+use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
-use crate::rules::literal::{rewrite, with_fix};
-use crate::rules::tally::Tally;
+use crate::advice::literal::{rewrite, with_fix};
+use crate::advice::tally::Tally;
 use crate::rules::{Judge, Need, Rule};
 use crate::source::{Place, SourceId};
 use crate::verdict::{Finding, Measured, Safety};
 use crate::world::{Literal, World};
 
-use super::angles::stated;
-use super::short_pi::meant;
+use crate::analysis::rot::angles::stated;
+use crate::analysis::rot::short_pi::meant;
 
 /// ROT09.
-pub struct TruncatedLiteral;
+pub(crate) struct TruncatedLiteral;
 
 /// Limits of ROT09.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Distance at which the error is felt, metres.
     pub range_m: f64,
     /// Lateral error there that is worth a note, millimetres.
@@ -48,7 +49,7 @@ impl Rule for TruncatedLiteral {
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let all = stated(world);
         let mut right = Tally::new("angles");
         let mut found: BTreeMap<SourceId, Vec<Truncated>> = BTreeMap::new();

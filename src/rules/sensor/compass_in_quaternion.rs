@@ -1,39 +1,32 @@
 //! SENSOR08: a compass heading in the yaw of a quaternion.
 
-use serde::Deserialize;
+mod clockwise;
 
+use crate::advice::diagnosis::defer;
+use crate::analysis::Estimates;
+use crate::analysis::sensor::yaw_zero::Limits;
+
+use crate::analysis::axes::sensors::{Sensor, Sensors};
+use crate::analysis::axes::worlds::Worlds;
+use crate::analysis::motion::{Compass, Imu, Motion, Stream, Tracks, Yaws, mount::mount};
 use crate::math::level::level;
 use crate::math::readings::Reading;
-use crate::rules::axes::heading_convention::{self, HeadingConvention};
-use crate::rules::axes::sensors::{Sensor, Sensors};
-use crate::rules::axes::worlds::Worlds;
-use crate::rules::motion::{Compass, Imu, Motion, Stream, Tracks, Yaws, mount};
 use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::verdict::Finding;
 use crate::verdict::NotEvaluated;
 use crate::world::World;
 use crate::world::motion::{OrientationRow, PoseRow, Row};
 
-use super::yaw_zero::{Found, by_compass, by_track};
+use crate::analysis::sensor::yaw_zero::{Found, by_compass, by_track};
 
 /// SENSOR08.
-pub struct CompassInQuaternion;
-
-/// Limits of SENSOR08.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    pub(super) min_samples: usize,
-    pub(super) same_deg: f64,
-    pub(super) apart_deg: f64,
-    pub(super) max_offset_deg: f64,
-    max_tilt_deg: f64,
-}
+pub(crate) struct CompassInQuaternion;
 
 /// What a yaw can be held against, and the limits.
 struct Against<'a> {
     compasses: &'a [Compass],
     tracks: &'a Tracks,
-    turns: &'a heading_convention::Limits,
+    turns: &'a crate::analysis::axes::heading::Limits,
     limits: &'a Limits,
 }
 
@@ -43,10 +36,8 @@ impl Rule for CompassInQuaternion {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        let Some(turns) = crate::rules::limits_of::<HeadingConvention>() else {
-            return;
-        };
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
+        let turns = world.limits::<crate::analysis::axes::heading::Limits>();
         let (motion, sensors, worlds) = (Motion::of(world), Sensors::of(world), Worlds::of(world));
         for (index, bag) in motion.bags.iter().enumerate() {
             let tracks = bag.tracks(|frame| worlds.is_off(index, frame));
@@ -109,7 +100,7 @@ impl Against<'_> {
             return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         }
         if self.compasses.is_empty() {
-            let why = "no other device states a heading; AXES04 holds it against the course";
+            let why = "no other device states a heading";
             return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
         }
         // Where the zero of a gyro's yaw lies is chance.
@@ -120,11 +111,8 @@ impl Against<'_> {
         if !found.is_clockwise {
             return out.pass(subject, found.measured(self.turns));
         }
-        let seen = format!("the yaw grows with the {}", found.other);
-        match sensor.diagnosis.reported_elsewhere("SENSOR08", &seen) {
-            Some(why) => out.not_evaluated(subject, NotEvaluated::NotApplicable, why),
-            None => self.fail_known(&imu.stream, subject, &found, out),
-        }
+        let better = |finding| defer(&sensor.diagnosis, imu, None, finding);
+        self.fail_known(&imu.stream, subject, &found, better, out);
     }
 
     /// Poses tell their own way: yaw and position stand in one frame, wherever its zero is.
@@ -140,17 +128,24 @@ impl Against<'_> {
         }
         let yaws = Yaws::of(stream, &straight);
         match by_track(&yaws, &stream.track(), true, self.turns) {
-            Some(found) if found.is_clockwise => self.fail_known(stream, subject, &found, out),
+            Some(found) if found.is_clockwise => self.fail_known(stream, subject, &found, |finding| finding, out),
             Some(found) => out.pass(subject, found.measured(self.turns)),
             None => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, self.undecided()),
         }
     }
 
     /// A yaw that grows clockwise, where its zero is one that is known.
-    fn fail_known<R: Row>(&self, stream: &Stream<R>, subject: String, found: &Found, out: &mut Judge) {
+    fn fail_known<R: Row>(
+        &self,
+        stream: &Stream<R>,
+        subject: String,
+        found: &Found,
+        better: impl FnOnce(Finding) -> Finding,
+        out: &mut Judge,
+    ) {
         match found.stray(self.limits) {
             Some(why) => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
-            None => out.fail(found.finding(stream, &subject, self.turns, self.limits)),
+            None => out.fail(better(found.finding(stream, &subject, self.turns, self.limits))),
         }
     }
 

@@ -1,30 +1,23 @@
 //! SENSOR10: calibrations, transforms and data against the conventions of the dataset that the user says they are of.
 
+mod data;
+
+mod records;
+
+use crate::analysis::Estimates;
+use crate::analysis::sensor::dataset::{Limits, rotation};
 use std::path::Path;
 
-use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
-use serde::Deserialize;
+use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use crate::rules::cross::statements::{Statement, statements};
+use crate::analysis::cross::statements::{Statement, statements};
 use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::tables::{Axes, Dataset, DatasetFrame};
+use crate::tables::{Dataset, DatasetFrame};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{FrameId, NamedDataset, World};
 
-use super::{dataset_data, dataset_records};
-
 /// SENSOR10.
-pub struct DatasetProfile;
-
-/// Limits of SENSOR10.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    pub(super) max_off_deg: f64,
-    pub(super) max_up_deg: f64,
-    pub(super) min_force_m_s2: f64,
-    pub(super) max_force_m_s2: f64,
-}
+pub(crate) struct DatasetProfile;
 
 impl Rule for DatasetProfile {
     const PAGE: &'static str = include_str!("../../../rules/sensor/dataset-profile.md");
@@ -32,7 +25,7 @@ impl Rule for DatasetProfile {
     const EVIDENCE: Evidence = Evidence::USUAL;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let Some(dataset) = &world.dataset else {
             let why =
                 "no dataset is named: `dataset: KITTI` in frames-lint.yaml would hold the data against its conventions";
@@ -49,8 +42,8 @@ impl Rule for DatasetProfile {
                 judge_statement(world, dataset, &statement, (target, source), limits, out);
             }
         }
-        count += dataset_records::judge(world, dataset, limits, out);
-        count += dataset_data::judge(world, dataset, limits, out);
+        count += records::judge(world, dataset, limits, out);
+        count += data::judge(world, dataset, limits, out);
         if count == 0 {
             let why = format!(
                 "no transform, record or cloud here is of two frames that {} has by the table ({})",
@@ -76,12 +69,6 @@ fn known<'d>(dataset: &'d Dataset, frame: &FrameId, path: &str) -> Option<&'d Da
         std::iter::once(whole).chain(place.tokens())
     });
     names.find_map(|name| dataset.frame(&name))
-}
-
-/// The axes as a rotation: columns are x, y and z in forward, left, up.
-pub(super) fn rotation(axes: &Axes) -> UnitQuaternion<f64> {
-    let columns = axes.vectors.map(Vector3::from);
-    UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(Matrix3::from_columns(&columns)))
 }
 
 /// How far a rotation is from what two frames should have between them, degrees; only uprightness where one of them may look aside.
@@ -185,6 +172,7 @@ fn judge_statement(
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
+    use nalgebra::Matrix3;
 
     fn frame(axes: &str, any_yaw: bool) -> DatasetFrame {
         serde_yaml::from_str(&format!("{{names: [a], axes: {axes}, any_yaw: {any_yaw}}}")).unwrap()

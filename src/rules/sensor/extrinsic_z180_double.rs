@@ -1,39 +1,28 @@
 //! SENSOR03: the half turn between an Ouster's two frames left out or applied twice; transforms that a driver applies applied again.
 
+mod twice_applied;
+
+use crate::analysis::Estimates;
+use crate::rules::sensor::extrinsic_z180_double::twice_applied::Limits;
 use std::f64::consts::PI;
 
 use nalgebra::Isometry3;
-use serde::Deserialize;
 
-use crate::rules::axes::lidar_forward_axis::{self, LidarForwardAxis};
-use crate::rules::cross::extrinsic_direction::{self, Seen};
-use crate::rules::hand_eye::half_turn;
-use crate::rules::landmarks::{Grid, Maps, maps};
-use crate::rules::lidar::Clouds;
-use crate::rules::ouster::{self, Axes};
-use crate::rules::{Evidence, Judge, Need, Rule, limits_of};
+use crate::analysis::hand_eye::half_turn;
+use crate::analysis::landmarks::{Grid, Maps, maps};
+use crate::analysis::lidar::Clouds;
+use crate::analysis::ouster;
+use crate::analysis::ouster::Axes;
+use crate::rules::{Evidence, Judge, Need, Rule, codes};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::{FrameId, World};
+use crate::world::FrameId;
 
-use super::lidar_turn::{self, Edge};
-use super::twice_applied;
+use crate::analysis::sensor::lidar_turn::Edge;
+use crate::analysis::sensor::lidar_turn::{self, Origin};
 
 /// SENSOR03.
-pub struct ExtrinsicZ180Double;
-
-/// Limits of SENSOR03.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    cell_m: f64,
-    level_m: f64,
-    min_way_m: f64,
-    min_ratio: f64,
-    max_half_off_deg: f64,
-    pub(super) same_m: f64,
-    pub(super) same_deg: f64,
-}
+pub(crate) struct ExtrinsicZ180Double;
 
 /// Whether the mounting of an Ouster lacks half a turn, and what says so.
 struct Told {
@@ -50,7 +39,7 @@ impl Rule for ExtrinsicZ180Double {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         Clouds::say_packets_of(world, "half turns of the mounting", |lidar| lidar.name == "Ouster", out);
         for clouds in Clouds::all(world).filter(|clouds| ouster::is_of_an_ouster(world, clouds)) {
             let subject = clouds.subject("half turns of the mounting");
@@ -65,15 +54,9 @@ impl Rule for ExtrinsicZ180Double {
 }
 
 /// By the way of the scans, and by landmarks; where both tell, they must agree.
-fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Told, (NotEvaluated, String)> {
-    let broken = || {
-        (
-            NotEvaluated::InputBroken,
-            "the limits of AXES12 are not read".to_owned(),
-        )
-    };
-    let of_yaw = limits_of::<LidarForwardAxis>().ok_or_else(broken)?;
-    let by_way = lidar_forward_axis::look(world, clouds, &of_yaw);
+fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<Told, (NotEvaluated, String)> {
+    let of_yaw = world.limits::<crate::analysis::axes::forward::Limits>();
+    let by_way = crate::analysis::axes::forward::look(world, clouds, &of_yaw);
     let by_landmarks = by_landmarks(world, clouds, limits);
     let landmarks = by_landmarks
         .as_ref()
@@ -86,7 +69,7 @@ fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Told, (NotEva
                 Some(2 | -2) => true,
                 _ => {
                     let why = format!(
-                        "the mounting lacks a yaw of {:.0} deg, which is no half turn: see AXES12",
+                        "the mounting lacks a yaw of {:.0} deg, which is no half turn",
                         yaw.off_deg
                     );
                     return Err((NotEvaluated::NotApplicable, why));
@@ -136,7 +119,7 @@ fn look(world: &World, clouds: &Clouds, limits: &Limits) -> Result<Told, (NotEva
 }
 
 /// How many times the cells the map takes with another half turn.
-fn by_landmarks(world: &World, clouds: &Clouds, limits: &Limits) -> Result<(Maps, f64), (NotEvaluated, String)> {
+fn by_landmarks(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<(Maps, f64), (NotEvaluated, String)> {
     let grid = Grid {
         cell_m: limits.cell_m,
         level_m: limits.level_m,
@@ -177,11 +160,7 @@ fn crispness(maps: &Maps, ratio: f64, limits: &Limits) -> Measured {
     .limit(limits.min_ratio)
 }
 
-fn report(world: &World, clouds: &Clouds, subject: String, told: Told, limits: &Limits, out: &mut Judge) {
-    if let Some(owner) = lidar_turn::half_turn(world, clouds, &told.body, &told.lidar) {
-        let why = format!("the mounting lacks half a turn: part of what {owner} reports of this sensor");
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-    }
+fn report(world: &Estimates, clouds: &Clouds, subject: String, told: Told, limits: &Limits, out: &mut Judge) {
     let edges = lidar_turn::edges(world, &told.body, &told.lidar);
     let is_half =
         |edge: &&Edge| edge.pose.rotation.angle_to(&half_turn().rotation).to_degrees() <= limits.max_half_off_deg;
@@ -191,7 +170,7 @@ fn report(world: &World, clouds: &Clouds, subject: String, told: Told, limits: &
     };
     let own = edges.iter().filter(is_own).find(|edge| is_half(edge));
     let mounting = edges.iter().find(|edge| !is_own(edge));
-    let (relation, what) = match (own, lidar_turn::axes(clouds)) {
+    let (relation, what) = match (own, lidar_turn::axes(world, clouds)) {
         (Some(own), _) => (
             "z180-twice",
             format!(
@@ -213,14 +192,10 @@ fn report(world: &World, clouds: &Clouds, subject: String, told: Told, limits: &
             "the clouds are told in the other one of the Lidar and the Sensor frame than the mounting was made for".to_owned(),
         ),
     };
-    let direction = extrinsic_direction::seen(world, clouds);
-    if direction.as_ref().is_some_and(Seen::is_inverse) {
-        let why = "the mounting is told the wrong way round, as CROSS04 reports";
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-    }
+    let direction = crate::analysis::cross::direction::seen(world, clouds);
     let mounted = world.graph().chain(&told.body, &told.lidar, |edge| edge.is_rigid);
     let or = mounted.map_or("", |(pose, _)| {
-        extrinsic_direction::doubt(direction.as_ref(), &pose, PI, limits.max_half_off_deg.to_radians())
+        crate::analysis::cross::direction::doubt(direction.as_ref(), &pose, PI, limits.max_half_off_deg.to_radians())
     });
     let message = format!(
         "`{}_from_{}` is half a turn about z off beside {}: {what}{or}",
@@ -229,6 +204,7 @@ fn report(world: &World, clouds: &Clouds, subject: String, told: Told, limits: &
     let mut finding = Finding::error(subject, message, clouds.place())
         .likely()
         .relation(relation)
+        .unless(codes::CROSS04)
         .related(told.poses.1.clone(), "where it went");
     if let Some(edge) = mounting.or(edges.first()) {
         let right = edge.pose * half_turn();
@@ -239,5 +215,10 @@ fn report(world: &World, clouds: &Clouds, subject: String, told: Told, limits: &
             edge.parent, edge.child, edge.child, q.x, q.y, q.z, q.w
         ));
     }
+    let finding = match lidar_turn::half_turn(world, clouds, &told.body, &told.lidar) {
+        Some(Origin::OusterFrame) => finding.unless(codes::SENSOR01),
+        Some(Origin::OusterTf) => finding.unless_about(codes::SENSOR02, format!("`{}`", told.lidar)),
+        _ => finding,
+    };
     out.fail(told.measured.into_iter().fold(finding, Finding::measured));
 }

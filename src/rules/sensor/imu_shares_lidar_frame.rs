@@ -1,20 +1,22 @@
 //! SENSOR05: an inertial sensor that is told in the frame of a lidar's cloud.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
-use crate::rules::{Evidence, Judge, Need, Rule, names};
+use crate::analysis::names;
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::source::{MessageRef, Place};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::bag::{Said, TopicEvidence};
 use crate::world::{BagEvidence, FrameId, World};
 
 /// SENSOR05.
-pub struct ImuSharesLidarFrame;
+pub(crate) struct ImuSharesLidarFrame;
 
 /// Limits of SENSOR05: it has none.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {}
+pub(crate) struct Limits {}
 
 impl Rule for ImuSharesLidarFrame {
     const PAGE: &'static str = include_str!("../../../rules/sensor/imu-shares-lidar-frame.md");
@@ -22,7 +24,7 @@ impl Rule for ImuSharesLidarFrame {
     const EVIDENCE: Evidence = Evidence::LEAST;
     type Limits = Limits;
 
-    fn judge(world: &World, _: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, _: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             let clouds: Vec<&TopicEvidence> = bag.topics.values().filter(|topic| is_cloud(topic)).collect();
             let said = bag.topics.values().flat_map(TopicEvidence::said);

@@ -1,21 +1,21 @@
 //! SENSOR06: what an inertial navigation system publishes, against what is known of its driver.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
-use crate::rules::axes::sensors::{Sensor, Sensors};
-use crate::rules::motion::{Imu, Motion};
+use crate::analysis::axes::sensors::{Sensor, Sensors};
+use crate::analysis::motion::{Imu, Motion};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::tables::InsDriver;
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 
 /// SENSOR06.
-pub struct InsProfile;
+pub(crate) struct InsProfile;
 
 /// Limits of SENSOR06.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     max_tilt_deg: f64,
     max_offset_deg: f64,
 }
@@ -26,7 +26,7 @@ impl Rule for InsProfile {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let (motion, sensors) = (Motion::of(world), Sensors::of(world));
         for (imu, sensor) in sensors.each(&motion) {
             if let Some(driver) = &imu.driver {
@@ -40,14 +40,14 @@ impl Rule for InsProfile {
 /// Up of the world, which tells ENU and FLU from NED and FRD.
 fn judge_up(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, out: &mut Judge) {
     let subject = format!("axes of {} ({})", imu.stream.subject, driver.name);
-    if let Some(why) = elsewhere(sensor) {
+    if let Some(why) = hidden(sensor) {
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
     match sensor.up_rad() {
         Ok(angle) if angle.to_degrees() <= limits.max_tilt_deg => {
             if let Some(unseen) = sensor.unseen {
                 let why = format!(
-                    "gravity points up, as it does where {}: a turn is needed to tell (QUAT01, AXES04)",
+                    "gravity points up, as it does where {}: a turn is needed to tell",
                     unseen.text
                 );
                 return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
@@ -60,7 +60,10 @@ fn judge_up(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, out
             out.pass(subject, [measured.limit(limits.max_tilt_deg)]);
         }
         Ok(angle) => {
-            let why = format!("the acceleration is {:.0} deg from up: see AXES03", angle.to_degrees());
+            let why = format!(
+                "the acceleration is {:.0} deg from up, which is more than its setting",
+                angle.to_degrees()
+            );
             out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         }
         Err((why, reason)) => out.not_evaluated(subject, why, reason),
@@ -70,7 +73,7 @@ fn judge_up(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, out
 /// The zero of the yaw.
 fn judge_zero(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, out: &mut Judge) {
     let subject = format!("zero of the yaw of {} ({})", imu.stream.subject, driver.name);
-    if let Some(why) = elsewhere(sensor) {
+    if let Some(why) = hidden(sensor) {
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     }
     let offset = match sensor.offset_rad() {
@@ -82,8 +85,7 @@ fn judge_zero(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, o
         if offset.abs() <= limits.max_offset_deg {
             return out.pass(subject, [measured]);
         }
-        let why =
-            format!("the yaw is {offset:.0} deg from the course, which no setting of this driver explains: see AXES04");
+        let why = format!("the yaw is {offset:.0} deg from the course, which no setting of this driver explains");
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     };
     let message = format!(
@@ -104,10 +106,8 @@ fn judge_zero(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, o
     out.fail(imu.stream.told_in.tell(finding));
 }
 
-/// Where another rule reports a fault of this sensor.
-fn elsewhere(sensor: &Sensor) -> Option<String> {
-    let owner = sensor.diagnosis.owner?;
-    Some(format!(
-        "{owner} reports what is wrong with this sensor, and what to set in its driver"
-    ))
+/// What hides the setting of the driver.
+fn hidden(sensor: &Sensor) -> Option<&'static str> {
+    let why = "its measurements contradict each other: a fault that hides what the driver is set to";
+    sensor.diagnosis.shown_by.is_some().then_some(why)
 }

@@ -1,26 +1,23 @@
 //! SENSOR09: poses of a simulator whose world is left-handed.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
-use crate::rules::axes::causes::Base;
-use crate::rules::axes::gnss_vs_odom_handedness::{self, GnssVsOdomHandedness};
-use crate::rules::axes::gyro_vs_turn_sign::{self, GyroVsTurnSign};
-use crate::rules::axes::sensors::Sensors;
-use crate::rules::limits_of;
-use crate::rules::motion::{BagMotion, Imu, Motion, Stream, Track};
+use crate::analysis::axes::causes::Base;
+use crate::analysis::axes::sensors::Sensors;
+use crate::analysis::motion::{BagMotion, Imu, Motion, Stream, Track};
 use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::tables::Simulator;
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 use crate::world::motion::{FixRow, PoseRow};
 
 /// SENSOR09.
-pub struct LeftHandedSimulator;
+pub(crate) struct LeftHandedSimulator;
 
 /// Limits of SENSOR09: those of AXES05 and AXES07, by which it measures.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {}
+pub(crate) struct Limits {}
 
 /// One thing that tells the hand of a track.
 struct Told {
@@ -35,10 +32,11 @@ impl Rule for LeftHandedSimulator {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, _: &Limits, out: &mut Judge) {
-        let (Some(tracks), Some(turns)) = (limits_of::<GnssVsOdomHandedness>(), limits_of::<GyroVsTurnSign>()) else {
-            return;
-        };
+    fn judge(world: &Estimates, _: &Limits, out: &mut Judge) {
+        let (tracks, turns) = (
+            world.limits::<crate::analysis::axes::handedness::Limits>(),
+            world.limits::<crate::analysis::axes::gyro_vs_track::Limits>(),
+        );
         let (motion, sensors) = (Motion::of(world), Sensors::of(world));
         for (index, bag) in motion.bags.iter().enumerate() {
             let Some(simulator) = &bag.simulator else { continue };
@@ -65,9 +63,9 @@ impl Rule for LeftHandedSimulator {
     }
 }
 
-fn by_satellites(bag: &BagMotion, track: &Track, limits: &gnss_vs_odom_handedness::Limits) -> Vec<Told> {
+fn by_satellites(bag: &BagMotion, track: &Track, limits: &crate::analysis::axes::handedness::Limits) -> Vec<Told> {
     let tell = |fixes: &Stream<FixRow>| {
-        let hand = gnss_vs_odom_handedness::hand(fixes, track, limits)?;
+        let hand = crate::analysis::axes::hand::hand(fixes, track, limits)?;
         Some(Told {
             is_left_handed: hand.is_mirrored,
             words: format!("it is the mirror image of the satellites' track on {}", fixes.topic),
@@ -77,9 +75,9 @@ fn by_satellites(bag: &BagMotion, track: &Track, limits: &gnss_vs_odom_handednes
     bag.fixes.iter().filter_map(tell).collect()
 }
 
-fn by_gyros(imus: &[&Imu], track: &Track, limits: &gyro_vs_turn_sign::Limits) -> Vec<Told> {
+fn by_gyros(imus: &[&Imu], track: &Track, limits: &crate::analysis::axes::gyro_vs_track::Limits) -> Vec<Told> {
     let tell = |imu: &&Imu| {
-        let gain = gyro_vs_turn_sign::gain(imu, track, limits)?;
+        let gain = crate::analysis::axes::gyro_vs_track::gain(imu, track, limits)?;
         Some(Told {
             is_left_handed: gain < 0.0,
             words: format!(

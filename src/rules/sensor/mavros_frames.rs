@@ -1,20 +1,22 @@
 //! SENSOR07: the fixed frames of mavros: `map_ned`, `odom_ned`, `base_link_frd`.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
+use crate::advice::places;
+use crate::analysis::suffix::{off_deg, place_of};
 use crate::math::constants::AxisTurn;
-use crate::rules::suffix::{off_deg, place_of};
-use crate::rules::{Judge, Need, Rule, places};
-use crate::verdict::{Finding, Measured, NotEvaluated, Safety};
+use crate::rules::{Judge, Need, Rule, codes};
+use crate::verdict::{Finding, Measured, NotEvaluated, RuleCode, Safety};
 use crate::world::{FrameId, World};
 
 /// SENSOR07.
-pub struct MavrosFrames;
+pub(crate) struct MavrosFrames;
 
 /// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Deviation from the fixed rotation, degrees.
     pub max_deg: f64,
     /// Distance between the two origins, metres.
@@ -29,7 +31,8 @@ struct Fixed {
     parent: &'static str,
     turn: AxisTurn,
     rpy: &'static str,
-    judged_by: &'static str,
+    /// The rule of such names, which says it better where it is another frame altogether.
+    judged_by: RuleCode,
 }
 
 const P_RPY: &str = "3.141592653589793 0 1.5707963267948966";
@@ -41,21 +44,21 @@ const FIXED: &[Fixed] = &[
         parent: "map",
         turn: AxisTurn::NedEnu,
         rpy: P_RPY,
-        judged_by: "NAME04",
+        judged_by: codes::NAME04,
     },
     Fixed {
         name: "odom_ned",
         parent: "odom",
         turn: AxisTurn::NedEnu,
         rpy: P_RPY,
-        judged_by: "NAME04",
+        judged_by: codes::NAME04,
     },
     Fixed {
         name: "base_link_frd",
         parent: "base_link",
         turn: AxisTurn::FluFrd,
         rpy: F_RPY,
-        judged_by: "NAME05",
+        judged_by: codes::NAME05,
     },
 ];
 
@@ -64,7 +67,7 @@ impl Rule for MavrosFrames {
     const NEEDS: &'static [Need] = &[Need::RobotOrTf];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for frame in &world.graph().frames {
             let name = frame.as_str();
             let (namespace, last) = name.rfind('/').map_or(("", name), |slash| name.split_at(slash + 1));
@@ -108,13 +111,7 @@ fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, fixed: &Fixed, 
         .turn()
         .limit(limits.max_deg);
     let shift = Measured::new("distance of the origins", m, "m").limit(limits.max_m);
-    if deg > limits.named_deg {
-        let reason = format!(
-            "it is {deg:.1} deg off, another frame altogether; see {}",
-            fixed.judged_by
-        );
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
-    } else if deg <= limits.max_deg && m <= limits.max_m {
+    if deg <= limits.max_deg && m <= limits.max_m {
         out.pass(subject, [turn, shift]);
     } else {
         let what = if deg > limits.max_deg {
@@ -123,7 +120,10 @@ fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, fixed: &Fixed, 
             format!("shifted by {m:.3} m")
         };
         let message = format!("`{frame}` is {what} against `{parent}`: mavros converts its data with none of that");
-        let finding = Finding::warning(subject, message, place).measured(turn).measured(shift);
+        let mut finding = Finding::warning(subject, message, place).measured(turn).measured(shift);
+        if deg > limits.named_deg {
+            finding = finding.unless_about(fixed.judged_by, format!("`{frame}`"));
+        }
         let finding = finding.help(format!(
             "`{parent}` -> `{frame}` is xyz = (0, 0, 0), rpy = ({})",
             fixed.rpy

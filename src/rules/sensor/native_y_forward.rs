@@ -1,24 +1,22 @@
 //! SENSOR04: lidars whose own axes have y forward, beside drivers that turn them.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
-use crate::rules::axes::lidar_forward_axis::{self, LidarForwardAxis};
-use crate::rules::cross::extrinsic_direction;
-use crate::rules::lidar::Clouds;
-use crate::rules::{Evidence, Judge, Need, Rule, limits_of};
+use crate::analysis::lidar::Clouds;
+use crate::rules::{Evidence, Judge, Need, Rule, codes};
 use crate::tables::{Forward, Lidar};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 
-use super::lidar_turn::{has_two_ways, lidar};
+use crate::analysis::sensor::lidar_turn::{has_two_ways, lidar};
 
 /// SENSOR04.
-pub struct NativeYForward;
+pub(crate) struct NativeYForward;
 
 /// Limits of SENSOR04.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     max_off_deg: f64,
 }
 
@@ -28,7 +26,7 @@ impl Rule for NativeYForward {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         Clouds::say_packets_of(world, "axes", has_two_ways, out);
         for clouds in Clouds::all(world) {
             judge_clouds(world, &clouds, limits, out);
@@ -36,7 +34,7 @@ impl Rule for NativeYForward {
     }
 }
 
-fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge) {
+fn judge_clouds(world: &Estimates, clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("axes");
     let no = |why: NotEvaluated, reason: String, out: &mut Judge| out.not_evaluated(&subject, why, reason);
     if !clouds.is_of_a_lidar() {
@@ -54,10 +52,8 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
         );
         return no(NotEvaluated::NotApplicable, why, out);
     }
-    let Some(of_yaw) = limits_of::<LidarForwardAxis>() else {
-        return;
-    };
-    let (yaw, known) = match lidar_forward_axis::look(world, clouds, &of_yaw) {
+    let of_yaw = world.limits::<crate::analysis::axes::forward::Limits>();
+    let (yaw, known) = match crate::analysis::axes::forward::look(world, clouds, &of_yaw) {
         Ok(seen) => seen,
         Err((why, reason)) => return no(why, reason, out),
     };
@@ -67,19 +63,12 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
         Some(quarters @ (1 | -1)) if (yaw.off_deg - 90.0 * f64::from(quarters)).abs() <= limits.max_off_deg => quarters,
         _ => {
             let why = format!(
-                "the mounting lacks a yaw of {:.0} deg, which is no quarter turn: see AXES12",
+                "the mounting lacks a yaw of {:.0} deg, which is no quarter turn",
                 yaw.off_deg
             );
             return no(NotEvaluated::NotApplicable, why, out);
         }
     };
-    if extrinsic_direction::seen(world, clouds).is_some_and(|seen| seen.is_inverse()) {
-        let why = format!(
-            "the mounting lacks a yaw of {:.0} deg, which is part of what CROSS04 reports of it",
-            yaw.off_deg
-        );
-        return no(NotEvaluated::NotApplicable, why, out);
-    }
     let (what, help) = told(&lidar, quarters, &format!("{}_from_{}", known.body, known.lidar));
     let message = format!(
         "the clouds on `{}` are {what}: `{}_from_{}` lacks a yaw of {:+.1} deg beside {}",
@@ -87,6 +76,7 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
     );
     let finding = Finding::error(subject, message, clouds.place())
         .likely()
+        .unless(codes::CROSS04)
         .relation(if quarters > 0 { "z90" } else { "z-90" })
         .related(known.poses.1.clone(), "where it went")
         .help(help);

@@ -1,40 +1,31 @@
 //! SENSOR02: the parts of an Ouster where TF, URDF and files have them, against its metadata; and those against what is known.
 
-use nalgebra::Vector3;
-use serde::Deserialize;
+mod beams;
 
-use crate::rules::ouster::Part;
+use crate::analysis::Estimates;
+use crate::rules::sensor::ouster_tf_metadata::beams::Limits;
+use nalgebra::Vector3;
+
+use crate::analysis::ouster::Part;
 use crate::rules::{Judge, Need, Rule};
 use crate::tables::OusterPart;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 
-use super::ouster_beams;
-
 /// SENSOR02.
-pub struct OusterTfMetadata;
-
-/// Limits of SENSOR02.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    max_off_mm: f64,
-    pub(super) max_beam_mm: f64,
-    max_turn_deg: f64,
-    known_deg: f64,
-}
+pub(crate) struct OusterTfMetadata;
 
 impl Rule for OusterTfMetadata {
     const PAGE: &'static str = include_str!("../../../rules/sensor/ouster-tf-metadata.md");
     const NEEDS: &'static [Need] = &[Need::TransformsOrBag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let parts = Part::all(world);
         for part in &parts {
             Statement::of(world, part, &parts).judge(limits, out);
         }
-        ouster_beams::judge(world, &parts, limits, out);
+        beams::judge(world, &parts, limits, out);
     }
 }
 

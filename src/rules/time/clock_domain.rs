@@ -1,24 +1,28 @@
 //! TIME04: stamps that are zero, or of another clock than the rest of the recording.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::{BagEvidence, World};
+use crate::world::BagEvidence;
 
-use super::simulated::{Time, judge_simulated, tell_simulation};
-use super::streams::{Stream, UPTIME_BELOW_S, log_start_s, streams};
-use super::together::tell_once;
-use super::units::unit_error;
+mod simulated;
+
+use crate::advice::together::tell_once;
+use crate::analysis::time::simulated::Time;
+use crate::analysis::time::streams::{Stream, UPTIME_BELOW_S, log_start_s, streams};
+use crate::analysis::time::units::unit_error;
+use simulated::{judge_simulated, tell_simulation};
 
 /// TIME04.
-pub struct ClockDomain;
+pub(crate) struct ClockDomain;
 
 /// Limits of TIME04.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     min_messages: u64,
     zero_share: f64,
     same_clock_s: f64,
@@ -31,7 +35,7 @@ impl Rule for ClockDomain {
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             judge_bag(bag, limits, out);
         }
@@ -106,7 +110,7 @@ fn judge_stream(
         return Some((offset, uptime(stream, stamp_s, measured)));
     } else if offset.abs() > limits.same_clock_s {
         // A calendar clock that is off is TIME01's: it names the offset where it has a name.
-        let why = format!("stamps run {offset:.1} s off the log clock, but count calendar time; see TIME01 and TIME02");
+        let why = format!("stamps run {offset:.1} s off the log clock, but count calendar time");
         out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
     } else {
         out.pass(subject, [measured]);

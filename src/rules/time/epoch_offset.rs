@@ -1,54 +1,43 @@
 //! TIME01: stamps run off the log clock by an offset that has a name.
 
+use crate::analysis::Estimates;
+use crate::analysis::time::lateness;
+use crate::analysis::time::naming::Limits;
 use std::collections::BTreeMap;
-
-use serde::Deserialize;
 
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
-use crate::world::{BagEvidence, World};
+use crate::world::BagEvidence;
 
-use super::known_offsets::{Explanation, Named, Specific};
-use super::naming::Naming;
-use super::streams::{Stream, declared_streams};
-use super::together::tell_once;
-use super::units::unit_error;
+use crate::advice::together::tell_once;
+use crate::analysis::time::known_offsets::{Explanation, Named, Specific};
+use crate::analysis::time::naming::Naming;
+use crate::analysis::time::streams::{Stream, declared_streams};
+use crate::analysis::time::units::unit_error;
 
 /// TIME01.
-pub struct EpochOffset;
-
-/// Limits of TIME01.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    pub(super) quiet_s: f64,
-    pub(super) min_messages: u64,
-    pub(super) base_tolerance_s: f64,
-    pub(super) max_tolerance_s: f64,
-    pub(super) fine_tolerance_s: f64,
-    pub(super) spread_factor: f64,
-    pub(super) slow_s: f64,
-}
+pub(crate) struct EpochOffset;
 
 impl Rule for EpochOffset {
     const PAGE: &'static str = include_str!("../../../rules/time/epoch-offset.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             judge_bag(world, bag, limits, out);
         }
     }
 }
 
-fn judge_bag(world: &World, bag: &BagEvidence, limits: &Limits, out: &mut Judge) {
+fn judge_bag(world: &Estimates, bag: &BagEvidence, limits: &Limits, out: &mut Judge) {
     let streams = declared_streams(world, bag);
     let naming = Naming::new(bag, &streams, limits);
+    let far_s = world.limits::<lateness::Limits>().far_s;
     // One wrong clock stamps many streams: by the name of its offset.
     let mut by_name: BTreeMap<String, Vec<Finding>> = BTreeMap::new();
     for stream in &streams {
-        if let Some((name, finding)) = judge_stream(stream, &naming, limits, out) {
+        if let Some((name, finding)) = judge_stream(stream, &naming, (limits, far_s), out) {
             by_name.entry(name).or_default().push(finding);
         }
     }
@@ -60,7 +49,7 @@ fn judge_bag(world: &World, bag: &BagEvidence, limits: &Limits, out: &mut Judge)
 fn judge_stream(
     stream: &Stream<'_>,
     naming: &Naming<'_>,
-    limits: &Limits,
+    (limits, far_s): (&Limits, f64),
     out: &mut Judge,
 ) -> Option<(String, Finding)> {
     let subject = stream.subject.clone();
@@ -75,13 +64,12 @@ fn judge_stream(
         None
     };
     let Some((offset, spread)) = stream.offset_s() else {
-        return not_applicable(out, "every stamp is zero; see TIME04");
+        return not_applicable(out, "every stamp is zero");
     };
     let measured = Measured::new("stamp minus log time", offset, "s")
         .limit(limits.quiet_s)
         .spread(spread)
         .samples(n);
-    // Of what is no fault here TIME02 shows the same.
     let plot = || stream.plot(&[("quiet up to here", limits.quiet_s.copysign(offset))]);
     if let Some((factor, words)) = unit_error(stream, naming.log_s) {
         out.plot(&subject, plot);
@@ -91,7 +79,7 @@ fn judge_stream(
         ));
     }
     if !naming.is_calendar(stream) {
-        return not_applicable(out, "stamps or log time are no calendar time; see TIME04");
+        return not_applicable(out, "stamps or log time are no calendar time");
     }
     if offset.abs() <= limits.quiet_s {
         out.pass(subject, [measured]);
@@ -101,19 +89,17 @@ fn judge_stream(
         (Explanation::One(named), reference) => {
             let name = format!("{} {reference}", named.what);
             out.plot(&subject, plot);
-            Some((name, stream.tell(finding(stream, &named, reference, measured))))
+            Some((name, stream.tell(finding(stream, &named, (reference, far_s), measured))))
         }
         (Explanation::Several(names), reference) => {
             let names: Vec<&str> = names.iter().map(|named| named.what.as_str()).collect();
             let names = names.join("; ");
-            let why =
-                format!("stamps run {offset:.3} s off {reference}, which fits several names: {names}; see TIME02");
+            let why = format!("stamps run {offset:.3} s off {reference}, which fits several names: {names}");
             not_applicable(out, &why)
         }
         (Explanation::Unknown, _) => {
             let why = format!(
-                "stamps run {offset:.3} s off the log clock, and no known epoch or leap second is that far off; see \
-                 TIME02"
+                "stamps run {offset:.3} s off the log clock, and no known epoch or leap second is that far off"
             );
             not_applicable(out, &why)
         }
@@ -133,9 +119,11 @@ fn wrong_unit(stream: &Stream<'_>, factor: f64, words: &str, log_s: f64, measure
         .measured(Measured::new("stamp / log time", ratio, "1"))
 }
 
-fn finding(stream: &Stream<'_>, named: &Named, reference: &str, measured: Measured) -> Finding {
+fn finding(stream: &Stream<'_>, named: &Named, (reference, far_s): (&str, f64), measured: Measured) -> Finding {
     let severity = match named.specific {
         Specific::Single => Severity::Error,
+        // A name makes it no smaller: so far off it is an error without one.
+        Specific::Family if measured.value.abs() > far_s => Severity::Error,
         Specific::Family => Severity::Warning,
     };
     let message = format!(

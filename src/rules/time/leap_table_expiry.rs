@@ -1,22 +1,22 @@
 //! TIME11: a recording is younger than the table of leap seconds it is judged by.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::tables::leap_seconds;
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 
-use super::streams::{Clock, log_clock};
+use crate::analysis::time::streams::{Clock, log_clock};
 
 /// TIME11.
-pub struct LeapTableExpiry;
+pub(crate) struct LeapTableExpiry;
 
 /// Limits of TIME11.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     beyond_days: f64,
     absurd_days: f64,
 }
@@ -26,7 +26,7 @@ impl Rule for LeapTableExpiry {
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let table = leap_seconds();
         for bag in &world.bags {
             let subject = format!("log clock of {}", world.path(bag.source));

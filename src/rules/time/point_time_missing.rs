@@ -1,21 +1,22 @@
 //! TIME05: clouds of a sweeping lidar whose points have no times.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
-use crate::rules::lidar::Clouds;
-use crate::rules::motion::{BagMotion, Motion, Stream};
-use crate::rules::{Evidence, Judge, Need, Rule, names};
+use crate::analysis::lidar::Clouds;
+use crate::analysis::motion::{BagMotion, Motion, Stream};
+use crate::analysis::names;
+use crate::rules::{Evidence, Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 use crate::world::motion::{FixRow, PoseRow};
 
 /// TIME05.
-pub struct PointTimeMissing;
+pub(crate) struct PointTimeMissing;
 
 /// Limits of TIME05.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     min_smear_m: f64,
     at_m: f64,
     min_s: f64,
@@ -28,7 +29,7 @@ impl Rule for PointTimeMissing {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         Clouds::say_packets(world, "times of the points", out);
         let motion = Motion::of(world);
         for clouds in Clouds::all(world) {

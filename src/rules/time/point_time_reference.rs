@@ -1,22 +1,22 @@
 //! TIME08: which moment of a scan the header is stamped with.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
-use crate::rules::lidar::Clouds;
+use crate::analysis::lidar::Clouds;
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::tables::CountsFrom;
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 use crate::world::cloud::{CloudSample, PointTimes};
 
 /// TIME08.
-pub struct PointTimeReference;
+pub(crate) struct PointTimeReference;
 
 /// Limits of TIME08.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     min_clouds: usize,
     near: f64,
     beside: f64,
@@ -56,7 +56,7 @@ impl Rule for PointTimeReference {
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         Clouds::say_packets(world, "times of the points", out);
         for clouds in Clouds::all(world).filter(|clouds| clouds.timed().next().is_some()) {
             judge_clouds(&clouds, limits, out);

@@ -1,63 +1,35 @@
 //! TIME07: which way a lidar sweeps, by the times of its points.
 
-use std::f64::consts::TAU;
+mod laser;
+use crate::analysis::Estimates;
+use crate::analysis::time::sweep::{Limits, sweep};
 
 use nalgebra::Vector3;
-use serde::Deserialize;
 
-use crate::math::circular::circular_mean;
-use crate::rules::lidar::Clouds;
-use crate::rules::motion::mount;
-use crate::rules::{Judge, Need, Rule, limits_of};
+use crate::analysis::lidar::Clouds;
+use crate::analysis::motion::mount::mount;
+use crate::rules::{Judge, Need, Rule};
 use crate::tables::Sweep;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
-use crate::world::cloud::CloudSample;
-
-use super::laser;
 
 /// TIME07.
-pub struct PointTimeSweep;
-
-/// Limits of TIME07.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    min_clouds: usize,
-    min_points: usize,
-    min_resultant: f64,
-    min_ratio: f64,
-    upright: f64,
-    max_angle_steps: f64,
-}
+pub(crate) struct PointTimeSweep;
 
 impl Rule for PointTimeSweep {
     const PAGE: &'static str = include_str!("../../../rules/time/point-time-sweep.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         Clouds::say_packets(world, "order of the times of the points", out);
         for clouds in Clouds::all(world).filter(|clouds| clouds.timed().next().is_some()) {
             judge_clouds(world, &clouds, limits, out);
         }
         for scans in Clouds::lasers(world) {
-            laser::judge_angles(&scans, limits.max_angle_steps, out);
+            crate::rules::time::point_time_sweep::laser::judge_angles(&scans, limits.max_angle_steps, out);
         }
     }
-}
-
-/// Whether clouds sweep to the other side than their lidar turns, as far as their times tell it.
-pub(crate) fn sweeps_the_other_way(clouds: &Clouds) -> bool {
-    let Some((limits, expected)) = limits_of::<PointTimeSweep>().zip(clouds.driver.and_then(|driver| driver.sweep))
-    else {
-        return false;
-    };
-    let samples = clouds.evidence.samples.iter();
-    let told: Vec<Sweep> = samples
-        .filter_map(|sample| Some(sweep(clouds, sample, &limits)?.0))
-        .collect();
-    told.len() >= limits.min_clouds && told.iter().all(|seen| *seen != expected)
 }
 
 fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge) {
@@ -134,29 +106,4 @@ fn words(sweep: Sweep) -> &'static str {
         Sweep::Clockwise => "clockwise",
         Sweep::CounterClockwise => "counter-clockwise",
     }
-}
-
-/// Which way a cloud sweeps, with the resultant of that way and of the other; `None` where it does not show.
-fn sweep(clouds: &Clouds, sample: &CloudSample, limits: &Limits) -> Option<(Sweep, f64, f64)> {
-    let times = sample.times.as_ref()?;
-    let (unit_s, _) = clouds.unit(times)?;
-    let period_s = clouds.period_s()?;
-    let with = |sign: f64| {
-        let angles = sample.points.iter().map(|point| {
-            let [x, y, _] = point.xyz;
-            let share = (point.time - times.range[0]) * unit_s / period_s;
-            (y.atan2(x) - sign * TAU * share, 1.0)
-        });
-        circular_mean(angles).map(|mean| mean.resultant)
-    };
-    let (left, right) = (with(1.0)?, with(-1.0)?);
-    let (best, other) = (left.max(right), left.min(right));
-    let is_told =
-        sample.points.len() >= limits.min_points && best >= limits.min_resultant && best >= limits.min_ratio * other;
-    let seen = if right > left {
-        Sweep::Clockwise
-    } else {
-        Sweep::CounterClockwise
-    };
-    is_told.then_some((seen, best, other))
 }

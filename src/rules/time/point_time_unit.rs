@@ -1,23 +1,22 @@
 //! TIME06: the unit of the times of points.
 
+mod laser;
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
+use crate::analysis::lidar::Clouds;
 use crate::math::stats::median;
-use crate::rules::lidar::Clouds;
 use crate::rules::{Judge, Need, Rule};
 use crate::tables::CloudDriver;
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
-
-use super::laser;
 
 /// TIME06.
-pub struct PointTimeUnit;
+pub(crate) struct PointTimeUnit;
 
 /// Limits of TIME06.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     min_clouds: usize,
     min_agreement: f64,
     min_scan_share: f64,
@@ -29,13 +28,17 @@ impl Rule for PointTimeUnit {
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         Clouds::say_packets(world, "unit of the times of the points", out);
         for clouds in Clouds::all(world).filter(|clouds| clouds.timed().next().is_some()) {
             judge_clouds(&clouds, limits, out);
         }
         for scans in Clouds::lasers(world) {
-            laser::judge_times(&scans, [limits.min_scan_share, limits.max_scan_share], out);
+            crate::rules::time::point_time_unit::laser::judge_times(
+                &scans,
+                [limits.min_scan_share, limits.max_scan_share],
+                out,
+            );
         }
     }
 }

@@ -1,45 +1,23 @@
 //! TIME09: what one sensor's stamps say happened sooner or later than another's, by the motion that both saw.
 
-use serde::Deserialize;
+use crate::analysis::Estimates;
+use crate::analysis::time::offsets::Limits;
+use crate::analysis::time::reference::words;
 
-use crate::rules::axes::sensors::{Sensor, Sensors};
-use crate::rules::motion::{BagMotion, Motion};
-use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::analysis::axes::sensors::{Sensor, Sensors};
+use crate::analysis::motion::{BagMotion, Motion};
+use crate::rules::{Evidence, Judge, Need, Rule, codes};
 use crate::verdict::plot::{Axis, Series};
 use crate::verdict::{Finding, Measured, NotEvaluated, Plot, Severity};
 use crate::world::{BagEvidence, World};
 
-use super::offsets::{Offset, Without};
-use super::reference::reference;
-use super::together::tell_once;
-use super::told::Told;
-use super::turning::{Kind, Signal, signals};
+use crate::advice::together::tell_once;
+use crate::analysis::time::offsets::{Offset, Without};
+use crate::analysis::time::reference::reference;
+use crate::analysis::time::turning::{Kind, Signal, signals};
 
 /// TIME09.
-pub struct SensorTimeOffset;
-
-/// Limits of TIME09.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    limit_s: f64,
-    pub(super) max_pairs: usize,
-    filter_s: f64,
-    fix_s: f64,
-    pub(super) sigmas: f64,
-    pub(super) steady_s: f64,
-    pub(super) max_lag_s: f64,
-    pub(super) min_s: f64,
-    pub(super) min_turning_rad_s: f64,
-    pub(super) min_correlation: f64,
-    pub(super) min_correlation_fix: f64,
-    pub(super) sure_correlation: f64,
-    pub(super) min_z: f64,
-    pub(super) min_part_z: f64,
-    pub(super) min_n_eff: f64,
-    pub(super) min_lead: f64,
-    pub(super) min_ratio: f64,
-}
+pub(crate) struct SensorTimeOffset;
 
 impl Rule for SensorTimeOffset {
     const PAGE: &'static str = include_str!("../../../rules/time/sensor-time-offset.md");
@@ -47,7 +25,7 @@ impl Rule for SensorTimeOffset {
     const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let sensors = Sensors::of(world);
         for (index, (bag, motion)) in world.bags.iter().zip(&Motion::of(world).bags).enumerate() {
             judge_bag(world, bag, motion, sensors.of_bag(index), limits, out);
@@ -55,16 +33,16 @@ impl Rule for SensorTimeOffset {
     }
 }
 
-/// The rule that reports the orientation of a signal, where one does: of a wrong one the lag is no lag.
-fn owner(signal: &Signal, motion: &BagMotion, sensors: &[Sensor]) -> Option<&'static str> {
+/// Whether a signal is an orientation that is known to be wrong: its lag is none.
+fn is_wrong(signal: &Signal, motion: &BagMotion, sensors: &[Sensor]) -> bool {
     let mut known = motion.imus.iter().zip(sensors);
-    let (_, sensor) = known.find(|(imu, _)| signal.kind == Kind::Orientation && imu.stream.subject == signal.stream)?;
-    sensor.diagnosis.owner
+    let own = known.find(|(imu, _)| signal.kind == Kind::Orientation && imu.stream.subject == signal.stream);
+    own.is_some_and(|(_, sensor)| sensor.diagnosis.shown_by.is_some())
 }
 
 fn judge_bag(
     world: &World,
-    bag: &BagEvidence,
+    _bag: &BagEvidence,
     motion: &BagMotion,
     sensors: &[Sensor],
     limits: &Limits,
@@ -80,12 +58,11 @@ fn judge_bag(
             return;
         }
     };
-    let told = Told::of(bag);
     let mut off: Vec<Finding> = Vec::new();
     for (second, found) in others {
         let subject = second.subject.clone();
-        if let Some(owner) = owner(second, motion, sensors) {
-            let why = format!("the orientation is wrong, as {owner} reports: its lag says nothing");
+        if is_wrong(second, motion, sensors) {
+            let why = "the orientation is wrong by itself: its lag says nothing";
             out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
             continue;
         }
@@ -111,12 +88,15 @@ fn judge_bag(
                     out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
                 } else if beyond_s <= 0.0 {
                     out.pass(subject, measured);
-                } else if offset.in_log_s.abs() <= limit_s && (told.stamps(first) || told.stamps(second)) {
-                    let why = "its stamps alone are off, as TIME01 or TIME02 report";
-                    out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
                 } else {
                     let is_large = beyond_s > slack_s(first, second);
-                    off.push(late(first, second, &offset, measured, is_large, limits));
+                    let finding = late(first, second, &offset, measured, is_large, limits);
+                    // In log time they agree: the stamps of one of them are off.
+                    off.push(if offset.in_log_s.abs() <= limit_s {
+                        finding.unless(codes::TIME01).unless(codes::TIME02)
+                    } else {
+                        finding
+                    });
                 }
             }
         }
@@ -126,14 +106,6 @@ fn judge_bag(
         .partition(|finding: &Finding| finding.measured.first().is_some_and(|measured| measured.value > 0.0));
     for together in [later, sooner] {
         tell_once(together, "run likewise", out);
-    }
-}
-
-/// The reference in words.
-pub(super) fn words(signal: &Signal) -> String {
-    match signal.kind {
-        Kind::Gyro => format!("the gyro of {}", signal.subject),
-        _ => signal.subject.clone(),
     }
 }
 

@@ -1,44 +1,30 @@
 //! TIME03: stamps of one stream run backwards, repeat, or leave gaps.
 
-use serde::Deserialize;
+mod gaps;
 
-use crate::rules::{Judge, Need, Rule};
+use crate::analysis::Estimates;
+use crate::rules::time::stamp_monotonic::gaps::Limits;
+
+use crate::rules::{Judge, Need, Rule, codes};
 use crate::source::{MessageRef, Place};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
-use crate::world::World;
 
-use super::gaps::judge_gaps;
-use super::streams::{Of, Stream, streams};
-use super::tf_vs_sensor_time::TfVsSensorTime;
-use crate::rules::limits_of;
+use crate::analysis::time::streams::{Of, Stream, streams};
+use crate::rules::time::stamp_monotonic::gaps::judge_gaps;
 
 /// TIME03.
-pub struct StampMonotonic;
-
-/// Limits of TIME03.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    min_messages: u64,
-    jump_back_s: f64,
-    repeated_share: f64,
-    contradicts_m: f64,
-    contradicts_deg: f64,
-    pub(super) gap_s: f64,
-    pub(super) gap_medians: f64,
-    pub(super) regular_share: f64,
-}
+pub(crate) struct StampMonotonic;
 
 impl Rule for StampMonotonic {
     const PAGE: &'static str = include_str!("../../../rules/time/stamp-monotonic.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             let streams = streams(bag);
-            let reused = limits_of::<TfVsSensorTime>();
-            let is_reused = |stream: &Stream<'_>| reused.as_ref().is_some_and(|limits| stream.is_reused(limits));
+            let reused = world.limits::<crate::analysis::time::streams::Limits>();
+            let is_reused = |stream: &Stream<'_>| stream.is_reused(&reused);
             let judged: Vec<&Stream<'_>> = streams.iter().filter(|stream| is_judged(stream, limits, out)).collect();
             let with_gap = judge_gaps(&judged, limits, out);
             for stream in judged {
@@ -58,7 +44,7 @@ fn is_judged(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) -> bool {
         return false;
     }
     if stamps.zero == stamps.count {
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, "every stamp is zero; see TIME04");
+        out.not_evaluated(subject, NotEvaluated::NotApplicable, "every stamp is zero");
         return false;
     }
     true
@@ -66,7 +52,10 @@ fn is_judged(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) -> bool {
 
 fn judge_order(stream: &Stream<'_>, has_gap: bool, is_reused: bool, limits: &Limits, out: &mut Judge) {
     let stamps = stream.stamps;
-    let repeated = if is_reused { None } else { repeated(stream, limits) };
+    let mut repeated = repeated(stream, limits);
+    if is_reused {
+        repeated = repeated.map(|finding| finding.unless(codes::TIME10));
+    }
     let findings = [backward(stream, limits), repeated, contradicting(stream, limits)];
     let mut sound = !has_gap;
     for finding in findings.into_iter().flatten() {
@@ -74,7 +63,7 @@ fn judge_order(stream: &Stream<'_>, has_gap: bool, is_reused: bool, limits: &Lim
         out.fail(finding);
     }
     if sound && is_reused {
-        let why = "stamps hardly change; see TIME10";
+        let why = "stamps hardly change";
         out.not_evaluated(stream.subject.clone(), NotEvaluated::NotApplicable, why);
     } else if sound {
         let back_s = stamps.largest_backward.as_ref().map_or(0.0, |(ns, _)| *ns as f64 / 1e9);

@@ -1,55 +1,35 @@
 //! TIME02: stamps run late, ahead, or at another rate than the log clock.
 
-use serde::Deserialize;
+mod lateness;
+
+use crate::analysis::Estimates;
+use crate::analysis::time::lateness::Limits;
 
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Confidence;
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
-use crate::world::{BagEvidence, World};
+use crate::world::BagEvidence;
 
-use super::epoch_offset::EpochOffset;
-use super::lateness::{Fault, allowed_s, faults};
-use super::naming::Naming;
-use super::simulated::Time;
-use super::streams::{Clock, Of, Stream, declared_streams, log_clock};
-use super::tf_vs_sensor_time::{self, TfVsSensorTime};
-use super::together::tell_once;
-use crate::rules::limits_of;
+use crate::advice::together::tell_once;
+use crate::analysis::time::lateness::allowed_s;
+use crate::analysis::time::naming::Naming;
+use crate::analysis::time::simulated::Time;
+use crate::analysis::time::streams::{Clock, Of, Stream, declared_streams, log_clock};
+use crate::rules::time::stamp_vs_log::lateness::{Fault, faults};
 
 /// TIME02.
-pub struct StampVsLog;
-
-/// Limits of TIME02.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    pub(super) min_messages: u64,
-    pub(super) late_s: f64,
-    pub(super) gnss_late_s: f64,
-    pub(super) ahead_s: f64,
-    pub(super) far_s: f64,
-    pub(super) rate_span_s: f64,
-    pub(super) rate: f64,
-    pub(super) drift_span_s: f64,
-    pub(super) drift_ppm: f64,
-    pub(super) drift_error_ppm: f64,
-    pub(super) drift_gain_s: f64,
-    pub(super) step_s: f64,
-    pub(super) margin: f64,
-    together_s: f64,
-    together_share: f64,
-    all_streams: usize,
-}
+pub(crate) struct StampVsLog;
 
 impl Rule for StampVsLog {
     const PAGE: &'static str = include_str!("../../../rules/time/stamp-vs-log.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        let (Some(names), Some(reused)) = (limits_of::<EpochOffset>(), limits_of::<TfVsSensorTime>()) else {
-            return;
-        };
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
+        let (names, reused) = (
+            world.limits::<crate::analysis::time::naming::Limits>(),
+            world.limits::<crate::analysis::time::streams::Limits>(),
+        );
         for bag in &world.bags {
             let streams = declared_streams(world, bag);
             let naming = Naming::new(bag, &streams, &names);
@@ -72,7 +52,7 @@ fn is_judged(
     bag: &BagEvidence,
     stream: &Stream<'_>,
     all: &[Stream<'_>],
-    (limits, reused): (&Limits, &tf_vs_sensor_time::Limits),
+    (limits, reused): (&Limits, &crate::analysis::time::streams::Limits),
     out: &mut Judge,
 ) -> bool {
     let n = stream.stamps.count.saturating_sub(stream.stamps.zero);
@@ -83,12 +63,12 @@ fn is_judged(
         let why = "messages of this type may carry the time of what they were made from";
         (NotEvaluated::NotApplicable, why.to_owned())
     } else if stream.is_reused(reused) {
-        let why = "stamps hardly change; see TIME10";
+        let why = "stamps hardly change";
         (NotEvaluated::NotApplicable, why.to_owned())
     } else if stream.clock() == Some(log_clock(bag)) || runs_apart(bag, stream, all) {
         return true;
     } else {
-        let why = "stamps and log time are of different kinds of clock; see TIME04";
+        let why = "stamps and log time are of different kinds of clock";
         (NotEvaluated::NotApplicable, why.to_owned())
     };
     out.not_evaluated(stream.subject.clone(), why, reason);
@@ -118,10 +98,7 @@ fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: 
             .spread(spread)
             .limit(limits.late_s);
         if named || !naming.is_comparable(stream) {
-            let why = format!(
-                "stamps run {offset:.3} s off the log clock, which {} names",
-                if named { "TIME01" } else { "TIME04" }
-            );
+            let why = format!("stamps run {offset:.3} s off the log clock, and are of another clock or time scale");
             out.not_evaluated(stream.subject.clone(), NotEvaluated::NotApplicable, why);
         } else {
             out.pass(stream.subject.clone(), [measured.samples(stream.stamps.count)]);

@@ -1,42 +1,26 @@
 //! TIME10: transforms lie in the future or far behind the sensors, or many messages share one stamp.
 
-use serde::Deserialize;
+use crate::analysis::Estimates;
+use crate::analysis::time::streams::Limits;
 
 use crate::math::stats::median;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Judge, Need, Rule, codes};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::World;
 
-use super::epoch_offset::EpochOffset;
-use super::naming::Naming;
-use super::streams::{Of, Stream, streams};
-use super::together::tell_once;
-use crate::rules::limits_of;
+use crate::advice::together::tell_once;
+use crate::analysis::time::naming::Naming;
+use crate::analysis::time::streams::{Of, Stream, streams};
 
 /// TIME10.
-pub struct TfVsSensorTime;
-
-/// Limits of TIME10.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    pub(super) min_messages: u64,
-    lead_s: f64,
-    lag_s: f64,
-    pub(super) unique_share: f64,
-    pub(super) moves_deg: f64,
-    pub(super) moves_m: f64,
-}
+pub(crate) struct TfVsSensorTime;
 
 impl Rule for TfVsSensorTime {
     const PAGE: &'static str = include_str!("../../../rules/time/tf-vs-sensor-time.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
-        let Some(names) = limits_of::<EpochOffset>() else {
-            return;
-        };
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
+        let names = world.limits::<crate::analysis::time::naming::Limits>();
         for bag in &world.bags {
             let streams = streams(bag);
             let naming = Naming::new(bag, &streams, &names);
@@ -56,19 +40,24 @@ fn judge_bag(streams: &[Stream<'_>], naming: &Naming<'_>, limits: &Limits, out: 
         if !(is_edge || stream.is_live()) || !has_enough(stream, limits, out) {
             continue;
         }
+        // An offset that has a name is said better by it.
+        let mut tell_off = |finding: Finding, found: &mut Vec<Finding>| {
+            if naming.has_word(stream) {
+                out.fail(finding.unless(codes::TIME01));
+            } else {
+                found.push(finding);
+            }
+        };
         if stream.is_reused(limits) {
             reused.push(one_stamp(stream, limits));
         } else if !is_edge {
             out.pass(stream.subject.clone(), [unique(stream, limits)]);
-        } else if naming.has_word(stream) {
-            let why = "the offset of its stamps has a name; see TIME01";
-            out.not_evaluated(stream.subject.clone(), NotEvaluated::NotApplicable, why);
         } else if let Some((lead_s, of)) = lead(stream, &sensors, naming, limits) {
             let measured = Measured::new(format!("stamp minus {of}"), lead_s, "s").samples(stream.stamps.count);
             if lead_s > limits.lead_s {
-                ahead.push(off(stream, of, measured.limit(limits.lead_s)));
+                tell_off(off(stream, of, measured.limit(limits.lead_s)), &mut ahead);
             } else if lead_s < -limits.lag_s {
-                behind.push(off(stream, of, measured.limit(-limits.lag_s)));
+                tell_off(off(stream, of, measured.limit(-limits.lag_s)), &mut behind);
             } else {
                 out.pass(
                     stream.subject.clone(),

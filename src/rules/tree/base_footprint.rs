@@ -1,37 +1,24 @@
 //! TREE13: `base_footprint` that is not the level shadow of `base_link` on the ground.
 
-use serde::Deserialize;
+use crate::analysis::Estimates;
+use crate::analysis::tree::footprint::Limits;
 
 use crate::math::stats::quantile;
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::{FrameId, World};
+use crate::world::FrameId;
 
-use super::footprint::{LevelPath, Mount, level_paths, mounts};
+use crate::analysis::tree::footprint::{LevelPath, Mount, level_paths, mounts};
 
 /// TREE13.
-pub struct BaseFootprint;
-
-/// Limits of the page.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    /// Tilt against a level frame that 95 of 100 samples may have, degrees.
-    pub max_tilt_deg: f64,
-    /// Tilt that 95 of 100 samples exceed where something stands on its head, degrees.
-    pub upside_down_deg: f64,
-    /// Yaw between `base_footprint` and `base_link`, degrees.
-    pub max_yaw_deg: f64,
-    /// How far `base_link` may lie below, metres.
-    pub max_below_m: f64,
-}
+pub(crate) struct BaseFootprint;
 
 impl Rule for BaseFootprint {
     const PAGE: &'static str = include_str!("../../../rules/tree/base-footprint.md");
     const NEEDS: &'static [Need] = &[Need::RobotOrTf];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for footprint in &world.graph().frames {
             let name = footprint.as_str();
             let (namespace, last) = name.rsplit_once('/').map_or(("", name), |(space, last)| (space, last));

@@ -1,25 +1,27 @@
 //! TREE14: corrections of `map` -> `odom` that are jumps.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
-use crate::rules::names::Standard;
-use crate::rules::{Judge, Need, Rule, tf};
+use crate::analysis::names::Standard;
+use crate::analysis::tf;
+use crate::rules::{Judge, Need, Rule, codes};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::bag::{TfEdge, TopicEvidence};
 use crate::world::content::Step;
 use crate::world::{BagEvidence, FrameId, World};
 
-use super::corrections::{Jump, keepers, was_asked};
-use super::steps::{of_moving, outstanding, takes_turns};
+use crate::analysis::tree::corrections::{Jump, keepers, was_asked};
+use crate::analysis::tree::steps::{of_moving, outstanding, takes_turns};
 
 /// TREE14.
-pub struct MapOdomJump;
+pub(crate) struct MapOdomJump;
 
 /// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Shift at the vehicle from which a correction is a jump, metres.
     pub jump_m: f64,
     /// Turn from which a correction is a jump, degrees.
@@ -41,7 +43,7 @@ impl Rule for MapOdomJump {
     const NEEDS: &'static [Need] = &[Need::Tf];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             for edge in bag.tf.iter().filter(|edge| is_correction(edge)) {
                 judge_edge(world, bag, edge, limits, out);
@@ -59,11 +61,6 @@ fn judge_edge(world: &World, bag: &BagEvidence, edge: &TfEdge, limits: &Limits, 
     let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
     let subject = format!("`{parent}` -> `{child}` of {}", world.path(bag.source));
     let steps = &edge.steps;
-    if takes_turns(steps) {
-        let reason = "two writers take turns with different values; see AUTH01";
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
-        return;
-    }
     if steps.count == 0 {
         out.not_evaluated(
             subject,
@@ -106,6 +103,9 @@ fn judge_edge(world: &World, bag: &BagEvidence, edge: &TfEdge, limits: &Limits, 
         if between_windows(bag, edge, limits) {
             let reason = "it changes by more than a jump between the parts of the recording that were read";
             out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
+        } else if takes_turns(steps) {
+            let reason = "two writers take turns with different values: its steps are those between them";
+            out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
         } else {
             out.pass(
                 subject,
@@ -114,7 +114,10 @@ fn judge_edge(world: &World, bag: &BagEvidence, edge: &TfEdge, limits: &Limits, 
         }
         return;
     }
-    let finding = finding(bag, edge, subject, &jumps, limits);
+    let mut finding = finding(bag, edge, subject, &jumps, limits);
+    if takes_turns(steps) {
+        finding = finding.unless_about(codes::AUTH01, format!("{child}`"));
+    }
     let count = Measured::count("jumps", jumps.len()).limit(0.0).samples(steps.moving);
     out.fail(finding.measured(count).measured(shift).measured(turn));
 }

@@ -1,52 +1,29 @@
 //! TREE16: a correction of `map` that is not there, not moving, or not applied to what is called a map.
 
-use serde::Deserialize;
+use crate::analysis::Estimates;
+use crate::analysis::tree::drift::Limits;
 
-use crate::rules::motion::{BagMotion, Motion};
-use crate::rules::names::Standard;
-use crate::rules::tf::{self, Used};
+use crate::analysis::motion::{BagMotion, Motion};
+use crate::analysis::names::Standard;
+use crate::analysis::tf;
+use crate::analysis::tf::Used;
 use crate::rules::{Judge, Need, Rule};
 use crate::source::{MessageRef, Place};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::bag::{TfEdge, TopicEvidence};
-use crate::world::{BagEvidence, FrameId, World};
+use crate::world::{BagEvidence, FrameId};
 
-use super::drift::drift;
+use crate::analysis::tree::drift::drift;
 
 /// TREE16.
-pub struct MapOdomNotApplied;
-
-/// Limits of the page.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    /// Change of the correction above which it is one, metres.
-    pub constant_m: f64,
-    /// Change of the correction above which it is one, degrees.
-    pub constant_deg: f64,
-    /// Drift of odometry that needs a correction, metres.
-    pub(super) drift_m: f64,
-    /// The same, as a share of the way.
-    pub(super) drift_share: f64,
-    /// Standard deviation that is taken for another source at least, metres.
-    pub(super) least_sigma_m: f64,
-    /// Deviations that a drift must exceed.
-    pub(super) sigmas: f64,
-    /// Deviations between the least drift that counts and one that is told.
-    pub(super) margin: f64,
-    pub(super) max_scale: f64,
-    /// Points of each third.
-    pub(super) min_points: usize,
-    /// Residual of a third, over the way, above which the two tracks are not of one platform.
-    pub(super) max_residual: f64,
-}
+pub(crate) struct MapOdomNotApplied;
 
 impl Rule for MapOdomNotApplied {
     const PAGE: &'static str = include_str!("../../../rules/tree/map-odom-not-applied.md");
     const NEEDS: &'static [Need] = &[Need::Tf];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for (bag, motion) in world.bags.iter().zip(&Motion::of(world).bags) {
             for odom in tf::moving_odoms(bag) {
                 let subject = format!("correction of `{odom}` in {}", world.path(bag.source));

@@ -1,24 +1,28 @@
 //! TREE07: frames of messages that no transform knows.
 
+use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 
-use crate::rules::names::{self, Standard};
-use crate::rules::near::{Reach, nearest};
-use crate::rules::tf::{self, HeaderUse, Used};
-use crate::rules::{Judge, Need, NoLimits, Rule, spelling};
+use crate::analysis::names;
+use crate::analysis::names::Standard;
+use crate::analysis::near::{Reach, nearest};
+use crate::analysis::spelling;
+use crate::analysis::tf;
+use crate::analysis::tf::{HeaderUse, Used};
+use crate::rules::{Judge, Need, NoLimits, Rule, codes};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{BagEvidence, FrameId, World};
 
 /// TREE07.
-pub struct MessageFrameUnresolved;
+pub(crate) struct MessageFrameUnresolved;
 
 impl Rule for MessageFrameUnresolved {
     const PAGE: &'static str = include_str!("../../../rules/tree/message-frame-unresolved.md");
     const NEEDS: &'static [Need] = &[Need::RobotOrTf, Need::Bag];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         let has_tf = world.bags.iter().any(|bag| !bag.tf.is_empty());
         for bag in &world.bags {
             let uses = tf::header_frames(bag);
@@ -41,6 +45,7 @@ impl Rule for MessageFrameUnresolved {
                 unlatched: tf::without_static(bag).into_keys().collect(),
                 uncorrected,
                 has_tf,
+                path: world.path(bag.source),
             };
             judge_base(world, bag, tree, out);
             for (frame, used) in &uses {
@@ -56,6 +61,8 @@ struct Context<'a> {
     unlatched: BTreeSet<FrameId>,
     uncorrected: BTreeSet<FrameId>,
     has_tf: bool,
+    /// What reports call the recording.
+    path: &'a str,
 }
 
 fn subject_of(world: &World, bag: &BagEvidence) -> String {
@@ -83,22 +90,27 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
         return;
     }
     let cleaned = FrameId::new(spelling::clean(frame.as_str()));
-    let elsewhere = if context.folded.contains(&names::fold(frame)) {
-        Some("the name differs from one in the tree only in case: see NAME01")
+    // Names stand in reports as they were published, with a slash in front or without.
+    let quoted = format!("{frame}`");
+    let better = if context.folded.contains(&names::fold(frame)) {
+        Some((codes::NAME01, quoted))
     } else if context.tree.contains(&cleaned) {
-        Some("the name has stray blanks or slashes: see NAME02")
+        Some((codes::NAME02, quoted))
     } else if context.uncorrected.contains(frame) {
-        Some("TF has `odom`, and nothing that ties `map` to it: see TREE16")
+        Some((codes::TREE16, quoted))
     } else if context.unlatched.contains(frame) {
-        Some("the recording has no latched transforms at all: see TREE08")
-    } else if bag.truncated {
+        Some((codes::TREE08, context.path.to_owned()))
+    } else {
+        None
+    };
+    let unproven = if bag.truncated {
         Some("the recording is cut short, so a missing transform proves nothing")
     } else if !context.has_tf && names::is_world(frame) {
         Some("no TF was recorded, and a URDF does not hold this frame")
     } else {
         None
     };
-    if let Some(reason) = elsewhere {
+    if let (None, Some(reason)) = (&better, unproven) {
         out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
         return;
     }
@@ -127,6 +139,10 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
         Finding::error(subject, message, place)
     };
     let finding = if context.has_tf { finding } else { finding.likely() };
+    let finding = match better {
+        Some((rule, about)) => finding.unless_about(rule, about),
+        None => finding,
+    };
     out.fail(finding.help(help).measured(messages.limit(0.0)));
 }
 

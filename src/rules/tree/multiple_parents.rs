@@ -1,25 +1,27 @@
 //! TREE02: frames with more than one parent.
 
+use crate::analysis::Estimates;
 use std::collections::{BTreeMap, BTreeSet};
 
 use serde::Deserialize;
 
-use crate::rules::{Judge, Need, Rule, tf};
+use crate::analysis::tf;
+use crate::rules::{Judge, Need, Rule, codes};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Measured};
 use crate::world::bag::TfEdge;
 use crate::world::robot::Joint;
 use crate::world::{BagEvidence, FrameId, Robot, World};
 
-use super::tf_cycle::loops;
+use crate::analysis::tree::loops::loops;
 
 /// TREE02.
-pub struct MultipleParents;
+pub(crate) struct MultipleParents;
 
 /// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Changes of parent from which two broadcasters may be said to fight ...
     pub min_switches: u64,
     /// ... if there are as many for each transform under the rarer parent.
@@ -31,7 +33,7 @@ impl Rule for MultipleParents {
     const NEEDS: &'static [Need] = &[Need::RobotOrTf];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for robot in &world.robots {
             judge_robot(world, robot, out);
         }
@@ -114,12 +116,14 @@ fn judge_bag(
         }
         failed = true;
         let outside = |parent: &&FrameId| !closing.contains(&(child.clone(), (*parent).clone()));
-        if parents.iter().filter(outside).count() < 2 && parents.len() == 2 {
-            let why = "one of its two parents is below it, and closes a loop; see TREE03";
-            out.not_evaluated(format!("frame `{child}`"), NotEvaluated::NotApplicable, why);
-            continue;
-        }
-        out.fail(judge_child(bag, &child, &edges, &parents, limits));
+        let finding = judge_child(bag, &child, &edges, &parents, limits);
+        // One of its two parents is below it, and closes a loop.
+        let is_loop = parents.iter().filter(outside).count() < 2 && parents.len() == 2;
+        out.fail(if is_loop {
+            finding.unless_about(codes::TREE03, format!("{child}`"))
+        } else {
+            finding
+        });
     }
     if !failed {
         let several = Measured::count("frames with more than one parent", 0).limit(0.0);

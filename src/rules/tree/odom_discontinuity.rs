@@ -1,57 +1,45 @@
 //! TREE15: odometry that does not move on from where it was.
 
-use serde::Deserialize;
+use crate::analysis::Estimates;
+use crate::analysis::tree::odometry::Limits;
+use crate::world::FrameId;
 
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Judge, Need, Rule, codes};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::BagEvidence;
 use crate::world::content::StepAt;
-use crate::world::{BagEvidence, World};
 
-use super::odometry::{Bound, Stream, streams};
-use super::steps::{outstanding, seconds, takes_turns};
+use crate::analysis::tree::odometry::{Bound, Stream, streams};
+use crate::analysis::tree::steps::{outstanding, seconds, takes_turns};
 
 /// TREE15.
-pub struct OdomDiscontinuity;
-
-/// Limits of the page.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    /// Step that is never a jump, metres.
-    pub least_m: f64,
-    /// Turn that is never a jump, degrees.
-    pub least_deg: f64,
-    /// A jump is so many times the greatest speed.
-    pub times_speed: f64,
-    /// Steps needed.
-    pub min_steps: u64,
-    /// A jump that ends this near to the identity is a reset, metres and radians.
-    pub origin: f64,
-}
+pub(crate) struct OdomDiscontinuity;
 
 impl Rule for OdomDiscontinuity {
     const PAGE: &'static str = include_str!("../../../rules/tree/odom-discontinuity.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             for ((odom, child), streams) in streams(bag) {
                 let subject = format!("odometry `{odom}` -> `{child}` of {}", world.path(bag.source));
-                judge_streams(bag, subject, &streams, limits, out);
+                judge_streams(bag, (subject, &child), &streams, limits, out);
             }
         }
     }
 }
 
-fn judge_streams(bag: &BagEvidence, subject: String, streams: &[Stream], limits: &Limits, out: &mut Judge) {
+fn judge_streams(
+    bag: &BagEvidence,
+    (subject, child): (String, &FrameId),
+    streams: &[Stream],
+    limits: &Limits,
+    out: &mut Judge,
+) {
     let steps = crate::math::stats::total(streams.iter().map(|stream| stream.steps.count));
-    if streams.iter().any(|stream| takes_turns(stream.steps)) {
-        let reason = "two writers take turns with different values; see AUTH01";
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
-        return;
-    }
+    let takes_turns = streams.iter().any(|stream| takes_turns(stream.steps));
     if streams.iter().all(|stream| stream.steps.count < limits.min_steps) {
         let reason = format!("{steps} steps, {} are needed", limits.min_steps);
         out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
@@ -68,6 +56,11 @@ fn judge_streams(bag: &BagEvidence, subject: String, streams: &[Stream], limits:
     let found: Vec<(&Stream, Vec<StepAt>)> = streams.iter().map(|stream| (stream, jumps_of(stream))).collect();
     let with_jumps: Vec<_> = found.into_iter().filter(|(_, jumps)| !jumps.is_empty()).collect();
     let Some(((stream, jumps), others)) = with_jumps.split_first() else {
+        if takes_turns {
+            let reason = "two writers take turns with different values: its steps are those between them";
+            out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
+            return;
+        }
         let all = streams.iter().flat_map(|stream| outstanding(stream.steps));
         // The step that comes nearest to its limit.
         let ratio = all.map(|at| at.step.distance_m.min(at.step.surprise_m) / bound.limits(&at.step, limits).0);
@@ -82,6 +75,9 @@ fn judge_streams(bag: &BagEvidence, subject: String, streams: &[Stream], limits:
         return;
     };
     let mut finding = finding(bag, subject, stream, jumps, &bound, limits);
+    if takes_turns {
+        finding = finding.unless_about(codes::AUTH01, format!("{child}`"));
+    }
     for (other, jumps) in others {
         if let Some(first) = jumps.first() {
             let place = Place::message(bag.source, first.after.at.clone());

@@ -1,26 +1,28 @@
 //! TREE01: frames that no chain connects to the rest.
 
+use crate::analysis::Estimates;
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::rules::places::Firsts;
-use crate::rules::spelling::loose;
-use crate::rules::{Judge, Need, NoLimits, Rule, tf};
+use crate::analysis::places::Firsts;
+use crate::analysis::spelling::loose;
+use crate::analysis::tf;
+use crate::rules::{Judge, Need, NoLimits, Rule, codes};
 use crate::source::SourceId;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::graph::Component;
 use crate::world::{FrameId, FrameRole, World};
 
-use super::tf_cycle::loops;
+use crate::analysis::tree::loops::loops;
 
 /// TREE01.
-pub struct OrphanSubtree;
+pub(crate) struct OrphanSubtree;
 
 impl Rule for OrphanSubtree {
     const PAGE: &'static str = include_str!("../../../rules/tree/orphan-subtree.md");
     const NEEDS: &'static [Need] = &[Need::RobotOrTf];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         let wholes = named_by_wholes(world);
         let (parts, components): (Vec<Component>, Vec<Component>) = world
             .graph()
@@ -111,11 +113,9 @@ fn judge_orphan(orphan: &Component, main: &Component, around: &Surroundings<'_>,
     else {
         return;
     };
-    if orphan.roots.is_empty() && orphan.members.iter().any(|frame| looping.contains(frame)) {
-        let why = "it has no root that could be connected, because it goes round in a loop; see TREE03";
-        out.not_evaluated(format!("subtree `{root}`"), NotEvaluated::NotApplicable, why);
-        return;
-    }
+    // What goes round in a loop has no root that could be connected.
+    let round = orphan.members.iter().find(|frame| looping.contains(*frame));
+    let round = round.filter(|_| orphan.roots.is_empty());
     let others = orphan.members.len() - 1;
     let main_root = main.roots.first().or_else(|| main.members.first());
     let subject = format!("subtree `{root}`");
@@ -133,9 +133,9 @@ fn judge_orphan(orphan: &Component, main: &Component, around: &Surroundings<'_>,
         .iter()
         .find_map(|frame| Some((frame, names.get(&loose(frame.as_str()))?)));
     let help = match twin {
-        Some((frame, twin)) => format!(
-            "`{frame}` and `{twin}` of the main tree differ only in case, blanks or slashes: make them one (NAME01, NAME02)"
-        ),
+        Some((frame, twin)) => {
+            format!("`{frame}` and `{twin}` of the main tree differ only in case, blanks or slashes: make them one")
+        }
         None => {
             format!("publish or describe the transform that mounts `{root}`, or remove the frames if nothing uses them")
         }
@@ -149,7 +149,10 @@ fn judge_orphan(orphan: &Component, main: &Component, around: &Surroundings<'_>,
         Some(place) => finding.related(place, "root of the main tree"),
         None => finding,
     };
-    out.fail(finding);
+    out.fail(match round {
+        Some(frame) => finding.unless_about(codes::TREE03, format!("{frame}`")),
+        None => finding,
+    });
 }
 
 /// The component with most sensor frames in message headers, then most frames.

@@ -1,22 +1,24 @@
 //! TREE06: the order of `earth`, `map`, `odom` and the base, and sensors above the base.
 
+use crate::analysis::Estimates;
 use std::collections::{BTreeSet, VecDeque};
 
-use crate::rules::names::{self, Standard};
-use crate::rules::{Judge, Need, NoLimits, Rule, places};
+use crate::analysis::names;
+use crate::analysis::names::Standard;
+use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::verdict::{Finding, Measured};
 use crate::world::graph::FrameGraph;
 use crate::world::{FrameId, World};
 
 /// TREE06.
-pub struct Rep105Order;
+pub(crate) struct Rep105Order;
 
 impl Rule for Rep105Order {
     const PAGE: &'static str = include_str!("../../../rules/tree/rep105-order.md");
     const NEEDS: &'static [Need] = &[Need::RobotOrTf];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         let graph = world.graph();
         let mut judged = 0;
         let mut failed = false;
@@ -72,7 +74,7 @@ fn at_edge(world: &World, frame: &FrameId, is_error: bool, message: String) -> O
     let place = world
         .graph()
         .edges_to(frame)
-        .find_map(|edge| places::of_edge(world, edge))?;
+        .find_map(|edge| crate::analysis::places::of_edge(world, edge))?;
     let subject = format!("frame `{frame}`");
     let finding = if is_error {
         Finding::error(subject, message, place)

@@ -1,19 +1,20 @@
 //! TREE04: transforms of a frame to itself, and transforms without a frame.
 
+use crate::analysis::Estimates;
 use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::source::{Confidence, Place};
 use crate::verdict::{Finding, Measured};
 use crate::world::{BagEvidence, ClaimKind, FrameId, Robot, World};
 
 /// TREE04.
-pub struct SelfOrEmptyTransform;
+pub(crate) struct SelfOrEmptyTransform;
 
 impl Rule for SelfOrEmptyTransform {
     const PAGE: &'static str = include_str!("../../../rules/tree/self-or-empty-transform.md");
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         for bag in world.bags.iter().filter(|bag| !bag.tf.is_empty()) {
             judge_bag(world, bag, out);
         }

@@ -1,9 +1,11 @@
 //! TREE05: edges published both as latched and as moving, and moving edges that never move.
 
+use crate::analysis::Estimates;
 use serde::Deserialize;
 
-use crate::rules::relate::{Difference, Same};
-use crate::rules::{Judge, Need, Rule, names, tf};
+use crate::analysis::relate::{Difference, Same};
+use crate::analysis::{names, tf};
+use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured};
 use crate::world::bag::TfEdge;
@@ -11,12 +13,12 @@ use crate::world::robot::Joint;
 use crate::world::{BagEvidence, FrameId, World};
 
 /// TREE05.
-pub struct StaticDynamicConflict;
+pub(crate) struct StaticDynamicConflict;
 
 /// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Rotation up to which two transforms hold the same numbers, degrees.
     pub same_deg: f64,
     /// Translation up to which two transforms hold the same numbers, metres.
@@ -34,7 +36,7 @@ impl Rule for StaticDynamicConflict {
     const NEEDS: &'static [Need] = &[Need::Tf];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in world.bags.iter().filter(|bag| !bag.tf.is_empty()) {
             let mut failed = false;
             let children = tf::by_child(bag);

@@ -1,40 +1,28 @@
 //! TREE11: latched transforms with more than one value, in one recording or from one to another.
 
-use serde::Deserialize;
+mod across;
+
+use crate::analysis::Estimates;
+use crate::analysis::tree::latched::Limits;
 
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, NotEvaluated, Severity};
+use crate::world::BagEvidence;
 use crate::world::bag::{TfEdge, TfSample};
-use crate::world::{BagEvidence, World};
 
-use super::latched::{Calm, Change, Key, change, difference, latched};
-use super::latched_across::{Across, judge_across};
+use crate::analysis::tree::latched::{Calm, Change, Key, change, difference, latched};
+use crate::rules::tree::static_transform_changes::across::{Across, judge_across};
 
 /// TREE11.
-pub struct StaticTransformChanges;
-
-/// Limits of the page.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    /// Rotation up to which two values are one, degrees.
-    pub same_deg: f64,
-    /// Translation up to which two values are one, metres.
-    pub same_m: f64,
-    /// Rotation from which the change is an error, degrees.
-    pub error_deg: f64,
-    /// Translation from which the change is an error, metres.
-    pub error_m: f64,
-}
+pub(crate) struct StaticTransformChanges;
 
 impl Rule for StaticTransformChanges {
     const PAGE: &'static str = include_str!("../../../rules/tree/static-transform-changes.md");
     const NEEDS: &'static [Need] = &[Need::Tf];
-    const ACROSS: bool = true;
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let mut across = Across::new();
         let mut bags: Vec<&BagEvidence> = world.bags.iter().filter(|bag| !bag.tf.is_empty()).collect();
         bags.sort_by_key(|bag| (bag.start_ns, bag.source));

@@ -1,32 +1,23 @@
 //! TREE09: sensor messages whose frame cannot be looked up at their stamp.
 
+mod findings;
+
+use crate::analysis::Estimates;
+use crate::rules::tree::tf_lookup_coverage::findings::{Limits, subject_of};
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
-
-use crate::rules::time::tell_once;
-use crate::rules::{Judge, Need, Rule, names, tf};
+use crate::advice::together::tell_once;
+use crate::analysis::{names, tf};
+use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, NotEvaluated};
 use crate::world::bag::TopicEvidence;
-use crate::world::{BagEvidence, FrameId, World};
+use crate::world::{BagEvidence, FrameId};
 
-use super::lookup_findings::{Case, Cause};
-use super::lookups::{Culprit, Heard, Listeners, offset_s};
+use crate::analysis::tree::lookups::{Culprit, Heard, Listeners, offset_s};
+use crate::rules::tree::tf_lookup_coverage::findings::{Case, Cause};
 
 /// TREE09.
-pub struct TfLookupCoverage;
-
-/// Limits of the page.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limits {
-    min_messages: u64,
-    pub(super) max_failing: f64,
-    pub(super) max_start_s: f64,
-    pub(super) max_end_s: f64,
-    same_clock_s: f64,
-    pub(super) cache_s: f64,
-}
+pub(crate) struct TfLookupCoverage;
 
 /// Findings by their cause.
 type Causes = BTreeMap<Cause, Vec<Finding>>;
@@ -36,7 +27,7 @@ impl Rule for TfLookupCoverage {
     const NEEDS: &'static [Need] = &[Need::Bag, Need::Tf];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in world.bags.iter().filter(|bag| !bag.tf.is_empty()) {
             let mut listeners = Listeners::new(bag);
             let mut causes = Causes::new();
@@ -56,10 +47,6 @@ impl Rule for TfLookupCoverage {
             }
         }
     }
-}
-
-pub(super) fn subject_of(topic: &TopicEvidence) -> String {
-    format!("look-ups for topic `{}`", topic.topic)
 }
 
 fn judge_topic(
@@ -86,21 +73,14 @@ fn judge_topic(
         return Err(not_ours(format!("its frame `{frame}` is no sensor's")));
     }
     if let Some(child) = refused(bag, frame) {
-        return Err(not_ours(format!(
-            "tf2 refuses every transform of `{child}`: see ROT04 and ROT05"
-        )));
+        return Err(not_ours(format!("tf2 refuses every transform of `{child}`")));
     }
-    let unknown = || not_ours(format!("TF does not know its frame `{frame}`: see TREE07 and TREE08"));
+    let unknown = || not_ours(format!("TF does not know its frame `{frame}`"));
     let heard = listeners.of(frame, &topic.topic).ok_or_else(unknown)?;
-    let alone = || {
-        not_ours(format!(
-            "TF connects `{frame}` with no map, odom or base frame: see TREE01"
-        ))
-    };
+    let alone = || not_ours(format!("TF connects `{frame}` with no map, odom or base frame"));
     let target = heard.target(frame).ok_or_else(alone)?;
     if let Some((apart_s, edge)) = other_clock(topic, heard, [&target, frame], limits) {
-        let reason =
-            format!("its stamps and those of {edge} are of clocks {apart_s:.1} s apart: see TIME01 and TIME04");
+        let reason = format!("its stamps and those of {edge} are of clocks {apart_s:.1} s apart");
         return Err(not_ours(reason));
     }
     let asked = heard.ask(&target, frame, topic, limits.cache_s);
@@ -111,7 +91,7 @@ fn judge_topic(
             .any(|part| part.main.as_ref().is_some_and(|(at, _)| at == culprit))
     };
     if fails_at(&Culprit::Loop) {
-        return Err(not_ours("the tree is a loop: see TREE03".to_owned()));
+        return Err(not_ours("the tree is a loop".to_owned()));
     }
     let case = Case {
         bag,

@@ -1,26 +1,29 @@
 //! TREE10: transforms that come so seldom that interpolating between them goes astray.
 
+use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 
 use serde::Deserialize;
 
-use crate::rules::names::{self, Standard};
-use crate::rules::{Judge, Need, Rule, tf};
+use crate::analysis::names;
+use crate::analysis::names::Standard;
+use crate::analysis::tf;
+use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, NotEvaluated};
 use crate::world::bag::TfEdge;
 use crate::world::content::Step;
-use crate::world::{BagEvidence, FrameId, World};
+use crate::world::{BagEvidence, FrameId};
 
-use super::rate::Rate;
+use crate::analysis::tree::rate::Rate;
 
 /// TREE10.
-pub struct TfRateTooLow;
+pub(crate) struct TfRateTooLow;
 
 /// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     min_steps: usize,
     min_moving: u64,
     max_undone: f64,
@@ -33,7 +36,7 @@ impl Rule for TfRateTooLow {
     const NEEDS: &'static [Need] = &[Need::Bag, Need::Tf];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in &world.bags {
             let carrying = carrying(bag);
             let edges = bag.tf.iter().filter(|edge| !edge.is_static && !corrects(edge));
@@ -86,7 +89,7 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
     let undone = steps.undone as f64 / steps.count.max(1) as f64;
     if undone > limits.max_undone {
         let reason = format!(
-            "{:.0} % of the steps are undone by the next: see AUTH01",
+            "{:.0} % of the steps are undone by the next, as of two writers that take turns",
             undone * 100.0
         );
         out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);

@@ -1,24 +1,26 @@
 //! TREE08: latched transforms that are missing, late or not latched.
 
+mod split;
+
+use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 
 use serde::Deserialize;
 
-use crate::rules::{Judge, Need, Rule, tf};
+use crate::analysis::tf;
+use crate::rules::{Judge, Need, Rule};
 use crate::source::{MessageRef, Place};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::bag::TopicEvidence;
 use crate::world::{BagEvidence, FrameId, World};
 
-use super::split_static::split;
-
 /// TREE08.
-pub struct TfStaticMissingOrLate;
+pub(crate) struct TfStaticMissingOrLate;
 
 /// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Time by which a latched transform may come after the first message that needs it, seconds.
     pub max_late_s: f64,
 }
@@ -28,14 +30,14 @@ impl Rule for TfStaticMissingOrLate {
     const NEEDS: &'static [Need] = &[Need::Tf];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for bag in world.bags.iter().filter(|bag| !bag.tf.is_empty()) {
             let subject = format!("latched transforms of {}", world.path(bag.source));
             let missing = absent(bag, &subject).or_else(|| unpublished(world, bag, &subject));
             let others = [
                 late(bag, &subject, limits),
                 volatile(bag, &subject),
-                split(bag, &subject),
+                split::split(bag, &subject),
             ];
             let mut findings: Vec<Finding> = others.into_iter().flatten().collect();
             if missing.is_some() && bag.truncated {

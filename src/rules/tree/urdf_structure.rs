@@ -3,25 +3,29 @@
 //! Names are compared without case and stray blanks here: a reference that misses its link only by those is NAME01's or
 //! NAME02's, and would otherwise show up as a second root.
 
+mod undefined_links;
+
+use crate::analysis::Estimates;
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::rules::spelling::loose;
-use crate::rules::{Judge, Need, NoLimits, Rule, tf};
+use crate::analysis::spelling::loose;
+use crate::analysis::tf;
+use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::robot::Link;
-use crate::world::{FrameId, Robot, World};
+use crate::world::{FrameId, Robot};
 
-use super::undefined_links::undefined;
+use crate::rules::tree::urdf_structure::undefined_links::undefined;
 
 /// TREE12.
-pub struct UrdfStructure;
+pub(crate) struct UrdfStructure;
 
 impl Rule for UrdfStructure {
     const PAGE: &'static str = include_str!("../../../rules/tree/urdf-structure.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         for robot in &world.robots {
             let subject = format!("robot `{}` in {}", robot.name.value, world.path(robot.source));
             if let Some(reason) = &robot.fragment {

@@ -1,5 +1,6 @@
 //! URDF13: another parser refuses the description, or reads another robot from it.
 
+use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
 use crate::rules::{Judge, Need, Rule};
@@ -8,15 +9,15 @@ use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::World;
 use crate::world::robot::{ConsumerJoint, ConsumerOpinion, Joint, NumberList, Robot};
 
-use super::subject;
+use crate::advice::subject;
 
 /// URDF13.
-pub struct ConsumerDisagrees;
+pub(crate) struct ConsumerDisagrees;
 
 /// Limits of URDF13.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Difference of a number that only its parsing can explain, metres or radians.
     pub number: f64,
 }
@@ -29,13 +30,17 @@ impl Rule for ConsumerDisagrees {
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for robot in subject::whole_robots(world, out) {
             match &robot.consumer {
                 ConsumerOpinion::Loads(joints) => judge_loaded(world, robot, joints, limits, out),
                 ConsumerOpinion::Refuses(why) => out.fail(refused(world, robot, why)),
                 ConsumerOpinion::NotAsked(why) => {
-                    out.not_evaluated(subject::robot(world, robot), NotEvaluated::MissingInput, why);
+                    out.not_evaluated(
+                        crate::analysis::urdf::called::robot(world, robot),
+                        NotEvaluated::MissingInput,
+                        why,
+                    );
                 }
             }
         }
@@ -46,10 +51,14 @@ impl Rule for ConsumerDisagrees {
 fn refused(world: &World, robot: &Robot, why: &str) -> Finding {
     let message = format!("{CONSUMER} refuses the description: {why}");
     let explained = !robot.malformed.is_empty() || !robot.repeated.is_empty();
-    let finding = Finding::note(subject::robot(world, robot), message, robot.name.place.clone())
-        .label("refused")
-        .help("mend what the other rules find here first; programs in Rust cannot load the file as it stands")
-        .measured(Measured::count("consumers that refuse the file", 1).limit(0.0));
+    let finding = Finding::note(
+        crate::analysis::urdf::called::robot(world, robot),
+        message,
+        robot.name.place.clone(),
+    )
+    .label("refused")
+    .help("mend what the other rules find here first; programs in Rust cannot load the file as it stands")
+    .measured(Measured::count("consumers that refuse the file", 1).limit(0.0));
     if explained { finding } else { finding.hint() }
 }
 
@@ -74,14 +83,18 @@ fn judge_loaded(world: &World, robot: &Robot, loaded: &[ConsumerJoint], limits: 
     let (written, read) = (robot.joints.len(), loaded.len());
     if written != read {
         let message = format!("{CONSUMER} reads {read} joints where {written} are written");
-        let finding = Finding::error(subject::robot(world, robot), message, robot.name.place.clone())
-            .label("another tree is read")
-            .help("look for joints that stand where a consumer does not look, or that share a name");
+        let finding = Finding::error(
+            crate::analysis::urdf::called::robot(world, robot),
+            message,
+            robot.name.place.clone(),
+        )
+        .label("another tree is read")
+        .help("look for joints that stand where a consumer does not look, or that share a name");
         out.fail(finding.measured(Measured::count("joints read", read).limit(written as f64)));
     } else if differing == 0 {
         let measured = Measured::count("joints read otherwise", 0).limit(0.0);
         out.pass(
-            subject::robot(world, robot),
+            crate::analysis::urdf::called::robot(world, robot),
             [measured, Measured::count("joints compared", compared)],
         );
     }
@@ -89,7 +102,7 @@ fn judge_loaded(world: &World, robot: &Robot, loaded: &[ConsumerJoint], limits: 
 
 fn compare(world: &World, robot: &Robot, joint: &Joint, read: &ConsumerJoint, limits: &Limits) -> Option<Finding> {
     let name = &joint.name.value;
-    let owner = || subject::joint(world, robot, joint);
+    let owner = || crate::analysis::urdf::called::joint(world, robot, joint);
     if let Some((written, read)) = other_link(joint, read) {
         let message = format!(
             "{CONSUMER} reads `{read}` where joint `{name}` names the link `{}`",

@@ -1,23 +1,23 @@
 //! URDF05: two links or two joints of one name.
 
+use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
 use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::source::Placed;
 use crate::verdict::{Finding, Measured};
-use crate::world::World;
 
-use super::subject;
+use crate::advice::subject;
 
 /// URDF05.
-pub struct DuplicateName;
+pub(crate) struct DuplicateName;
 
 impl Rule for DuplicateName {
     const PAGE: &'static str = include_str!("../../../rules/urdf/duplicate-name.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         for robot in subject::whole_robots(world, out) {
             let path = world.path(robot.source);
             let links = duplicates("link", path, robot.links.iter().map(|link| &link.name));
@@ -25,7 +25,7 @@ impl Rule for DuplicateName {
             let found: Vec<Finding> = links.into_iter().chain(joints).collect();
             if found.is_empty() {
                 out.pass(
-                    subject::robot(world, robot),
+                    crate::analysis::urdf::called::robot(world, robot),
                     [
                         Measured::count("names given twice", 0).limit(0.0),
                         Measured::count("links and joints", robot.links.len() + robot.joints.len()),

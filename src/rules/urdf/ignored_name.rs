@@ -1,22 +1,21 @@
 //! URDF11: a misspelt attribute or element, which consumers ignore.
 
-use crate::rules::literal::{replace, with_fix};
+use crate::advice::literal::{replace, with_fix};
+use crate::analysis::Estimates;
 use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::verdict::{Finding, Measured, Safety};
 use crate::world::World;
 use crate::world::robot::{Ignored, Robot};
 
-use super::subject;
-
 /// URDF11.
-pub struct IgnoredName;
+pub(crate) struct IgnoredName;
 
 impl Rule for IgnoredName {
     const PAGE: &'static str = include_str!("../../../rules/urdf/ignored-name.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         for robot in &world.robots {
             let mut misspelt = 0;
             for ignored in &robot.ignored {
@@ -28,7 +27,7 @@ impl Rule for IgnoredName {
             }
             if misspelt == 0 {
                 out.pass(
-                    subject::robot(world, robot),
+                    crate::analysis::urdf::called::robot(world, robot),
                     [
                         Measured::count("misspelt names", 0).limit(0.0),
                         Measured::count("names of other tools", robot.ignored.len()),

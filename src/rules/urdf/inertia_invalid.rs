@@ -1,21 +1,22 @@
 //! URDF08: a mass or an inertia that no body has.
 
-use crate::rules::tally::Tally;
+use crate::advice::tally::Tally;
+use crate::analysis::Estimates;
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, Severity};
 use crate::world::World;
 use crate::world::robot::{Inertial, Joint, Link, Robot};
 
-use super::moments::{is_placeholder, principal_moments, rounding};
-use super::subject;
+use crate::advice::subject;
+use crate::analysis::urdf::moments::{is_placeholder, principal_moments, rounding};
 
 /// URDF08.
-pub struct InertiaInvalid;
+pub(crate) struct InertiaInvalid;
 
 /// Limits of URDF08.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Share of the largest principal moment that rounding may take.
     pub relative: f64,
     /// The most that printed digits may excuse, as a share of the largest principal moment.
@@ -35,7 +36,7 @@ impl Rule for InertiaInvalid {
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let mut right = Tally::new("inertias");
         for robot in &world.robots {
             let bodies = robot
@@ -65,7 +66,7 @@ impl Rule for InertiaInvalid {
 }
 
 fn judge_body(world: &World, robot: &Robot, link: &Link, body: &Inertial, limits: &Limits) -> Option<Finding> {
-    let owner = subject::link(world, robot, link);
+    let owner = crate::analysis::urdf::called::link(world, robot, link);
     let name = &link.name.value;
     if let Some(mass) = body.mass_kg.filter(|mass| *mass < 0.0) {
         let finding = Finding::error(

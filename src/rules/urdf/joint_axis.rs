@@ -1,21 +1,22 @@
 //! URDF03: the axis of a moving joint is zero, or not of length one.
 
-use crate::rules::literal::{rewrite, spell, with_fix};
-use crate::rules::tally::Tally;
+use crate::advice::literal::{rewrite, spell, with_fix};
+use crate::advice::tally::Tally;
+use crate::analysis::Estimates;
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, Safety};
 use crate::world::World;
 use crate::world::robot::{Joint, NumberList, Robot};
 
-use super::subject;
+use crate::advice::subject;
 
 /// URDF03.
-pub struct JointAxis;
+pub(crate) struct JointAxis;
 
 /// Limits of URDF03.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Largest deviation of the length from 1.
     pub off_unit: f64,
     /// Length under which an axis is zero.
@@ -27,7 +28,7 @@ impl Rule for JointAxis {
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let mut right = Tally::new("axes");
         for robot in &world.robots {
             let mut axes = 0;
@@ -63,7 +64,7 @@ fn moves_along_an_axis(joint: &Joint) -> bool {
 }
 
 fn finding(world: &World, robot: &Robot, joint: &Joint, list: &NumberList, length: f64, limits: &Limits) -> Finding {
-    let owner = subject::joint(world, robot, joint);
+    let owner = crate::analysis::urdf::called::joint(world, robot, joint);
     let (name, text) = (&joint.name.value, &list.text.value);
     if length < limits.zero {
         return Finding::error(

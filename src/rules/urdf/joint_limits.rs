@@ -1,24 +1,25 @@
 //! URDF04: limits of joints that are missing, the wrong way round, or in degrees.
 
+use crate::analysis::Estimates;
 use std::f64::consts::PI;
 
-use crate::rules::literal::{is_macro, rewrite, spell, with_fix};
-use crate::rules::tally::Tally;
+use crate::advice::literal::{is_macro, rewrite, spell, with_fix};
+use crate::advice::tally::Tally;
 use crate::rules::{Judge, Need, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, Safety, Severity};
 use crate::world::robot::{Joint, JointLimit, Robot};
 use crate::world::{Literal, World};
 
-use super::subject;
+use crate::advice::subject;
 
 /// URDF04.
-pub struct JointLimits;
+pub(crate) struct JointLimits;
 
 /// Limits of URDF04.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Turns from which a limit of a revolute joint looks like degrees.
     pub least_turns: f64,
     /// Largest number that may be degrees; larger ones mean "no limit".
@@ -30,7 +31,7 @@ impl Rule for JointLimits {
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let mut right = Tally::new("limits");
         for robot in &world.robots {
             let limited = robot
@@ -59,10 +60,14 @@ fn needs_limit(joint: &Joint) -> bool {
 
 fn missing(world: &World, robot: &Robot, joint: &Joint) -> Finding {
     let message = format!("the {} joint `{}` has no <limit>", joint.kind.value, joint.name.value);
-    Finding::note(subject::joint(world, robot, joint), message, joint.place.clone())
-        .label("a limit is required here")
-        .help("add <limit lower upper effort velocity>, or make the joint `continuous`: urdfdom refuses the file")
-        .measured(Measured::count("limits", 0).limit(1.0))
+    Finding::note(
+        crate::analysis::urdf::called::joint(world, robot, joint),
+        message,
+        joint.place.clone(),
+    )
+    .label("a limit is required here")
+    .help("add <limit lower upper effort velocity>, or make the joint `continuous`: urdfdom refuses the file")
+    .measured(Measured::count("limits", 0).limit(1.0))
 }
 
 fn judge_limit(
@@ -86,7 +91,7 @@ fn judge_limit(
     let [lower, upper] = both.map(|literal| literal.as_ref().map_or(0.0, |literal| literal.value));
     let is_revolute = joint.kind.value == "revolute";
     let unit = if is_revolute { "rad" } else { "m" };
-    let owner = subject::joint(world, robot, joint);
+    let owner = crate::analysis::urdf::called::joint(world, robot, joint);
     let name = &joint.name.value;
     let literals: Vec<&Literal> = both.into_iter().flatten().collect();
     let place = literals

@@ -1,25 +1,24 @@
 //! URDF10: an attribute that a consumer cannot read as numbers.
 
+use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 
-use crate::rules::literal::{is_macro, is_spelled_non_finite, replace, with_fix};
+use crate::advice::literal::{is_macro, is_spelled_non_finite, replace, with_fix};
 use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::source::{Place, SourceId};
 use crate::verdict::{Finding, Measured, NotEvaluated, Safety};
 use crate::world::robot::{NumberList, Robot};
 use crate::world::{Literal, World};
 
-use super::subject;
-
 /// URDF10.
-pub struct MalformedNumber;
+pub(crate) struct MalformedNumber;
 
 impl Rule for MalformedNumber {
     const PAGE: &'static str = include_str!("../../../rules/urdf/malformed-number.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         for robot in &world.robots {
             let lists = robot.malformed.iter().filter(|list| !only_non_finite(list));
             let (macros, broken): (Vec<&NumberList>, Vec<&NumberList>) =
@@ -32,7 +31,7 @@ impl Rule for MalformedNumber {
                 .collect();
             if broken.is_empty() && limits.is_empty() && macros.is_empty() {
                 out.pass(
-                    subject::robot(world, robot),
+                    crate::analysis::urdf::called::robot(world, robot),
                     [
                         Measured::count("attributes that are no numbers", 0).limit(0.0),
                         Measured::count("links and joints", robot.links.len() + robot.joints.len()),
@@ -41,7 +40,7 @@ impl Rule for MalformedNumber {
             }
             if let Some(first) = macros.first() {
                 out.not_evaluated(
-                    subject::robot(world, robot),
+                    crate::analysis::urdf::called::robot(world, robot),
                     NotEvaluated::MissingInput,
                     format!(
                         "{} attributes hold macros, the first `{}`: expand the file",

@@ -1,19 +1,20 @@
 //! URDF09: meshes that are not where the description says.
 
+use crate::analysis::Estimates;
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::World;
 use crate::world::robot::{Link, Mesh, Robot};
 
-use super::subject;
+use crate::advice::subject;
 
 /// URDF09.
-pub struct MeshMissing;
+pub(crate) struct MeshMissing;
 
 /// Limits of URDF09.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// How many places are shown beside the first one.
     pub shown: usize,
 }
@@ -23,7 +24,7 @@ impl Rule for MeshMissing {
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         for robot in &world.robots {
             let meshes: Vec<(&Link, &Mesh)> = robot
                 .links

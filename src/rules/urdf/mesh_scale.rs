@@ -1,21 +1,22 @@
 //! URDF01: a mesh that is flattened, mirrored or drawn a thousand times too large.
 
-use crate::rules::tally::Tally;
+use crate::advice::tally::Tally;
+use crate::analysis::Estimates;
 use crate::rules::{Judge, Need, Rule};
 use crate::verdict::{Finding, Measured};
 use crate::world::World;
 use crate::world::robot::Robot;
 
-use super::scaled::{Scaled, mirrored_on_purpose, scaled};
-use super::subject;
+use crate::advice::subject;
+use crate::analysis::urdf::scaled::{Scaled, mirrored_on_purpose, scaled};
 
 /// URDF01.
-pub struct MeshScale;
+pub(crate) struct MeshScale;
 
 /// Limits of URDF01.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Limits {
+pub(crate) struct Limits {
     /// Scale factor from which a mesh is too large to be a part of a robot.
     pub huge: f64,
 }
@@ -25,7 +26,7 @@ impl Rule for MeshScale {
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = Limits;
 
-    fn judge(world: &World, limits: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let mut right = Tally::new("meshes");
         for robot in &world.robots {
             let meshes = scaled(robot);

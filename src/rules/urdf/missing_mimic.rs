@@ -1,23 +1,23 @@
 //! URDF06: a joint that mimics one that does not exist.
 
-use crate::rules::literal::is_macro;
-use crate::rules::tally::Tally;
+use crate::advice::literal::is_macro;
+use crate::advice::tally::Tally;
+use crate::analysis::Estimates;
 use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::verdict::{Finding, Measured};
-use crate::world::World;
 use crate::world::robot::Robot;
 
-use super::subject;
+use crate::advice::subject;
 
 /// URDF06.
-pub struct MissingMimic;
+pub(crate) struct MissingMimic;
 
 impl Rule for MissingMimic {
     const PAGE: &'static str = include_str!("../../../rules/urdf/missing-mimic.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         let mut right = Tally::new("mimicking joints");
         for robot in subject::whole_robots(world, out) {
             let mut mimics = 0;
@@ -41,10 +41,14 @@ impl Rule for MissingMimic {
                     Some(near) => format!("is `{near}` meant?"),
                     None => "name the joint whose position is followed".to_owned(),
                 };
-                let finding = Finding::error(subject::joint(world, robot, joint), message, mimic.place.clone())
-                    .label("mimicked joint")
-                    .help(help)
-                    .measured(measured.limit(1.0));
+                let finding = Finding::error(
+                    crate::analysis::urdf::called::joint(world, robot, joint),
+                    message,
+                    mimic.place.clone(),
+                )
+                .label("mimicked joint")
+                .help(help)
+                .measured(measured.limit(1.0));
                 out.fail(finding);
             }
             if mimics == 0 {

@@ -1,15 +1,16 @@
 //! URDF07: an element that stands twice where consumers read one.
 
+use crate::analysis::Estimates;
 use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::source::Place;
 use crate::verdict::{Finding, Measured, Severity};
 use crate::world::World;
 use crate::world::robot::{Repeated, Robot};
 
-use super::subject;
+use crate::advice::subject;
 
 /// URDF07.
-pub struct RepeatedElement;
+pub(crate) struct RepeatedElement;
 
 /// Elements that place or move frames: which of two is read decides where a link is.
 const PLACING: &[&str] = &["origin", "parent", "child", "axis", "limit", "mimic"];
@@ -19,12 +20,12 @@ impl Rule for RepeatedElement {
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         // In a fragment both may stand in branches of which one is taken.
         for robot in subject::whole_robots(world, out) {
             if robot.repeated.is_empty() {
                 out.pass(
-                    subject::robot(world, robot),
+                    crate::analysis::urdf::called::robot(world, robot),
                     [
                         Measured::count("elements written too often", 0).limit(0.0),
                         Measured::count("joints", robot.joints.len()),

@@ -1,21 +1,21 @@
 //! URDF02: a joint between a link and itself.
 
-use crate::rules::tally::Tally;
+use crate::advice::tally::Tally;
+use crate::analysis::Estimates;
 use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::verdict::{Finding, Measured};
-use crate::world::World;
 
-use super::subject;
+use crate::advice::subject;
 
 /// URDF02.
-pub struct SelfJoint;
+pub(crate) struct SelfJoint;
 
 impl Rule for SelfJoint {
     const PAGE: &'static str = include_str!("../../../rules/urdf/self-joint.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         let mut right = Tally::new("joints");
         for robot in &world.robots {
             if robot.joints.is_empty() {
@@ -34,11 +34,15 @@ impl Rule for SelfJoint {
                     "joint `{}` joins the link `{}` with itself",
                     joint.name.value, parent.value
                 );
-                let finding = Finding::error(subject::joint(world, robot, joint), message, child.place.clone())
-                    .label("child")
-                    .related(parent.place.clone(), "parent")
-                    .help("name the two links that the joint joins")
-                    .measured(Measured::count("joints of a link with itself", 1).limit(0.0));
+                let finding = Finding::error(
+                    crate::analysis::urdf::called::joint(world, robot, joint),
+                    message,
+                    child.place.clone(),
+                )
+                .label("child")
+                .related(parent.place.clone(), "parent")
+                .help("name the two links that the joint joins")
+                .measured(Measured::count("joints of a link with itself", 1).limit(0.0));
                 out.fail(finding);
             }
         }

@@ -1,16 +1,17 @@
 //! URDF12: a joint type that no consumer knows.
 
-use crate::rules::literal::{is_macro, replace, with_fix};
-use crate::rules::tally::Tally;
+use crate::advice::literal::{is_macro, replace, with_fix};
+use crate::advice::tally::Tally;
+use crate::analysis::Estimates;
 use crate::rules::{Judge, Need, NoLimits, Rule};
 use crate::verdict::{Finding, Measured, Safety};
 use crate::world::World;
 use crate::world::robot::{Joint, Robot};
 
-use super::subject;
+use crate::advice::subject;
 
 /// URDF12.
-pub struct UnknownJointType;
+pub(crate) struct UnknownJointType;
 
 /// The types of the URDF specification.
 const KNOWN: &[&str] = &["revolute", "continuous", "prismatic", "fixed", "floating", "planar"];
@@ -23,7 +24,7 @@ impl Rule for UnknownJointType {
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = NoLimits;
 
-    fn judge(world: &World, _limits: &NoLimits, out: &mut Judge) {
+    fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         let mut right = Tally::new("joint types");
         for robot in &world.robots {
             if robot.joints.is_empty() {
@@ -43,7 +44,7 @@ impl Rule for UnknownJointType {
 
 fn finding(world: &World, robot: &Robot, joint: &Joint) -> Option<Finding> {
     let (name, kind) = (&joint.name.value, joint.kind.value.as_str());
-    let owner = subject::joint(world, robot, joint);
+    let owner = crate::analysis::urdf::called::joint(world, robot, joint);
     let place = joint.kind.place.clone();
     if KNOWN.contains(&kind) {
         return None;

@@ -1,0 +1,35 @@
+//! How a finding says that the data were read as the user, or a name, has it.
+
+use crate::analysis::motion::ToldIn;
+use crate::analysis::time::streams::Stream;
+use crate::source::Place;
+use crate::verdict::Finding;
+
+/// The finding with this sentence behind its message, and the place of the declaration, where there is one.
+fn tell(mut finding: Finding, sentence: &str, place: Option<&Place>) -> Finding {
+    finding.message = format!("{}. {sentence}", finding.message.trim_end_matches('.'));
+    match place {
+        Some(place) => finding.related(place.clone(), "declared here"),
+        None => finding,
+    }
+}
+
+impl ToldIn {
+    /// A finding that says how the numbers were read, where not as ROS has it.
+    pub(crate) fn tell(&self, finding: Finding) -> Finding {
+        if !self.converts() {
+            return finding;
+        }
+        let sentence = format!("The numbers were read as {}, as {}", self.convention.words(), self.says);
+        tell(finding, &sentence, self.place.as_ref())
+    }
+}
+
+impl Stream<'_> {
+    /// A finding that says in which scale the stamps were read, where the user declares one.
+    pub(crate) fn tell(&self, finding: Finding) -> Finding {
+        let Some(scale) = &self.declared else { return finding };
+        let sentence = format!("The stamps were read as {}", scale.words);
+        tell(finding, &sentence, scale.place.as_ref())
+    }
+}

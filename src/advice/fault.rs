@@ -1,0 +1,16 @@
+//! The finding on a declaration.
+
+use crate::analysis::camera::fault::Fault;
+use crate::source::Place;
+use crate::verdict::Finding;
+
+impl Fault {
+    pub(crate) fn finding(self, subject: &str, place: Place) -> Finding {
+        let finding = if self.is_error {
+            Finding::error(subject, self.message, place)
+        } else {
+            Finding::warning(subject, self.message, place)
+        };
+        finding.relation(self.relation).help(self.help).measured(self.measured)
+    }
+}

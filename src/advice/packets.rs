@@ -1,0 +1,42 @@
+//! What is said of recordings that hold packets of lidars, and no clouds of theirs.
+
+use crate::analysis::lidar::Clouds;
+use crate::rules::Judge;
+use crate::tables::Lidar;
+use crate::verdict::NotEvaluated;
+use crate::world::World;
+use crate::world::bag::TopicEvidence;
+
+impl Clouds<'_> {
+    /// Says of recordings that hold packets of lidars, and no clouds of theirs, that those are not read.
+    pub(crate) fn say_packets(world: &World, of: &str, out: &mut Judge) {
+        Self::say_packets_of(world, of, |_| true, out);
+    }
+
+    /// The same of certain lidars only.
+    pub(crate) fn say_packets_of(world: &World, of: &str, is_wanted: impl Fn(&Lidar) -> bool, out: &mut Judge) {
+        for (index, bag) in world.bags.iter().enumerate() {
+            if Clouds::all(world).any(|clouds| clouds.index == index) {
+                continue;
+            }
+            // One type may carry what the beams measured and what the inertial sensor did.
+            let may_be = |topic: &&TopicEvidence| topic.count > 0 && !topic.words().iter().any(|word| word == "imu");
+            for topic in bag.topics.values().filter(may_be) {
+                let plain = topic.message_type.replace("/msg/", "/");
+                let is_it = |lidar: &&Lidar| lidar.packets.contains(&plain) && is_wanted(lidar);
+                let Some(lidar) = world.tables.lidars().find(is_it) else {
+                    continue;
+                };
+                let why = format!(
+                    "`{}` holds packets of {}, which are not read: record the clouds of its driver as well",
+                    topic.topic, lidar.name
+                );
+                out.not_evaluated(
+                    format!("{of} of topic `{}`", topic.topic),
+                    NotEvaluated::MissingInput,
+                    why,
+                );
+            }
+        }
+    }
+}

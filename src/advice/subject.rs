@@ -1,0 +1,31 @@
+//! How robots, joints and links are called in rows, and which robots can be judged as a whole.
+
+use crate::analysis::urdf::called::robot;
+use crate::rules::Judge;
+use crate::verdict::NotEvaluated;
+use crate::world::World;
+use crate::world::robot::Robot;
+
+/// The robots that were read whole. A fragment gets its row here: what it lacks may stand in another file.
+pub(crate) fn whole_robots<'a>(world: &'a World, out: &mut Judge) -> Vec<&'a Robot> {
+    let (fragments, whole): (Vec<&Robot>, Vec<&Robot>) =
+        world.robots.iter().partition(|robot| robot.fragment.is_some());
+    for fragment in fragments {
+        let why = fragment.fragment.as_deref().unwrap_or_default();
+        out.not_evaluated(
+            robot(world, fragment),
+            NotEvaluated::MissingInput,
+            format!("only a part of the robot could be read: {why}"),
+        );
+    }
+    whole
+}
+
+/// A row for a robot that has nothing of the kind the rule is about.
+pub(crate) fn nothing(world: &World, of: &Robot, what: &str, out: &mut Judge) {
+    out.not_evaluated(
+        robot(world, of),
+        NotEvaluated::NotApplicable,
+        format!("it has no {what}"),
+    );
+}

@@ -1,0 +1,3 @@
+//! Revisions of calibrations.
+
+pub(crate) mod revision;

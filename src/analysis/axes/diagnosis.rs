@@ -1,0 +1,238 @@
+//! The faults that fit what was seen of an inertial sensor, and the measurement that shows them best.
+//!
+//! One wrong setting shows in several measurements. Must not measure.
+
+use std::sync::Arc;
+
+use crate::analysis::motion::ToldIn;
+use crate::tables::InsDriver;
+
+use super::causes::{Aspect, Base, CAUSES, Cause, HEALTHY, Heading, Push, Seen, Sense, Turn, World};
+
+/// The measurements, in the order in which one of them stands for what fits several faults.
+const ORDER: [Aspect; 6] = [
+    Aspect::World,
+    Aspect::Base,
+    Aspect::Turn,
+    Aspect::Heading,
+    Aspect::Sense,
+    Aspect::Push,
+];
+
+/// What the faults make of one sensor.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Diagnosis {
+    /// The faults that fit everything that was measured; none where nothing is wrong, or no fault that is known fits.
+    pub(crate) causes: Vec<&'static Cause>,
+    /// The measurement that shows them best.
+    pub(crate) shown_by: Option<Aspect>,
+    /// What the sensor's numbers were told in.
+    pub(crate) told_in: ToldIn,
+    /// The driver, where names tell it.
+    driver: Option<Arc<InsDriver>>,
+}
+
+impl Diagnosis {
+    /// Finds the faults that fit.
+    pub(crate) fn of(mut seen: Seen, told_in: &ToldIn, driver: Option<Arc<InsDriver>>) -> Self {
+        if seen.turn == Some(Turn::Ordered) {
+            // The order is a fault by itself. Wrong roll and pitch tilt the world; whatever else is seen has a cause of
+            // its own.
+            let tilted = seen.world == Some(World::Elsewhere);
+            seen.turn = Some(Turn::Agree);
+            seen.world = seen.world.filter(|_| !tilted);
+            let rest = Self::of(seen, told_in, driver);
+            let shown_by = rest.shown_by.or(tilted.then_some(Aspect::AngleOrder));
+            return Self { shown_by, ..rest };
+        }
+        if seen.turn == Some(Turn::Partly) {
+            // About one axis it does not follow, which shows by itself; about the others it says nothing that would be a cause.
+            seen.turn = None;
+        }
+        let told_in = told_in.clone();
+        if HEALTHY.fits(seen) {
+            return Self {
+                told_in,
+                driver,
+                ..Self::default()
+            };
+        }
+        let fitting = CAUSES.iter().filter(|cause| cause.fits(seen));
+        let causes: Vec<&'static Cause> = fitting.map(|cause| cause.seen_from(&told_in)).collect();
+        let shows = |aspect: &Aspect| shows(seen, *aspect);
+        let aspects = causes.iter().map(|cause| cause.shown_by);
+        let one = aspects
+            .clone()
+            .next()
+            .filter(|first| aspects.clone().all(|aspect| aspect == *first));
+        let shown_by = one
+            .filter(shows)
+            .or_else(|| ORDER.into_iter().find(shows).filter(|_| !causes.is_empty()));
+        Self {
+            causes,
+            shown_by,
+            told_in,
+            driver,
+        }
+    }
+
+    /// Where the base itself is turned, its sensors look wrongly mounted.
+    pub(crate) fn leave_mounting_to_body(&mut self) {
+        if self.causes.iter().any(|cause| cause.is_of_mounting) {
+            self.shown_by = Some(Aspect::Body);
+        }
+    }
+
+    /// The faults in words, for the end of a message; empty where none is known.
+    pub(crate) fn words(&self) -> String {
+        match self.causes.as_slice() {
+            [] => String::new(),
+            [one] => format!(": {}", one.text),
+            several => {
+                let texts: Vec<&str> = several.iter().map(|cause| cause.text).collect();
+                format!(
+                    "; what fits all that was measured: {}. These data cannot tell which",
+                    texts.join("; or: ")
+                )
+            }
+        }
+    }
+
+    /// The word of the relation.
+    pub(crate) fn word(&self) -> Option<&'static str> {
+        match self.causes.as_slice() {
+            [one] => Some(one.word),
+            _ => None,
+        }
+    }
+
+    /// What to do.
+    pub(crate) fn help(&self) -> Option<String> {
+        let helps: Vec<&str> = self.causes.iter().map(|cause| cause.help).collect();
+        let help = (!helps.is_empty()).then(|| helps.join("; or: "))?;
+        Some(match &self.driver {
+            Some(driver) if self.causes.iter().any(|cause| cause.is_of_driver) => format!(
+                "{help}. {} measures in {}: {}",
+                driver.name, driver.native, driver.setting
+            ),
+            _ => help,
+        })
+    }
+}
+
+/// A wrong setting of a driver that what was seen does not rule out. A heading in place of a yaw is judged by itself.
+pub(crate) fn unseen(seen: Seen) -> Option<&'static Cause> {
+    let is_setting = |cause: &&Cause| cause.is_of_driver && cause.word != "compass-yaw";
+    CAUSES.iter().find(|cause| is_setting(cause) && cause.fits(seen))
+}
+
+/// Whether a measurement shows something wrong.
+fn shows(seen: Seen, aspect: Aspect) -> bool {
+    match aspect {
+        Aspect::Base => seen.base.is_some_and(|base| base != Base::Up),
+        Aspect::World => seen.world.is_some_and(|world| world != World::Up),
+        Aspect::Turn => seen
+            .turn
+            .is_some_and(|turn| turn != Turn::Ordered && !HEALTHY.turn.contains(&turn)),
+        Aspect::Heading => seen.heading == Some(Heading::Against),
+        Aspect::Sense => seen.sense == Some(Sense::Against),
+        Aspect::Push => seen.push.is_some_and(|push| push != Push::Forward),
+        Aspect::AngleOrder | Aspect::Body => false,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::analysis::axes::causes::Readings;
+
+    fn words(seen: Seen) -> (Vec<&'static str>, Option<Aspect>) {
+        let diagnosis = Diagnosis::of(seen, &ToldIn::default(), None);
+        (
+            diagnosis.causes.iter().map(|cause| cause.word).collect(),
+            diagnosis.shown_by,
+        )
+    }
+
+    #[test]
+    fn a_healthy_sensor_has_no_fault_however_little_was_seen() {
+        assert_eq!(words(Seen::default()), (vec![], None));
+        let seen = Seen {
+            base: Some(Base::Up),
+            turn: Some(Turn::Agree),
+            ..Seen::default()
+        };
+        assert_eq!(words(seen), (vec![], None));
+    }
+
+    #[test]
+    fn a_track_tells_a_negated_accelerometer_from_a_sensor_in_ned() {
+        let still = Seen {
+            world: Some(World::Down),
+            base: Some(Base::Down),
+            turn: Some(Turn::Agree),
+            ..Seen::default()
+        };
+        assert_eq!(words(still), (vec!["ned-frd", "gravity-sign"], Some(Aspect::World)));
+        let driven = Seen {
+            heading: Some(Heading::Against),
+            ..still
+        };
+        assert_eq!(words(driven), (vec!["ned-frd"], Some(Aspect::World)));
+        let pushed = Seen {
+            heading: Some(Heading::With),
+            push: Some(Push::Backward),
+            ..still
+        };
+        assert_eq!(words(pushed), (vec!["gravity-sign"], Some(Aspect::Base)));
+    }
+
+    #[test]
+    fn of_readings_that_serve_alike_the_other_measurements_leave_some() {
+        let seen = Seen {
+            turn: Some(Turn::OneOf(Readings::of(&[Turn::Inverse, Turn::Reordered]))),
+            ..Seen::default()
+        };
+        assert_eq!(words(seen), (vec!["inverse", "wxyz"], Some(Aspect::Turn)));
+        let down = Seen {
+            world: Some(World::Down),
+            ..seen
+        };
+        assert_eq!(words(down), (vec!["wxyz"], Some(Aspect::Turn)));
+    }
+
+    #[test]
+    fn what_no_single_fault_explains_is_shown_by_none() {
+        let seen = Seen {
+            base: Some(Base::Side),
+            heading: Some(Heading::Against),
+            ..Seen::default()
+        };
+        assert_eq!(words(seen), (vec![], None));
+    }
+
+    #[test]
+    fn the_order_of_angles_is_a_fault_beside_the_others() {
+        let seen = Seen {
+            turn: Some(Turn::Ordered),
+            world: Some(World::Elsewhere),
+            ..Seen::default()
+        };
+        assert_eq!(words(seen), (vec![], Some(Aspect::AngleOrder)));
+        let in_ned = Seen {
+            world: Some(World::Down),
+            base: Some(Base::Down),
+            heading: Some(Heading::Against),
+            ..seen
+        };
+        assert_eq!(words(in_ned), (vec!["ned-frd"], Some(Aspect::World)));
+    }
+
+    #[test]
+    fn every_fault_is_shown_by_a_measurement() {
+        for cause in CAUSES {
+            assert!(ORDER.contains(&cause.shown_by), "{}", cause.word);
+            assert!(!HEALTHY.eq(cause));
+        }
+    }
+}

@@ -1,0 +1,91 @@
+//! Whether the gyro turns with the track.
+
+use crate::analysis::axes::causes::Sense;
+use crate::analysis::axes::rates::Integrals;
+use crate::analysis::axes::rates::Rates;
+use crate::analysis::axes::rates::Slope;
+use crate::analysis::look::Look;
+use crate::analysis::look::needed;
+use crate::analysis::motion::Imu;
+use crate::analysis::motion::Track;
+use crate::source::Place;
+use crate::verdict::NotEvaluated;
+use serde::Deserialize;
+use std::sync::Arc;
+
+/// Limits of AXES05.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    pub(crate) speed_m_s: f64,
+    pub(crate) odometry_speed_m_s: f64,
+    pub(crate) min_rate: f64,
+    pub(crate) min_s: f64,
+    pub(crate) min_t: f64,
+    pub(crate) min_correlation: f64,
+}
+
+/// What was seen.
+pub(crate) struct Turned {
+    pub(crate) class: Sense,
+    pub(crate) slope: Slope,
+    pub(crate) track: String,
+    pub(crate) track_at: Place,
+    pub(crate) is_geodetic: bool,
+}
+
+impl Limits {
+    /// Whether a slope is one.
+    pub(crate) fn tells(&self, slope: &Slope) -> bool {
+        slope.excitation >= self.min_rate
+            && slope.seconds() >= self.min_s
+            && slope.t().abs() >= self.min_t
+            && slope.correlation.abs() >= self.min_correlation
+    }
+}
+
+/// Yaw rate over the turning of one track; `None` where the two do not tell.
+pub(crate) fn gain(imu: &Imu, track: &Track, limits: &Limits) -> Option<f64> {
+    let integrals = Integrals::of(imu);
+    // As the rule itself looks: poses tell a course at less speed than satellites do.
+    let slow = (!track.is_geodetic).then_some(limits.odometry_speed_m_s);
+    let slopes = [Some(limits.speed_m_s), slow].into_iter().flatten();
+    let mut slopes = slopes.map(|speed_m_s| Rates::of(&integrals, &track.courses(speed_m_s)).turning);
+    Some(slopes.find(|slope| limits.tells(slope))?.gain)
+}
+
+/// How the gyro turns against the first track that tells.
+pub(crate) fn look(integrals: &Integrals, tracks: &[Arc<Track>], limits: &Limits) -> Look<Turned> {
+    needed(tracks)?;
+    let mut best: Option<Slope> = None;
+    let slow = tracks.iter().filter(|track| !track.is_geodetic);
+    let tried = tracks.iter().map(|track| (track, limits.speed_m_s));
+    for (track, speed_m_s) in tried.chain(slow.map(|track| (track, limits.odometry_speed_m_s))) {
+        let slope = Rates::of(integrals, &track.courses(speed_m_s)).turning;
+        if limits.tells(&slope) {
+            let class = if slope.gain > 0.0 { Sense::With } else { Sense::Against };
+            return Ok(Turned {
+                class,
+                slope,
+                track: track.subject.clone(),
+                is_geodetic: track.is_geodetic,
+                track_at: track.place.clone(),
+            });
+        }
+        if best.is_none_or(|best| slope.t().abs() > best.t().abs()) {
+            best = Some(slope);
+        }
+    }
+    let best = best.unwrap_or_default();
+    let why = format!(
+        "the course turns by {:.3} rad/s (rms) in {:.0} s of motion, with a correlation of {:+.2}; {} rad/s, {} s and {} are \
+         needed",
+        best.excitation,
+        best.seconds(),
+        best.correlation,
+        limits.min_rate,
+        limits.min_s,
+        limits.min_correlation
+    );
+    Err((NotEvaluated::TooLittleEvidence, why))
+}

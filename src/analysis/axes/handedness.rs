@@ -1,0 +1,189 @@
+//! Two tracks of one platform, laid over each other turned and mirrored, window by window.
+//!
+//! Must not judge.
+
+use nalgebra::{Vector2, Vector3};
+use serde::Deserialize;
+
+use crate::analysis::motion::Track;
+use crate::math::drifting::{fit_drifting, laid_drifting};
+use crate::math::similarity2::{path_length, spread};
+use crate::math::stats::median;
+
+/// From one look at a window that grows to the next, seconds.
+const LOOK_EVERY_S: f64 = 1.0;
+
+/// What the windows say.
+#[derive(Debug, Default)]
+pub(crate) struct Votes {
+    /// Windows in which the odometry turned enough to tell.
+    pub(crate) windows: usize,
+    /// Windows that say turned, and mirrored.
+    pub(crate) says: [usize; 2],
+    /// Root mean squares of the fit turned and of the fit mirrored over the windows that voted: the medians, metres.
+    pub(crate) rms_m: [f64; 2],
+    /// Longest way along a window, metres.
+    pub(crate) longest_m: f64,
+    /// Largest standard deviation of the odometry across its main direction in any window, metres.
+    pub(crate) widest_m: f64,
+    /// When the windows that voted began and ended, seconds after the recording's start.
+    voted_s: Vec<(f64, f64)>,
+}
+
+/// Root mean squares of the fits turned and mirrored, of the windows that voted, metres.
+type Fits = [Vec<f64>; 2];
+
+/// Places of the odometry, and of the satellites' track.
+type Places = (Vec<Vector2<f64>>, Vec<Vector2<f64>>);
+
+/// One place by both tracks.
+struct Both {
+    t_s: f64,
+    odometry: Vector2<f64>,
+    satellites: Vector2<f64>,
+}
+
+impl Votes {
+    /// Lays the odometry over the satellites' track; `min_minor_m` is how far it must spread across its main direction.
+    pub(crate) fn of(satellites: &Track, odometry: &Track, min_minor_m: f64, limits: &Limits) -> Self {
+        let mut found = Self::default();
+        let mut rms = Fits::default();
+        let mut at = odometry.follow();
+        for stretch in &satellites.stretches {
+            let mut window: Vec<Both> = Vec::new();
+            // A longer window is looked at from time to time, or the cost would grow with its square.
+            let mut next_s = limits.window_s;
+            for (t_s, satellite) in stretch {
+                let Some(place) = at(*t_s) else {
+                    window.clear();
+                    next_s = limits.window_s;
+                    continue;
+                };
+                window.push(Both {
+                    t_s: *t_s,
+                    odometry: place.xy(),
+                    satellites: Vector3::xy(satellite),
+                });
+                let lasts = window.first().map_or(0.0, |first| t_s - first.t_s);
+                if lasts < next_s && lasts < limits.longest_window_s {
+                    continue;
+                }
+                next_s = lasts + LOOK_EVERY_S;
+                let told = found.look(&window, min_minor_m, &mut rms, limits);
+                if told || lasts >= limits.longest_window_s {
+                    window.clear();
+                    next_s = limits.window_s;
+                }
+            }
+            found.look(&window, min_minor_m, &mut rms, limits);
+        }
+        found.rms_m = rms.map(|values| median(&values).unwrap_or(f64::NAN));
+        found
+    }
+
+    /// The times of each window that voted, seconds, and where the odometry and the satellites are at them, metres in their own frames.
+    fn voted(&self, satellites: &Track, odometry: &Track) -> impl Iterator<Item = (Vec<f64>, Places)> {
+        let mut at = odometry.follow();
+        self.voted_s.iter().map(move |(from_s, to_s)| {
+            let places = satellites.stretches.iter().flatten();
+            let both = places
+                .filter(|(t_s, _)| (*from_s..=*to_s).contains(t_s))
+                .filter_map(|(t_s, place)| Some((*t_s, (at(*t_s)?.xy(), place.xy()))));
+            both.unzip()
+        })
+    }
+
+    /// Root mean square of the better fit of two other tracks in the windows that voted: the median, metres.
+    pub(crate) fn better_m(&self, satellites: &Track, odometry: &Track, limits: &Limits) -> Option<f64> {
+        let mut better = Vec::new();
+        for (times, (of_odometry, of_satellites)) in self.voted(satellites, odometry) {
+            let fits = fit_drifting(&times, &of_odometry, &of_satellites, limits.drift_deg_s.to_radians())?;
+            better.push(fits.proper.rms_m.min(fits.improper.rms_m));
+        }
+        median(&better)
+    }
+
+    /// The satellites' track, and the odometry laid over it turned and mirrored, in each window that voted: east and north, metres.
+    pub(crate) fn laid_over(&self, satellites: &Track, odometry: &Track, limits: &Limits) -> [Vec<Vec<[f64; 2]>>; 3] {
+        let mut laid: [Vec<Vec<[f64; 2]>>; 3] = Default::default();
+        for (times, (of_odometry, of_satellites)) in self.voted(satellites, odometry) {
+            let most_rad_s = limits.drift_deg_s.to_radians();
+            let Some([turned, mirrored]) = laid_drifting(&times, &of_odometry, &of_satellites, most_rad_s) else {
+                continue;
+            };
+            for (lines, track) in laid.iter_mut().zip([of_satellites, turned, mirrored]) {
+                lines.push(track.iter().map(|place| [place.x, place.y]).collect());
+            }
+        }
+        laid
+    }
+
+    /// First and last time that voted, seconds after the recording's start; zeros where none did.
+    pub(crate) fn span_s(&self) -> (f64, f64) {
+        let ends = self.voted_s.first().zip(self.voted_s.last());
+        ends.map_or((0.0, 0.0), |((from_s, _), (_, to_s))| (*from_s, *to_s))
+    }
+
+    /// Share of the windows that voted for what most of them say.
+    pub(crate) fn agreement(&self) -> f64 {
+        let [turned, mirrored] = self.says;
+        turned.max(mirrored) as f64 / (turned + mirrored).max(1) as f64
+    }
+
+    /// Whether the odometry is mirrored, where enough windows agree.
+    pub(crate) fn majority(&self, limits: &Limits) -> Option<bool> {
+        let [turned, mirrored] = self.says;
+        (turned + mirrored > 0 && 2.0 * self.agreement() - 1.0 >= limits.min_agreement).then_some(mirrored > turned)
+    }
+
+    /// Whether the window spreads enough to tell; counts its vote.
+    fn look(&mut self, window: &[Both], min_minor_m: f64, rms: &mut Fits, limits: &Limits) -> bool {
+        let odometry: Vec<_> = window.iter().map(|both| both.odometry).collect();
+        let satellites: Vec<_> = window.iter().map(|both| both.satellites).collect();
+        let times: Vec<_> = window.iter().map(|both| both.t_s).collect();
+        let way_m = path_length(&odometry);
+        let (Some(first), Some(last), Some(by_satellites), Some(spread)) =
+            (times.first(), times.last(), spread(&satellites), spread(&odometry))
+        else {
+            return false;
+        };
+        self.longest_m = self.longest_m.max(way_m);
+        self.widest_m = self.widest_m.max(spread.minor_sd_m);
+        let is_told = |minor_m: f64| minor_m >= min_minor_m;
+        if !is_told(spread.minor_sd_m) || !is_told(by_satellites.minor_sd_m) || window.len() < limits.min_points {
+            return false;
+        }
+        // Odometry's heading drifts, and bends a straight way as its mirror image may be bent.
+        let Some(fits) = fit_drifting(&times, &odometry, &satellites, limits.drift_deg_s.to_radians()) else {
+            return false;
+        };
+        self.windows += 1;
+        let (turned, mirrored) = (fits.proper.rms_m, fits.improper.rms_m);
+        let (best, other) = (turned.min(mirrored), turned.max(mirrored));
+        if best <= limits.max_residual * way_m && other >= limits.min_ratio * best {
+            let [for_turned, for_mirrored] = &mut self.says;
+            *(if turned < mirrored { for_turned } else { for_mirrored }) += 1;
+            let [of_turned, of_mirrored] = rms;
+            of_turned.push(turned);
+            of_mirrored.push(mirrored);
+            self.voted_s.push((*first, *last));
+        }
+        true
+    }
+}
+
+/// Limits of AXES07.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    pub(crate) window_s: f64,
+    pub(crate) longest_window_s: f64,
+    pub(crate) min_points: usize,
+    pub(crate) min_minor_m: f64,
+    pub(crate) minor_of_sigma: f64,
+    pub(crate) least_sigma_m: f64,
+    pub(crate) min_ratio: f64,
+    pub(crate) max_residual: f64,
+    pub(crate) min_agreement: f64,
+    pub(crate) drift_deg_s: f64,
+}

@@ -1,0 +1,90 @@
+//! Along which axis of the base the platform speeds up.
+
+use crate::analysis::axes::causes::Push;
+use crate::analysis::axes::rates::Integrals;
+use crate::analysis::axes::rates::Rates;
+use crate::analysis::axes::rates::Slope;
+use crate::analysis::look::Look;
+use crate::analysis::look::needed;
+use crate::analysis::motion::Imu;
+use crate::analysis::motion::Track;
+use crate::source::Place;
+use crate::verdict::NotEvaluated;
+use serde::Deserialize;
+use std::sync::Arc;
+
+/// Limits of AXES06.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    pub(crate) min_speed_m_s: f64,
+    pub(crate) min_acceleration: f64,
+    pub(crate) min_effective: f64,
+    pub(crate) min_t: f64,
+    pub(crate) least_slope: f64,
+    pub(crate) most_slope: f64,
+    pub(crate) gravity: f64,
+}
+
+/// What was seen.
+pub(crate) struct Pushed {
+    pub(crate) class: Push,
+    pub(crate) forward: Slope,
+    pub(crate) sideways: Slope,
+    pub(crate) track: String,
+    pub(crate) track_at: Place,
+}
+
+/// Along which axis the first track that tells speeds up.
+pub(crate) fn look(imu: &Imu, integrals: &Integrals, tracks: &[Arc<Track>], limits: &Limits) -> Look<Pushed> {
+    needed(tracks)?;
+    let force = imu.inertial.force.unwrap_or(0.0);
+    // The unit is AXES02's.
+    let unit = if (0.9..1.1).contains(&force) {
+        limits.gravity
+    } else {
+        1.0
+    };
+    let mut best: Option<Rates> = None;
+    for track in tracks {
+        let mut rates = Rates::of(integrals, &track.courses(limits.min_speed_m_s));
+        rates.forward.gain *= unit;
+        rates.sideways.gain *= unit;
+        let Rates { forward, sideways, .. } = rates;
+        let is_slope = |slope: f64| (limits.least_slope..=limits.most_slope).contains(&slope.abs());
+        let excited = forward.excitation >= limits.min_acceleration && forward.effective >= limits.min_effective;
+        let tells = |slope: &Slope| slope.t().abs() >= limits.min_t && is_slope(slope.gain);
+        let along_x = tells(&forward) && forward.gain.abs() >= 2.0 * sideways.gain.abs();
+        let along_y = tells(&sideways) && sideways.gain.abs() >= 2.0 * forward.gain.abs();
+        if excited && (along_x || along_y) {
+            let class = match (along_y, forward.gain > 0.0) {
+                (true, _) => Push::Sideways,
+                (false, true) => Push::Forward,
+                (false, false) => Push::Backward,
+            };
+            return Ok(Pushed {
+                class,
+                forward,
+                sideways,
+                track: track.subject.clone(),
+                track_at: track.place.clone(),
+            });
+        }
+        if best.is_none_or(|best| forward.t().abs() > best.forward.t().abs()) {
+            best = Some(rates);
+        }
+    }
+    let best = best.unwrap_or_default();
+    let why = format!(
+        "the speed changes by {:.2} m/s2 (rms), which shows {:+.2} times along x (t {:.1}) and {:+.2} times along y (t {:.1}); {} \
+         m/s2 and t {} are needed",
+        best.forward.excitation,
+        best.forward.gain,
+        best.forward.t(),
+        best.sideways.gain,
+        best.sideways.t(),
+        limits.min_acceleration,
+        limits.min_t
+    );
+    Err((NotEvaluated::TooLittleEvidence, why))
+}

@@ -1,0 +1,203 @@
+//! What the rules of an inertial sensor see of it, and the fault that explains all of it together.
+//!
+//! Made once, by the limits of the rules' pages: each of the rules reports what it sees, or points to the one that reports
+//! the fault.
+
+use crate::analysis::Estimates;
+use crate::analysis::look::Look;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use crate::analysis::motion::{BagMotion, Imu, Motion};
+use crate::tables::{Offset, Simulator};
+use crate::verdict::NotEvaluated;
+use crate::world::FrameId;
+
+use crate::analysis::axes::base_up::Up;
+use crate::analysis::axes::bases::{Base, Bases};
+use crate::analysis::axes::causes;
+use crate::analysis::axes::causes::{Cause, Seen};
+use crate::analysis::axes::diagnosis;
+use crate::analysis::axes::diagnosis::Diagnosis;
+use crate::analysis::axes::push::Pushed;
+use crate::analysis::axes::rates::Integrals;
+use crate::analysis::axes::world_up::Above;
+use crate::analysis::axes::worlds::Worlds;
+use crate::analysis::axes::yaw_vs_course::Decided;
+
+/// One inertial sensor.
+pub(crate) struct Sensor {
+    pub(crate) base: Look<Up>,
+    pub(crate) world: Look<Above>,
+    pub(crate) turn: Look<crate::analysis::quat::ways::Turned>,
+    pub(crate) heading: Look<Decided>,
+    pub(crate) sense: Look<crate::analysis::axes::gyro_vs_track::Turned>,
+    pub(crate) push: Look<Pushed>,
+    /// The fault that explains them.
+    pub(crate) diagnosis: Diagnosis,
+    /// What the driver's profile says of the yaw's offset from the course, where that is large.
+    pub(crate) offset: Option<Offset>,
+    /// The simulator that names in its recording tell.
+    pub(crate) simulator: Option<Arc<Simulator>>,
+    /// What the base's yaw is more than its course, radians, where another axis of it than x points forward.
+    pub(crate) base_yaw_rad: Option<f64>,
+    /// A wrong setting of a driver that would look the same as what was seen.
+    pub(crate) unseen: Option<&'static Cause>,
+}
+
+/// Every inertial sensor, recording by recording, in the order of [`Motion`].
+pub(crate) struct Sensors {
+    bags: Vec<Vec<Sensor>>,
+}
+
+impl Sensors {
+    /// The sensors of a world; looked at once.
+    pub(crate) fn of(world: &Estimates) -> Rc<Self> {
+        let (motion, bases, worlds) = (Motion::of(world), Bases::of(world), Worlds::of(world));
+        world.once(|world| Self {
+            bags: motion
+                .bags
+                .iter()
+                .zip(&bases.bags)
+                .enumerate()
+                .map(|(index, (bag, bases))| sensors(world, bag, bases, |frame| worlds.is_off(index, frame)))
+                .collect(),
+        })
+    }
+
+    /// The sensors of one of the recordings.
+    pub(crate) fn of_bag(&self, index: usize) -> &[Sensor] {
+        self.bags.get(index).map_or(&[], Vec::as_slice)
+    }
+
+    /// Every sensor of the motion with what is seen of it.
+    pub(crate) fn each<'a>(&'a self, motion: &'a Motion) -> impl Iterator<Item = (&'a Imu, &'a Sensor)> {
+        let bags = motion.bags.iter().zip(&self.bags);
+        bags.flat_map(|(bag, known)| bag.imus.iter().zip(known))
+    }
+}
+
+/// The sensors of a recording.
+fn sensors(
+    estimates: &Estimates,
+    bag: &BagMotion,
+    bases: &[Base],
+    is_off: impl Fn(Option<&FrameId>) -> bool,
+) -> Vec<Sensor> {
+    if bag.imus.is_empty() {
+        return Vec::new();
+    }
+    let (base, world) = (
+        estimates.limits::<crate::analysis::axes::base_up::Limits>(),
+        estimates.limits::<crate::analysis::axes::world_up::Limits>(),
+    );
+    let (turn, heading) = (
+        estimates.limits::<crate::analysis::quat::ways::Limits>(),
+        estimates.limits::<crate::analysis::axes::heading::Limits>(),
+    );
+    let (sense, push) = (
+        estimates.limits::<crate::analysis::axes::gyro_vs_track::Limits>(),
+        estimates.limits::<crate::analysis::axes::push::Limits>(),
+    );
+    // In a frame whose z points down, tracks turn the other way; in one that lies on its side, they are no track.
+    let tracks = bag.tracks(is_off);
+    let asked = |(why, reason): (NotEvaluated, String)| match why {
+        NotEvaluated::TooLittleEvidence => (why, tracks.why(reason)),
+        _ => (why, reason),
+    };
+    let look = |imu: &Imu| {
+        let integrals = Integrals::of(imu);
+        let mut sensor = Sensor {
+            base: crate::analysis::axes::base_up::look(imu, &base),
+            world: crate::analysis::axes::world_up::look(imu, &world),
+            turn: crate::analysis::quat::turned::look(imu, &turn),
+            heading: crate::analysis::axes::yaw_vs_course::look(imu, &tracks.asked, &heading).map_err(asked),
+            sense: crate::analysis::axes::gyro_vs_track::look(&integrals, &tracks.asked, &sense).map_err(asked),
+            push: crate::analysis::axes::push::look(imu, &integrals, &tracks.asked, &push).map_err(asked),
+            diagnosis: Diagnosis::default(),
+            offset: None,
+            simulator: bag.simulator.clone(),
+            base_yaw_rad: None,
+            unseen: None,
+        };
+        let decided = sensor.heading.as_ref().ok();
+        sensor.offset = decided.and_then(|decided| decided.known_offset(imu, &heading));
+        let mount = imu.mount.as_ref().map(|mount| &mount.base);
+        let on = bases.iter().find(|base| Some(&base.frame) == mount);
+        let on = on.and_then(|base| base.seen.as_ref().ok());
+        let seen = sensor.seen();
+        sensor.diagnosis = Diagnosis::of(seen, &imu.stream.told_in, imu.driver.clone());
+        sensor.unseen = diagnosis::unseen(seen);
+        if let Some(on) = on.filter(|on| on.is_turned() || on.is_backward()) {
+            sensor.diagnosis.leave_mounting_to_body();
+            sensor.base_yaw_rad = on.yaw_minus_course_rad();
+        }
+        sensor.offset = sensor.offset.filter(|_| sensor.base_yaw_rad.is_none());
+        sensor
+    };
+    bag.imus.iter().map(look).collect()
+}
+
+impl Sensor {
+    /// Where its acceleration points in the base; `None` where that was not measured.
+    pub(crate) fn stands(&self) -> Option<causes::Base> {
+        self.base.as_ref().ok().map(|up| up.class)
+    }
+
+    /// Whether a track that it turns against may be the one with the other hand: poses of a simulator, beside an upright sensor.
+    fn may_doubt(&self, is_geodetic: bool) -> bool {
+        self.simulator.is_some() && !is_geodetic && self.stands() == Some(causes::Base::Up)
+    }
+
+    /// Whether the yaw turns against poses that a simulator may have given the other hand.
+    pub(crate) fn heading_is_against_a_simulator(&self) -> bool {
+        let heading = self.heading.as_ref();
+        heading.is_ok_and(|seen| seen.class() == causes::Heading::Against && self.may_doubt(seen.is_geodetic))
+    }
+
+    /// Whether the gyro turns against poses that a simulator may have given the other hand.
+    pub(crate) fn sense_is_against_a_simulator(&self) -> bool {
+        let sense = self.sense.as_ref();
+        sense.is_ok_and(|seen| seen.class == causes::Sense::Against && self.may_doubt(seen.is_geodetic))
+    }
+
+    /// Angle between the acceleration and the world's up, by the orientation, radians; or why it was not measured.
+    pub(crate) fn up_rad(&self) -> Look<f64> {
+        self.world.as_ref().map(Above::off_up_rad).map_err(Clone::clone)
+    }
+
+    /// Yaw minus course, radians, where the track knows where east is; or why it was not measured.
+    pub(crate) fn offset_rad(&self) -> Look<f64> {
+        self.heading
+            .as_ref()
+            .map_err(Clone::clone)
+            .and_then(Decided::offset_rad)
+    }
+
+    fn seen(&self) -> Seen {
+        fn class<T, C>(look: &Look<T>, of: impl Fn(&T) -> C) -> Option<C> {
+            look.as_ref().ok().map(of)
+        }
+        // What the poses of a simulator contradict may be the poses' fault.
+        let mut heading = class(&self.heading, Decided::class).filter(|_| !self.heading_is_against_a_simulator());
+        let mut sense = class(&self.sense, |seen| seen.class).filter(|_| !self.sense_is_against_a_simulator());
+        // Two tracks that contradict each other: what turns against one may be the track's fault, so the other says nothing.
+        if let (Ok(by_yaw), Ok(by_gyro)) = (&self.heading, &self.sense)
+            && by_yaw.track != by_gyro.track
+        {
+            match (heading, sense) {
+                (Some(causes::Heading::With), Some(causes::Sense::Against)) => heading = None,
+                (Some(causes::Heading::Against), Some(causes::Sense::With)) => sense = None,
+                _ => {}
+            }
+        }
+        Seen {
+            base: class(&self.base, |seen| seen.class),
+            world: class(&self.world, |seen| seen.class),
+            turn: class(&self.turn, |seen| seen.class),
+            heading,
+            sense,
+            push: class(&self.push, |seen| seen.class),
+        }
+    }
+}

@@ -1,0 +1,306 @@
+//! What the velocity of odometry may mean: its readings, and how well each explains the motion of the pose.
+//!
+//! Must not judge.
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+use serde::Deserialize;
+
+use crate::analysis::motion::{Stream, Timed};
+use crate::world::motion::{PoseRow, Twist};
+
+/// A reading of a velocity.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reading {
+    /// In the child frame, as `nav_msgs/Odometry` defines it.
+    Body,
+    /// In the header's frame.
+    World,
+    /// In the child frame, the other way round.
+    Backwards,
+    /// In the child frame, y to the right.
+    RightHand,
+    /// In the child frame, x and y changed.
+    Swapped,
+    /// In the child frame, of the inverse orientation.
+    Inverse,
+    /// In the child frame, of positions with y negated.
+    PositionY,
+    /// In the child frame, of positions with x negated.
+    PositionX,
+    /// In the child frame, of positions with x and y changed.
+    PositionSwapped,
+}
+
+const READINGS: [Reading; 9] = [
+    Reading::Body,
+    Reading::World,
+    Reading::Backwards,
+    Reading::RightHand,
+    Reading::Swapped,
+    Reading::Inverse,
+    Reading::PositionY,
+    Reading::PositionX,
+    Reading::PositionSwapped,
+];
+
+impl Reading {
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Body => "child-frame",
+            Self::World => "header-frame",
+            Self::Backwards => "negated",
+            Self::RightHand => "y-negated",
+            Self::Swapped => "xy-swapped",
+            Self::Inverse => "inverse",
+            Self::PositionY | Self::PositionX | Self::PositionSwapped => "mirrored",
+        }
+    }
+
+    /// Whether it is the pose that is told otherwise, not the velocity.
+    pub(crate) fn is_of_pose(self) -> bool {
+        matches!(
+            self,
+            Self::Inverse | Self::PositionY | Self::PositionX | Self::PositionSwapped
+        )
+    }
+
+    pub(crate) fn words(self) -> &'static str {
+        match self {
+            Self::Body => "in the child frame",
+            Self::World => "told in the header's frame",
+            Self::Backwards => {
+                "told backwards (-x, -y), or the orientation is turned by 180 deg about z against the position"
+            }
+            Self::RightHand => "told with y to the right",
+            Self::Swapped => {
+                "told with x and y changed, or the orientation is turned by 90 deg about z against the position"
+            }
+            Self::Inverse => "right, and the orientation is the inverse one (child_from_header, or JPL numbers)",
+            Self::PositionY => "right, and the position is a mirror image (y negated)",
+            Self::PositionX => "right, and the position is a mirror image (x negated)",
+            Self::PositionSwapped => "right, and the position is a mirror image (x and y changed)",
+        }
+    }
+
+    pub(crate) fn help(self) -> &'static str {
+        match self {
+            Self::Body | Self::World => {
+                "rotate it into the child frame before publishing: v_child = R(q)^T * v_header (nav_msgs/Odometry)"
+            }
+            Self::Backwards => "negate the velocity, or turn the base frame about z: x points forward (REP-103)",
+            Self::RightHand => "negate vy: y points to the left (REP-103)",
+            Self::Swapped => "change vx and vy: x points forward, y to the left (REP-103)",
+            Self::Inverse => "conjugate the quaternion (negate x, y and z)",
+            Self::PositionY => "negate y of the position",
+            Self::PositionX => "negate x of the position",
+            Self::PositionSwapped => {
+                "change x and y of the position: of NED positions x is y, y is x, and z is negated"
+            }
+        }
+    }
+
+    /// The velocity in the header's frame.
+    fn apply(self, orientation: &UnitQuaternion<f64>, v: &Vector3<f64>) -> Vector3<f64> {
+        match self {
+            Self::Body => orientation * v,
+            Self::World => *v,
+            Self::Backwards => -(orientation * v),
+            Self::RightHand => orientation * Vector3::new(v.x, -v.y, v.z),
+            Self::Swapped => orientation * Vector3::new(v.y, v.x, v.z),
+            Self::Inverse => orientation.inverse() * v,
+            Self::PositionY => (orientation * v).component_mul(&Vector3::new(1.0, -1.0, 1.0)),
+            Self::PositionX => (orientation * v).component_mul(&Vector3::new(-1.0, 1.0, 1.0)),
+            Self::PositionSwapped => {
+                let v = orientation * v;
+                Vector3::new(v.y, v.x, v.z)
+            }
+        }
+    }
+}
+
+/// What the twists of a stream say against its poses.
+#[derive(Debug)]
+pub(crate) struct Twists {
+    /// Windows taken.
+    pub(crate) windows: u64,
+    /// Distance that the pose moves over the windows, metres.
+    pub(crate) distance_m: f64,
+    /// Whether z of the child points down in the header's frame, by the orientation.
+    pub(crate) is_upside_down: bool,
+    /// Whether every velocity is zero.
+    pub(crate) is_zero: bool,
+    /// The part of the motion that is to the side of the child frame, by the velocity.
+    pub(crate) aside: f64,
+    /// For each reading the part of the motion that it leaves unexplained (root of the ratio of squares), the best first.
+    pub(crate) residuals: Vec<(Reading, f64)>,
+    /// The turning.
+    pub(crate) turning: Turning,
+}
+
+/// The yaw rate against the turning of the pose.
+#[derive(Debug, Default)]
+pub(crate) struct Turning {
+    /// Windows taken.
+    pub(crate) windows: u64,
+    /// Turning of the pose about its z axis over the windows, without sign, radians.
+    pub(crate) turned_rad: f64,
+    /// Integral of the yaw rate over the turning of the pose, by least squares.
+    pub(crate) slope: f64,
+    /// Their correlation.
+    pub(crate) correlation: f64,
+}
+
+impl Twists {
+    pub(crate) fn of(stream: &Stream<PoseRow>, limits: &Limits) -> Self {
+        let mut sums = [0.0; READINGS.len()];
+        let (mut windows, mut distance_m, mut squares, mut is_zero) = (0, 0.0, 0.0, true);
+        let (mut apart, mut up) = (0.0, 0.0);
+        let (mut turned_rad, mut crossed, mut poses, mut rates) = (0.0, 0.0, 0.0, 0.0);
+        for window in stream.windows(limits.window_s, limits.max_step_s) {
+            let Some(moved) = Moved::of(window) else { continue };
+            windows += 1;
+            distance_m += moved.shift.norm();
+            squares += moved.shift.norm_squared();
+            is_zero &= moved.is_zero;
+            for (sum, predicted) in sums.iter_mut().zip(&moved.predicted) {
+                *sum += (predicted - moved.shift).norm_squared();
+            }
+            let [as_defined, _, _, right_hand, ..] = moved.predicted;
+            up += moved.up;
+            apart += (right_hand - as_defined).norm_squared();
+            turned_rad += moved.turned.abs();
+            crossed += moved.turned * moved.rated;
+            poses += moved.turned * moved.turned;
+            rates += moved.rated * moved.rated;
+        }
+        let mut residuals: Vec<(Reading, f64)> = READINGS
+            .into_iter()
+            .zip(sums)
+            .map(|(reading, sum)| (reading, (sum / squares).sqrt()))
+            .collect();
+        residuals.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let ratio = |a: f64, b: f64| if b > 0.0 { a / b } else { 0.0 };
+        Self {
+            windows,
+            distance_m,
+            is_upside_down: up < 0.0,
+            is_zero,
+            // With y negated it is twice that from what it was.
+            aside: ratio(apart, squares).sqrt() / 2.0,
+            residuals,
+            turning: Turning {
+                windows,
+                turned_rad,
+                slope: ratio(crossed, poses),
+                correlation: ratio(crossed, (poses * rates).sqrt()),
+            },
+        }
+    }
+
+    /// The readings that the velocity can tell apart, the best first: what drives along x alone has no sign of y.
+    pub(crate) fn told(&self, least_aside: f64) -> Vec<(Reading, f64)> {
+        let has_sign = |(reading, _): &&(Reading, f64)| *reading != Reading::RightHand || self.aside >= least_aside;
+        let of_twist = |(reading, _): &&(Reading, f64)| !reading.is_of_pose();
+        self.residuals
+            .iter()
+            .filter(of_twist)
+            .filter(has_sign)
+            .copied()
+            .collect()
+    }
+
+    /// The readings of a wrong pose beside a right velocity, the best first. In a plane the inverse orientation is a mirror
+    /// image: the yaw rate tells whether the orientation turns as it should.
+    pub(crate) fn told_of_pose(&self) -> Vec<(Reading, f64)> {
+        let turns_back = self.turning.slope < 0.0;
+        let fits = |(reading, _): &&(Reading, f64)| match reading {
+            Reading::Inverse => turns_back || self.turning.slope == 0.0,
+            reading => reading.is_of_pose() && !turns_back,
+        };
+        self.residuals.iter().filter(fits).copied().collect()
+    }
+
+    /// What a reading leaves unexplained.
+    pub(crate) fn residual(&self, reading: Reading) -> f64 {
+        let found = self.residuals.iter().find(|(known, _)| *known == reading);
+        found.map_or(f64::NAN, |(_, residual)| *residual)
+    }
+}
+
+/// The motion in one window.
+struct Moved {
+    /// Of the pose, metres, in the header's frame.
+    shift: Vector3<f64>,
+    /// What each reading of the velocity predicts.
+    predicted: [Vector3<f64>; READINGS.len()],
+    /// Turning of the pose about its own z axis, radians.
+    turned: f64,
+    /// Integral of the yaw rate, radians.
+    rated: f64,
+    /// z of the child's z axis in the header's frame, at the first pose.
+    up: f64,
+    is_zero: bool,
+}
+
+impl Moved {
+    /// `None` where a number is not finite, or an orientation is none.
+    fn of(window: &[Timed<PoseRow>]) -> Option<Self> {
+        let (first, last) = (window.first()?, window.last()?);
+        let mut moved = Self {
+            shift: Vector3::from(last.row.position) - Vector3::from(first.row.position),
+            predicted: [Vector3::zeros(); READINGS.len()],
+            turned: 0.0,
+            rated: 0.0,
+            up: (orientation(&first.row)? * Vector3::z()).z,
+            is_zero: true,
+        };
+        for pair in window.windows(2) {
+            let [a, b] = pair else { continue };
+            let (Twist { linear, angular }, twist) = (a.row.twist?, b.row.twist?);
+            let dt = b.t_s - a.t_s;
+            let [from, to] = [orientation(&a.row)?, orientation(&b.row)?];
+            let v = (Vector3::from(linear) + Vector3::from(twist.linear)) / 2.0;
+            // In the child frame's own axes.
+            let turn = (from.inverse() * to).scaled_axis();
+            let between = from * UnitQuaternion::from_scaled_axis(turn / 2.0);
+            for (predicted, reading) in moved.predicted.iter_mut().zip(READINGS) {
+                *predicted += reading.apply(&between, &v) * dt;
+            }
+            moved.turned += turn.z;
+            moved.rated += dt * (angular[2] + twist.angular[2]) / 2.0;
+            moved.is_zero &= v == Vector3::zeros();
+        }
+        let is_finite = moved.shift.iter().all(|value| value.is_finite())
+            && moved.predicted.iter().flatten().all(|value| value.is_finite());
+        (is_finite && moved.turned.is_finite() && moved.rated.is_finite()).then_some(moved)
+    }
+}
+
+/// The orientation of a row; `None` where it is none.
+fn orientation(row: &PoseRow) -> Option<UnitQuaternion<f64>> {
+    let [x, y, z, w] = row.orientation;
+    UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 0.5)
+}
+
+/// Limits of AXES08.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    /// Length of the windows that the velocity is integrated over, seconds.
+    pub(crate) window_s: f64,
+    /// Longest step between two messages inside a window, seconds.
+    pub(crate) max_step_s: f64,
+    pub(crate) min_distance_m: f64,
+    pub(crate) max_residual: f64,
+    pub(crate) min_ratio: f64,
+    pub(crate) least_aside: f64,
+    pub(crate) min_turn_deg: f64,
+    pub(crate) turn_agrees: f64,
+}
+
+impl Limits {
+    /// Correlation below which a yaw rate is another thing than the turning of the pose.
+    pub(crate) fn max_correlation(&self) -> f64 {
+        1.0 - self.max_residual
+    }
+}

@@ -1,0 +1,84 @@
+//! Where the acceleration points in the world, by the orientation.
+
+use crate::analysis::axes::causes::World;
+use crate::analysis::look::Look;
+use crate::analysis::motion::Imu;
+use crate::math::gravity::WorldForce;
+use crate::math::readings::Reading;
+use crate::verdict::NotEvaluated;
+use serde::Deserialize;
+
+/// Limits of AXES03.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    pub(crate) min_s: f64,
+    pub(crate) min_rows: usize,
+    pub(crate) min_concentration: f64,
+    pub(crate) max_tilt_deg: f64,
+    pub(crate) steady_concentration: f64,
+    pub(crate) tilted_deg: f64,
+    pub(crate) gravity: f64,
+    pub(crate) gravity_share: f64,
+}
+
+/// What was seen.
+pub(crate) struct Above {
+    pub(crate) class: World,
+    pub(crate) force: WorldForce,
+    pub(crate) seconds: f64,
+    pub(crate) rows: usize,
+}
+
+impl Above {
+    /// Angle between the acceleration and the world's up, radians.
+    pub(crate) fn off_up_rad(&self) -> f64 {
+        self.force.from_up_rad
+    }
+}
+
+/// Where the acceleration points in the world.
+pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Above> {
+    if let Some(why) = imu.no_orientation {
+        return Err((NotEvaluated::NotApplicable, why.to_owned()));
+    }
+    let little = |reason: String| Err((NotEvaluated::TooLittleEvidence, reason));
+    let Some(gravity) = &imu.inertial.gravity else {
+        return Err((NotEvaluated::NotApplicable, "it gives no acceleration".to_owned()));
+    };
+    let Some(force) = gravity.mean(Reading::Xyzw).copied() else {
+        return little("no orientation is one".to_owned());
+    };
+    if gravity.covered_s < limits.min_s || gravity.rows < limits.min_rows {
+        return little(format!(
+            "{:.1} s and {} rows of orientation with acceleration, {} s and {} are needed",
+            gravity.covered_s, gravity.rows, limits.min_s, limits.min_rows
+        ));
+    }
+    let near = |unit: f64| (gravity.norm_m_s2 / unit - 1.0).abs() <= limits.gravity_share;
+    if !near(limits.gravity) && !near(1.0) {
+        return little(format!(
+            "the acceleration is {:.2} long as published, which is no gravity",
+            gravity.norm_m_s2
+        ));
+    }
+    let degrees = force.from_up_rad.to_degrees();
+    let class = if force.concentration >= limits.min_concentration && degrees <= limits.max_tilt_deg {
+        World::Up
+    } else if force.concentration >= limits.min_concentration && degrees >= 180.0 - limits.max_tilt_deg {
+        World::Down
+    } else if force.concentration >= limits.steady_concentration && degrees > limits.tilted_deg {
+        World::Elsewhere
+    } else {
+        return little(format!(
+            "the acceleration points to no one place in the world: {degrees:.0} deg from up in the mean, concentration {:.3}",
+            force.concentration
+        ));
+    };
+    Ok(Above {
+        class,
+        force,
+        seconds: gravity.covered_s,
+        rows: gravity.rows,
+    })
+}

@@ -1,0 +1,172 @@
+//! Whether the yaw of an orientation turns with the course, and what it is more than it.
+
+use crate::analysis::axes::causes;
+use crate::analysis::axes::heading::Heading;
+use crate::analysis::axes::heading::Limits;
+use crate::analysis::axes::heading::Sense;
+use crate::analysis::axes::plots;
+use crate::analysis::look::Look;
+use crate::analysis::look::needed;
+use crate::analysis::motion::Imu;
+use crate::analysis::motion::Track;
+use crate::analysis::motion::Yaws;
+use crate::math::readings::Reading;
+use crate::source::Place;
+use crate::tables::Offset;
+use crate::verdict::Measured;
+use crate::verdict::NotEvaluated;
+use crate::verdict::Plot;
+use nalgebra::Vector3;
+use std::sync::Arc;
+
+/// What was seen.
+pub(crate) struct Decided {
+    /// What reports call the track.
+    pub(crate) track: String,
+    pub(crate) track_at: Place,
+    /// Whether the track knows where east is.
+    pub(crate) is_geodetic: bool,
+    pub(crate) heading: Heading,
+}
+
+impl Decided {
+    pub(crate) fn class(&self) -> causes::Heading {
+        match self.heading.winner() {
+            Sense::Left => causes::Heading::With,
+            Sense::Right => causes::Heading::Against,
+        }
+    }
+
+    pub(crate) fn measured(&self, limits: &Limits) -> [Measured; 4] {
+        let heading = &self.heading;
+        let samples = heading.samples as u64;
+        let [left, right] = heading.resultants;
+        let (best, other) = match heading.winner() {
+            Sense::Left => (left, right),
+            Sense::Right => (right, left),
+        };
+        [
+            Measured::new("resultant of the better sense", best, "1")
+                .limit(limits.min_resultant)
+                .samples(samples),
+            Measured::new("resultant of the other sense", other, "1").samples(samples),
+            self.offset(),
+            Measured::count("windows with a turn", heading.votes.iter().sum()),
+        ]
+    }
+
+    pub(crate) fn plot(&self, topic: &str) -> Plot {
+        let title = format!("Yaw of `{topic}` against the course of {}", self.track);
+        plots::yaw(title, &self.heading, self.is_geodetic)
+    }
+
+    pub(crate) fn offset(&self) -> Measured {
+        Measured::new("offset", self.heading.offset_rad.to_degrees(), "deg").samples(self.heading.samples as u64)
+    }
+
+    /// Yaw minus course, radians; or why it says nothing of east.
+    pub(crate) fn offset_rad(&self) -> Look<f64> {
+        if self.is_geodetic {
+            Ok(self.heading.offset_rad)
+        } else {
+            let why = format!("{} does not know where east is", self.track);
+            Err((NotEvaluated::MissingInput, why))
+        }
+    }
+
+    /// Yaw minus course, degrees, where it is steady, and too large for a mounting.
+    pub(crate) fn large_offset_deg(&self, limits: &Limits) -> Option<f64> {
+        let is_steady = self.heading.offset_resultant >= limits.min_resultant;
+        let offset = self.offset_rad().ok()?.to_degrees();
+        (is_steady && offset.abs() > limits.max_offset_deg).then_some(offset)
+    }
+
+    /// What the driver's profile says of a large offset.
+    pub(crate) fn known_offset(&self, imu: &Imu, limits: &Limits) -> Option<Offset> {
+        let offset = self
+            .large_offset_deg(limits)
+            .filter(|_| self.class() == causes::Heading::With)?;
+        let near = |known: &&Offset| apart_deg(offset, known.deg) <= limits.max_spread_deg;
+        imu.driver.as_ref()?.offsets.iter().find(near).cloned()
+    }
+}
+
+/// Whether z of what the sensor is mounted on points up by its orientation, all in all.
+pub(crate) fn is_upright(imu: &Imu) -> bool {
+    let imu_from_base = imu.base_from_imu().inverse();
+    let ups = imu.stream.rows().filter_map(|timed| {
+        let world_from_imu = Reading::Xyzw.world_from_body(timed.row.orientation)?;
+        Some((world_from_imu * imu_from_base * Vector3::z()).z)
+    });
+    let (sum, count) = ups.fold((0.0, 0.0), |(sum, count), up| (sum + up, count + 1.0));
+    sum >= 0.5 * count
+}
+
+/// Between two angles, degrees, 0 to 180.
+pub(crate) fn apart_deg(a: f64, b: f64) -> f64 {
+    ((a - b + 540.0).rem_euclid(360.0) - 180.0).abs()
+}
+
+/// How the yaw turns against the first track that tells. Satellites come first: odometry is often made of this very yaw.
+pub(crate) fn look(imu: &Imu, tracks: &[Arc<Track>], limits: &Limits) -> Look<Decided> {
+    if let Some(why) = imu.no_orientation {
+        return Err((NotEvaluated::NotApplicable, why.to_owned()));
+    }
+    needed(tracks)?;
+    let mut undecided_by = Vec::new();
+    let yaws = Yaws::of(&imu.stream, &imu.base_from_imu());
+    let slow = tracks.iter().filter(|track| !track.is_geodetic);
+    let tried = tracks.iter().map(|track| (track, limits.min_speed_m_s));
+    for (track, speed_m_s) in tried.chain(slow.map(|track| (track, limits.odometry_speed_m_s))) {
+        let heading = Heading::of(&yaws, &track.courses(speed_m_s), limits);
+        let is_agreed = heading.agreement().is_some_and(|share| share >= limits.min_agreement);
+        if is_agreed && heading.span_s() >= limits.min_span_s {
+            return Ok(Decided {
+                track: track.subject.clone(),
+                track_at: track.place.clone(),
+                is_geodetic: track.is_geodetic,
+                heading,
+            });
+        }
+        undecided_by.push(heading);
+    }
+    Err((NotEvaluated::TooLittleEvidence, undecided(&undecided_by, limits)))
+}
+
+/// Why no track decided: what the best of them lacked.
+pub(crate) fn undecided(headings: &[Heading], limits: &Limits) -> String {
+    let widest = headings.iter().map(|heading| heading.widest_rad).fold(0.0, f64::max);
+    let windows: usize = headings.iter().map(|heading| heading.windows).sum();
+    if windows == 0 && widest.to_degrees() >= limits.min_turn_deg {
+        let longest = headings.iter().map(|heading| heading.longest_m).fold(0.0, f64::max);
+        return format!(
+            "the course turns by {:.0} deg within {} s, and goes {longest:.1} m at most in such a turn; {} m are needed",
+            widest.to_degrees(),
+            limits.window_s,
+            limits.min_way_m
+        );
+    }
+    if windows == 0 {
+        return format!(
+            "the course turns by {:.0} deg at most while both are there and it moves, {} deg within {} s are needed",
+            widest.to_degrees(),
+            limits.min_turn_deg,
+            limits.window_s
+        );
+    }
+    let [left, right] = headings.iter().fold([0, 0], |[left, right], heading| {
+        let [more_left, more_right] = heading.votes;
+        [left + more_left, right + more_right]
+    });
+    let longest = headings.iter().map(Heading::span_s).fold(0.0, f64::max);
+    if longest > 0.0 && longest < limits.min_span_s {
+        return format!(
+            "{longest:.1} s of a turn, {} s are needed: a gust or a slip lasts as long",
+            limits.min_span_s
+        );
+    }
+    format!(
+        "the yaw follows the course clearly neither way: of {windows} windows with a turn {left} say counter-clockwise, {right} \
+         clockwise"
+    )
+}

@@ -1,0 +1,361 @@
+//! What is wrong with a grid seen from above: by itself, and against the messages that carry it. Must not judge.
+
+use crate::math::circular::difference;
+use crate::source::Place;
+use crate::verdict::Measured;
+use crate::world::World;
+use crate::world::bag::TopicEvidence;
+use crate::world::projection::{Axis, Cell, Grid, GridAt, Projection};
+use serde::Deserialize;
+
+use crate::analysis::camera::declared::is_about;
+use crate::analysis::camera::fault::Fault;
+
+fn resolution(resolution_m: f64, limits: &Limits) -> Option<Fault> {
+    let is_sound = resolution_m.is_finite() && resolution_m > 0.0;
+    (!is_sound || resolution_m > limits.max_resolution_m).then(|| {
+        let fault = Fault::new(
+            "resolution",
+            format!("a cell is {resolution_m} m wide"),
+            "the resolution is the side of a cell in metres: not cells per metre, and no pixels",
+            Measured::new("resolution", resolution_m, "m").limit(limits.max_resolution_m),
+        );
+        if is_sound { fault } else { fault.error() }
+    })
+}
+
+/// What is wrong with a grid as it was sent, and how far it leans, degrees.
+pub(crate) fn of_message(grid: &GridAt, limits: &Limits) -> (Vec<Fault>, f64) {
+    let [x, y, z, w] = grid.orientation;
+    let norm = (x * x + y * y + z * z + w * w).sqrt();
+    let tilt_deg = (1.0 - 2.0 * (x * x + y * y) / (norm * norm))
+        .clamp(-1.0, 1.0)
+        .acos()
+        .to_degrees();
+    let count = grid.cells.iter().product::<f64>();
+    let finite = grid.position.iter().all(|value| value.is_finite());
+    let mut faults: Vec<Fault> = resolution(grid.resolution_m, limits).into_iter().collect();
+    if !finite || (norm - 1.0).abs() > limits.max_norm || !norm.is_finite() {
+        faults.push(
+            Fault::new(
+                "origin",
+                format!(
+                    "the origin of the grid is no pose: its quaternion has the norm {norm:.3}, its position is {:?}",
+                    grid.position
+                ),
+                "fill the whole pose; a quaternion of zeros is none, w = 1 is the identity",
+                Measured::new("norm of the origin's quaternion", norm, "1").limit(1.0),
+            )
+            .error(),
+        );
+    } else if tilt_deg > limits.max_tilt_deg {
+        faults.push(Fault::new(
+            "tilted",
+            format!("the grid leans by {tilt_deg:.1} deg in its frame: readers take its origin as x, y and yaw alone"),
+            "give the origin a yaw only, and tilt the frame",
+            Measured::new("lean of the grid", tilt_deg, "deg").limit(limits.max_tilt_deg),
+        ));
+    }
+    if let Some(data) = grid.data
+        && (data as f64 - count).abs() > 0.5
+    {
+        faults.push(
+            Fault::new(
+                "size",
+                format!(
+                    "the grid says {} x {} cells, and {data} follow",
+                    grid.cells[0], grid.cells[1]
+                ),
+                "width and height are counts of cells; the data are row by row, along x first",
+                Measured::new("cells that follow", data as f64, "count").limit(count),
+            )
+            .error(),
+        );
+    }
+    (faults, tilt_deg)
+}
+
+/// What is wrong with a declaration by itself.
+pub(crate) fn of_declaration(projection: &Projection, grid: &Grid, limits: &Limits) -> Vec<Fault> {
+    let of_cells = grid.resolution_m.and_then(|m| resolution(m, limits));
+    let all = [
+        of_cells,
+        missing(projection, grid),
+        origin(projection, grid),
+        thresholds(grid),
+        affine(grid, limits),
+    ];
+    all.into_iter().flatten().collect()
+}
+
+/// What a declaration leaves open.
+fn missing(projection: &Projection, grid: &Grid) -> Option<Fault> {
+    let is_ours = projection.format == "frames-lint";
+    let parts = [
+        ("resolution", grid.resolution_m.is_none()),
+        ("origin", grid.origin.is_empty()),
+        ("frame", is_ours && grid.frame.is_none()),
+        ("cell (centre or corner)", is_ours && grid.cell.is_none()),
+        ("columns", is_ours && grid.columns.is_none()),
+        ("rows", is_ours && grid.rows.is_none()),
+        ("ego_motion", is_ours && grid.ego_motion.is_none()),
+    ];
+    let left: Vec<&str> = parts
+        .iter()
+        .filter(|(_, is_missing)| *is_missing)
+        .map(|(what, _)| *what)
+        .collect();
+    (!left.is_empty()).then(|| {
+        Fault::new(
+            "incomplete",
+            format!("the grid does not say its {}: every reader guesses", left.join(", ")),
+            "say all of it: frame, resolution, origin, what of a cell lies there, where columns and rows go, whether motion is taken out",
+            Measured::count("parts that are not declared", left.len()).limit(0.0),
+        )
+    })
+}
+
+fn origin(projection: &Projection, grid: &Grid) -> Option<Fault> {
+    if grid.origin.is_empty() {
+        return None;
+    }
+    let most = grid.origin.get(2).copied().unwrap_or(0.0).abs();
+    if !grid.origin.iter().all(|value| value.is_finite()) || projection.format == "map_server" && grid.origin.len() != 3
+    {
+        let fault = Fault::new(
+            "origin",
+            format!("the origin is {:?}: it is x, y and yaw", grid.origin),
+            "give x and y of the lower left cell in metres, and the yaw in radians",
+            Measured::count("numbers of the origin", grid.origin.len()).limit(3.0),
+        );
+        return Some(fault.error());
+    }
+    (most > std::f64::consts::TAU).then(|| {
+        Fault::new(
+            "degrees",
+            format!("the yaw of the origin is {most}: radians are meant, and these look like degrees"),
+            "multiply it by pi / 180; the third number is no z",
+            Measured::new("yaw of the origin", most, "1").limit(std::f64::consts::TAU),
+        )
+    })
+}
+
+fn thresholds(grid: &Grid) -> Option<Fault> {
+    let [occupied, free] = *grid.thresholds.as_slice() else {
+        return None;
+    };
+    let is_sound = (0.0..=1.0).contains(&occupied) && (0.0..=1.0).contains(&free) && free < occupied;
+    (!is_sound).then(|| {
+        Fault::new(
+            "thresholds",
+            format!("a cell is free up to {free} and occupied from {occupied} on: both are shares of 1, the first the smaller"),
+            "shares from 0 to 1: free_thresh 0.196 and occupied_thresh 0.65 are map_saver's",
+            Measured::new("occupied less free", occupied - free, "1").limit(0.0),
+        )
+    })
+}
+
+/// The declared map of cells to metres against the other words.
+fn affine(grid: &Grid, limits: &Limits) -> Option<Fault> {
+    let [a, b, c, d, e, f] = *grid.affine.as_slice() else {
+        return None;
+    };
+    let (column, row) = ([a, d], [b, e]);
+    let turn = a * e - b * d;
+    let dot = |of: [f64; 2], axis: Axis| of[0] * axis.direction()[0] + of[1] * axis.direction()[1];
+    let length = |of: [f64; 2]| of[0].hypot(of[1]);
+    let determinant = Measured::new("determinant of the map of cells", turn, "1");
+    if let (Some(columns), Some(rows)) = (grid.columns, grid.rows) {
+        let [cx, cy] = columns.direction();
+        let [rx, ry] = rows.direction();
+        let declared = cx * ry - cy * rx;
+        let along = |of, axis| dot(of, axis) > 0.7 * length(of);
+        if !(along(column, columns) && along(row, rows)) {
+            let (relation, what) = if along(column, rows) && along(row, columns) {
+                ("swapped", "columns and rows are exchanged")
+            } else if turn * declared < 0.0 {
+                ("mirrored", "the determinant has the other sign: it is a mirror image")
+            } else {
+                ("turned", "it is turned by a quarter or a half")
+            };
+            return Some(
+                Fault::new(
+                    relation,
+                    format!(
+                        "the map of cells to metres goes another way than columns and rows are declared to: {what}"
+                    ),
+                    "one of the two is right: rows of arrays grow with y, rows of pictures down",
+                    determinant.limit(declared),
+                )
+                .error(),
+            );
+        }
+    }
+    if let Some(resolution_m) = grid.resolution_m {
+        let sides = [length(column), length(row)];
+        if let Some(side) = sides
+            .into_iter()
+            .find(|side| (side / resolution_m - 1.0).abs() > limits.same)
+        {
+            return Some(
+                Fault::new(
+                    "resolution",
+                    format!(
+                        "the map of cells to metres makes a cell {side} m wide, and the resolution is {resolution_m} m"
+                    ),
+                    "one of the two is wrong",
+                    Measured::new("side of a cell", side, "m").limit(resolution_m),
+                )
+                .error(),
+            );
+        }
+        if let ([x, y, ..], Some(cell)) = (grid.origin.as_slice(), grid.cell) {
+            // The map takes the number of a cell to the point that `cell` says: origin is that of the first cell.
+            let off = [(c - x) / resolution_m, (f - y) / resolution_m];
+            let largest = off[0].abs().max(off[1].abs());
+            if largest > 0.01 {
+                let is_half = off.iter().all(|off| (off.abs() - 0.5).abs() < 0.01);
+                let word = if cell == Cell::Corner { "corner" } else { "centre" };
+                return Some(Fault::new(
+                    if is_half { "half-cell" } else { "origin" },
+                    format!(
+                        "the map of cells to metres puts the first cell at {c}, {f}, and the origin, its {word}, is at {x}, {y}: {largest:.2} cells aside"
+                    ),
+                    "origin and map mean the same point of a cell, its centre or its corner",
+                    Measured::new("cells aside", largest, "1").limit(0.01),
+                ));
+            }
+        }
+    }
+    None
+}
+
+/// The grids that were sent: the place of one, and what differs.
+pub(crate) fn against_messages(
+    world: &World,
+    projection: &Projection,
+    grid: &Grid,
+    limits: &Limits,
+) -> Option<(Place, Option<Fault>)> {
+    let topics = world
+        .bags
+        .iter()
+        .flat_map(|bag| bag.topics.values().map(move |topic| (bag, topic)));
+    let is_grid = |topic: &TopicEvidence| topic.message_type.ends_with("/OccupancyGrid");
+    // A map's file is of the map; cost maps have sizes of their own.
+    let is_map = |topic: &TopicEvidence| {
+        projection.topic.is_some() || topic.topic.ends_with("map") && !topic.topic.contains("costmap")
+    };
+    let all: Vec<(Place, &GridAt, Option<&String>)> = topics
+        .filter(|(_, topic)| is_grid(topic) && is_map(topic) && is_about(projection, topic))
+        .flat_map(|(bag, topic)| {
+            let grids = topic.content.grids.iter().flat_map(|grids| &grids.grids);
+            let frame = topic
+                .header_frames
+                .keys()
+                .next()
+                .map(|frame| frame.canonical().as_str().to_owned());
+            let differs = grid.frame.as_ref().filter(|told| {
+                frame
+                    .as_ref()
+                    .is_some_and(|frame| frame != told.trim_start_matches('/'))
+            });
+            grids.map(move |grid| (Place::message(bag.source, grid.at.clone()), grid, differs))
+        })
+        .collect();
+    let faults: Vec<(Place, Option<Fault>)> = all
+        .into_iter()
+        .map(|(place, sent, frame)| (place, differs(grid, sent, frame, limits)))
+        .collect();
+    // Of several grids, one that it is.
+    let fits = faults.iter().position(|(_, fault)| fault.is_none());
+    faults.into_iter().nth(fits.unwrap_or(0))
+}
+
+fn differs(grid: &Grid, sent: &GridAt, frame: Option<&String>, limits: &Limits) -> Option<Fault> {
+    if let Some(frame) = frame {
+        return Some(Fault::new(
+            "frame",
+            format!("the grid is declared in `{frame}`, and is sent in another frame"),
+            "declare the frame of its header",
+            Measured::count("frames that differ", 1).limit(0.0),
+        ));
+    }
+    if let (Some(columns), Some(rows)) = (grid.columns, grid.rows)
+        && (columns, rows) != (Axis::PlusX, Axis::PlusY)
+    {
+        return Some(
+            Fault::new(
+                "mirrored",
+                "the cells of an OccupancyGrid go along x first, and its rows along y: columns and rows are declared otherwise".to_owned(),
+                "declare columns +x and rows +y; a picture of it with row 0 on top is turned over",
+                Measured::count("axes that differ", usize::from(columns != Axis::PlusX) + usize::from(rows != Axis::PlusY)).limit(0.0),
+            )
+            .error(),
+        );
+    }
+    let resolution_m = grid.resolution_m?;
+    if (sent.resolution_m / resolution_m - 1.0).abs() > limits.same {
+        return Some(Fault::new(
+            "resolution",
+            format!(
+                "a cell is declared {resolution_m} m wide, and is sent {} m wide",
+                sent.resolution_m
+            ),
+            "one of the two is of another map, or another version of it",
+            Measured::new("resolution as sent", sent.resolution_m, "m").limit(resolution_m),
+        ));
+    }
+    let [x, y, rest @ ..] = grid.origin.as_slice() else {
+        return None;
+    };
+    let off = [sent.position[0] - x, sent.position[1] - y].map(|m| m / resolution_m);
+    let [.., z, w] = sent.orientation;
+    let yaw = 2.0 * z.atan2(w);
+    let off_yaw = rest.first().map_or(0.0, |told| difference(yaw, *told).abs());
+    let largest = off[0].abs().max(off[1].abs());
+    if largest <= 0.01 && off_yaw <= 1e-3 {
+        return None;
+    }
+    let near = |value: f64, wanted: f64| (value - wanted).abs() <= 0.02 * wanted.abs().max(1.0);
+    let [_, height] = sent.cells;
+    let (relation, what) = if largest <= 0.01 {
+        ("yaw", "the yaw is another one")
+    } else if near(off[0].abs(), 0.5) && near(off[1].abs(), 0.5) {
+        (
+            "half-cell",
+            "half a cell: one is the corner of the first cell, the other its centre",
+        )
+    } else if near(off[0], 0.0) && near(off[1].abs(), height) {
+        (
+            "upper-left",
+            "the whole height: one is the upper left corner, the other the lower left one",
+        )
+    } else if near(sent.position[0], *y) && near(sent.position[1], *x) {
+        ("swapped", "x and y are exchanged")
+    } else {
+        ("origin", "of another map, or another version of it")
+    };
+    Some(Fault::new(
+        relation,
+        format!(
+            "the origin is declared at {x}, {y}, and is sent at {}, {}: {largest:.2} cells and {:.2} deg aside; {what}",
+            sent.position[0],
+            sent.position[1],
+            off_yaw.to_degrees()
+        ),
+        "the origin of a map is the lower left corner of its first cell, x, y and yaw, in the map's frame",
+        Measured::new("cells aside", largest, "1").limit(0.01),
+    ))
+}
+
+/// Limits of CAMERA09.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    pub(crate) max_resolution_m: f64,
+    pub(crate) same: f64,
+    pub(crate) max_norm: f64,
+    pub(crate) max_tilt_deg: f64,
+    pub(crate) max_pixels: u32,
+}

@@ -1,0 +1,42 @@
+//! What lidars show of the cameras of a recording.
+
+use crate::analysis::Estimates;
+use crate::analysis::camera::looks::Shown;
+use crate::analysis::camera::looks::Why;
+use crate::analysis::camera::looks::look;
+use crate::analysis::camera::published::Published;
+use crate::analysis::ground::Planes;
+use crate::world::FrameId;
+use crate::world::World;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+/// What lidars show of every camera of a world: by recording and frame.
+pub(crate) struct Views(pub(crate) BTreeMap<(usize, FrameId), Result<Shown, Why>>);
+
+impl Views {
+    /// Worked out once.
+    pub(crate) fn of(world: &Estimates) -> Rc<Self> {
+        let planes = Planes::of(world);
+        world.once(|world| {
+            let limits = world.limits::<crate::analysis::camera::looks::Limits>();
+            let views = cameras(world).into_iter().map(|(key, camera)| {
+                let shown = look(world, &planes, &camera, &key.1, &limits);
+                (key, shown)
+            });
+            Self(views.collect())
+        })
+    }
+}
+
+/// The first calibration of every camera's frame.
+pub(crate) fn cameras(world: &World) -> BTreeMap<(usize, FrameId), Published<'_>> {
+    let mut cameras = BTreeMap::new();
+    for published in Published::all(world) {
+        let index = world.bags.iter().position(|bag| bag.source == published.bag.source);
+        if let (Some(index), Some(frame)) = (index, published.frame()) {
+            cameras.entry((index, frame)).or_insert(published);
+        }
+    }
+    cameras
+}

@@ -1,0 +1,287 @@
+//! What a lidar shows of one camera: which of its readings of a mounting can be. Must not report.
+
+use crate::analysis::Estimates;
+use nalgebra::{Isometry3, Vector3};
+use serde::Deserialize;
+
+use crate::analysis::ground::{Ground, Planes};
+use crate::analysis::lidar::Clouds;
+use crate::analysis::motion::mount::mount;
+use crate::analysis::names;
+use crate::verdict::NotEvaluated;
+use crate::world::FrameId;
+
+use crate::analysis::camera::published::{Published, VERTICAL, Ways, looks_against_its_name};
+use crate::analysis::camera::views::{Attitude, Image, Mistake, Scene};
+
+/// Why nothing can be said.
+pub(crate) type Why = (NotEvaluated, String);
+
+/// What is wrong with a camera's frame, by what the lidar sees.
+#[derive(Clone, Debug)]
+pub(crate) enum Fault {
+    UpsideDown,
+    Under,
+    /// The mistakes that explain it alike, the first by its name.
+    Mistaken(Vec<Mistake>, f64),
+}
+
+/// What a lidar shows of a camera.
+#[derive(Clone, Debug)]
+pub(crate) struct Shown {
+    pub(crate) attitude: Attitude,
+    pub(crate) base: FrameId,
+    pub(crate) topic: String,
+    /// Share of the points in the image, and the largest of a camera at its place that looks level.
+    pub(crate) share: f64,
+    pub(crate) most: f64,
+    pub(crate) points: usize,
+    pub(crate) clouds: usize,
+    pub(crate) judged: Result<Option<Fault>, Why>,
+}
+
+/// What the lidar that could show most of a camera shows of it.
+pub(crate) fn look(
+    world: &Estimates,
+    planes: &Planes,
+    camera: &Published,
+    frame: &FrameId,
+    limits: &Limits,
+) -> Result<Shown, Why> {
+    let not_applicable = |why: &str| (NotEvaluated::NotApplicable, why.to_owned());
+    if camera.is_uncalibrated() {
+        return Err(not_applicable("K is all zeros: the camera is not calibrated"));
+    }
+    let image = Image::of(camera.calibration)
+        .ok_or_else(|| not_applicable("its size, K, model or coefficients cannot be used"))?;
+    if crate::analysis::name::optical::reports(world, frame) {
+        return Err(not_applicable("its axes are not the optical ones of its camera"));
+    }
+    if crate::analysis::name::image_frame::reports(world, camera.bag, frame) {
+        return Err(not_applicable("it is no optical frame"));
+    }
+    let lidars: Vec<Clouds> = Clouds::all(world)
+        .filter(|clouds| clouds.bag.source == camera.bag.source && clouds.is_of_a_lidar())
+        .collect();
+    if lidars.is_empty() {
+        return Err((
+            NotEvaluated::MissingInput,
+            "no clouds of a lidar are beside it".to_owned(),
+        ));
+    }
+    let mut seen: Vec<Result<Shown, Why>> = lidars
+        .iter()
+        .map(|clouds| by_lidar(world, planes, clouds, (frame, &image), limits))
+        .collect();
+    // The lidar that could show most.
+    seen.sort_by(|a, b| {
+        let most = |seen: &Result<Shown, Why>| seen.as_ref().map_or(-1.0, |shown| shown.most);
+        most(b).total_cmp(&most(a))
+    });
+    seen.into_iter()
+        .next()
+        .unwrap_or_else(|| Err((NotEvaluated::MissingInput, String::new())))
+}
+
+fn by_lidar(
+    world: &Estimates,
+    planes: &Planes,
+    clouds: &Clouds,
+    (frame, image): (&FrameId, &Image),
+    limits: &Limits,
+) -> Result<Shown, Why> {
+    let little = |why: String| (NotEvaluated::TooLittleEvidence, why);
+    let topic = clouds.topic.topic.clone();
+    let lidar = clouds.frame().ok_or_else(|| {
+        (
+            NotEvaluated::MissingInput,
+            format!("the clouds on `{topic}` name no frame"),
+        )
+    })?;
+    let Some((lidar_from_camera, _)) = world.graph().chain(&lidar, frame, |edge| edge.is_rigid) else {
+        let why = format!("no rigid chain of transforms ties `{frame}` to `{lidar}` of `{topic}`");
+        return Err((NotEvaluated::MissingInput, why));
+    };
+    let up = world.limits::<crate::analysis::ground::Limits>();
+    let grounds = planes.grounds(clouds, &up.is_ground());
+    let side = up.agreed(clouds, &grounds).map_err(little)?;
+    let of_side: Vec<&Ground> = grounds.iter().filter(|ground| ground.side == side).collect();
+    if of_side.len() < limits.min_clouds {
+        return Err(little(format!(
+            "{} clouds show the ground; {} are needed",
+            of_side.len(),
+            limits.min_clouds
+        )));
+    }
+    let (base, base_from_lidar) = match mount(world, &lidar) {
+        Some(mount) => (mount.base, mount.base_from_sensor),
+        None => (lidar.clone(), Isometry3::identity()),
+    };
+    let told = base_from_lidar * lidar_from_camera;
+    let scene = Scene::new(world, clouds, &base_from_lidar, &of_side, [limits.near_m, limits.far_m])
+        .ok_or_else(|| little("the grounds of its clouds have no one direction".to_owned()))?;
+    let lean_deg = scene.up.angle(&Vector3::z()).to_degrees();
+    if base != lidar && lean_deg > limits.max_lean_deg {
+        let why = format!(
+            "the ground on `{topic}` does not lie under `{base}` but {lean_deg:.0} deg aside: the lidar's mounting is in doubt"
+        );
+        return Err((NotEvaluated::NotApplicable, why));
+    }
+    if scene.points() < limits.min_points {
+        return Err(little(format!(
+            "{} points of `{topic}` lie between {} and {} m; {} are needed",
+            scene.points(),
+            limits.near_m,
+            limits.far_m,
+            limits.min_points
+        )));
+    }
+    let (share, most) = (scene.share(image, &told), scene.most(image, &told));
+    if most < limits.min_most {
+        return Err(little(format!(
+            "a camera there would have {:.1} % of the points of `{topic}` in its image at most, whichever way it looks level",
+            100.0 * most
+        )));
+    }
+    let attitude = scene.attitude(&told);
+    let camera = Camera {
+        world,
+        frame,
+        image,
+        told,
+        scene: &scene,
+        most,
+        limits,
+    };
+    Ok(Shown {
+        attitude,
+        judged: camera.judged(attitude, share, &topic),
+        base,
+        topic,
+        share,
+        most,
+        points: scene.points(),
+        clouds: scene.clouds,
+    })
+}
+
+/// A camera and what it is judged by.
+struct Camera<'a> {
+    world: &'a Estimates<'a>,
+    frame: &'a FrameId,
+    image: &'a Image,
+    /// `base_from_camera`.
+    told: Isometry3<f64>,
+    scene: &'a Scene,
+    most: f64,
+    limits: &'a Limits,
+}
+
+impl Camera<'_> {
+    fn judged(&self, attitude: Attitude, share: f64, topic: &str) -> Result<Option<Fault>, Why> {
+        let limits = self.limits;
+        let little = |why: String| Err((NotEvaluated::TooLittleEvidence, why));
+        let is_blind = share < limits.blind * self.most;
+        let roll_deg = attitude.roll_deg.abs();
+        if attitude.pitch_deg.abs() > limits.max_pitch_deg {
+            let looks = if attitude.pitch_deg > 0.0 { "up" } else { "down" };
+            if names::has_word(self.frame, VERTICAL)
+                || crate::analysis::name::optical::is_turned_from_its_link(self.world, self.frame)
+            {
+                let why = format!(
+                    "it looks {looks}, as its name or its own link has it: {:.1} % of the points lie in its image",
+                    100.0 * share
+                );
+                return little(why);
+            }
+            return match self.mistakes() {
+                found if is_blind && !found.is_empty() => Ok(Some(self.mistaken(found))),
+                _ => little(format!(
+                    "it looks {looks}, where `{topic}` has {:.1} % of its points: nothing tells whether it does so on purpose",
+                    100.0 * share
+                )),
+            };
+        }
+        if roll_deg >= 180.0 - limits.max_roll_deg {
+            return Ok(Some(Fault::UpsideDown));
+        }
+        if roll_deg > limits.max_roll_deg {
+            return match self.mistakes() {
+                found if !found.is_empty() => Ok(Some(self.mistaken(found))),
+                _ => little(format!(
+                    "it lies on its side ({:.0} deg), as cameras do that are mounted upright",
+                    attitude.roll_deg
+                )),
+            };
+        }
+        if attitude.height_m < -limits.under_m {
+            return Ok(Some(Fault::Under));
+        }
+        if is_blind {
+            let is_against = looks_against_its_name(self.frame, &(self.told.rotation * Vector3::z())) == Ways::Against;
+            if is_against && self.fits(Mistake::Reversed) {
+                return Ok(Some(self.mistaken(vec![Mistake::Reversed])));
+            }
+            return little(format!(
+                "it is upright, and looks where `{topic}` has {:.1} % of its points: there the lidar sees nothing",
+                100.0 * share
+            ));
+        }
+        Ok(None)
+    }
+
+    fn mistaken(&self, found: Vec<Mistake>) -> Fault {
+        let mended = found.first().map(|mistake| mistake.mended(&self.told));
+        let share = mended.map_or(0.0, |mended| self.scene.share(self.image, &mended));
+        Fault::Mistaken(found, share)
+    }
+
+    /// The mistakes that would explain the mounting. Which way a camera looks, only names tell.
+    fn mistakes(&self) -> Vec<Mistake> {
+        let explains = |mistake: &Mistake| *mistake != Mistake::Reversed && self.fits(*mistake);
+        Mistake::ALL.into_iter().filter(explains).collect()
+    }
+
+    /// Whether the mounting without a mistake is one that cameras have: upright, over the ground, on the vehicle, with points in view.
+    fn fits(&self, mistake: Mistake) -> bool {
+        let limits = self.limits;
+        let mended = mistake.mended(&self.told);
+        let attitude = self.scene.attitude(&mended);
+        let looks = mended.rotation * Vector3::z();
+        // Turned by a quarter about its view or about the vertical any camera becomes another upright one: what is told must be impossible, or
+        // what is mended must look where cameras look.
+        let is_expected = match looks_against_its_name(self.frame, &looks) {
+            Ways::Fit => true,
+            Ways::Against => false,
+            Ways::Unnamed => looks.angle(&Vector3::x()).to_degrees() <= limits.ahead_deg,
+        };
+        let is_impossible = mistake != Mistake::NotTurned && self.scene.attitude(&self.told).height_m < -limits.under_m;
+        attitude.roll_deg.abs() <= limits.mended_roll_deg
+            && attitude.pitch_deg.abs() <= limits.mended_pitch_deg
+            && attitude.height_m > 0.0
+            && mended.translation.vector.norm() <= limits.max_away_m
+            && (is_expected || is_impossible)
+            && self.scene.share(self.image, &mended) >= limits.seeing * self.most
+    }
+}
+
+/// Limits of CAMERA05.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    pub(crate) min_clouds: usize,
+    pub(crate) near_m: f64,
+    pub(crate) far_m: f64,
+    pub(crate) min_points: usize,
+    pub(crate) min_most: f64,
+    pub(crate) blind: f64,
+    pub(crate) seeing: f64,
+    pub(crate) max_pitch_deg: f64,
+    pub(crate) max_roll_deg: f64,
+    pub(crate) mended_roll_deg: f64,
+    pub(crate) mended_pitch_deg: f64,
+    pub(crate) max_lean_deg: f64,
+    pub(crate) max_away_m: f64,
+    pub(crate) under_m: f64,
+    pub(crate) ahead_deg: f64,
+}

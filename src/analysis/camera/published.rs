@@ -1,0 +1,143 @@
+//! Rules of cameras.
+
+use nalgebra::Vector3;
+
+use crate::analysis::names;
+use crate::source::Place;
+use crate::world::camera::Calibration;
+use crate::world::{BagEvidence, FrameId, World};
+
+/// Words of cameras that look up or down on purpose.
+pub(crate) const VERTICAL: &[&str] = &[
+    "up",
+    "upward",
+    "upwards",
+    "ceiling",
+    "sky",
+    "zenith",
+    "down",
+    "downward",
+    "downwards",
+    "floor",
+    "ground",
+    "nadir",
+    "bottom",
+    "belly",
+    "wrist",
+    "gripper",
+    "hand",
+    "tool",
+    "arm",
+    "mast",
+    "head",
+];
+
+/// Words of cameras that look ahead, or back.
+pub(crate) const AHEAD: &[&str] = &["front", "forward"];
+pub(crate) const BACK: &[&str] = &["rear", "back", "backward", "backwards"];
+
+/// What a camera's name says of the way it looks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Ways {
+    /// That it looks so.
+    Fit,
+    /// That it looks the other way.
+    Against,
+    /// Nothing that decides.
+    Unnamed,
+}
+
+/// What a camera's name says of a direction of view in the base, a unit vector: within 45 degrees of the opposite of its name it is
+/// against it, within 60 of its name it fits. Of a pair, `left` and `right` say where a camera is, and are never against it.
+pub(crate) fn looks_against_its_name(frame: &FrameId, looks: &Vector3<f64>) -> Ways {
+    let named = match (names::has_word(frame, AHEAD), names::has_word(frame, BACK)) {
+        (true, false) => looks.x,
+        (false, true) => -looks.x,
+        _ => match (names::has_word(frame, &["left"]), names::has_word(frame, &["right"])) {
+            (true, false) => looks.y.max(0.0),
+            (false, true) => (-looks.y).max(0.0),
+            _ => return Ways::Unnamed,
+        },
+    };
+    let half_right = std::f64::consts::FRAC_1_SQRT_2;
+    match named {
+        cosine if cosine < -half_right => Ways::Against,
+        cosine if cosine > 0.5 => Ways::Fit,
+        _ => Ways::Unnamed,
+    }
+}
+
+/// A calibration of a recording's camera.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Published<'w> {
+    pub(crate) bag: &'w BagEvidence,
+    /// The number of the recording in the world.
+    pub(crate) index: usize,
+    pub(crate) topic: &'w str,
+    pub(crate) calibration: &'w Calibration,
+    /// Its number on the topic, from 1, where there are several.
+    number: Option<usize>,
+}
+
+impl<'w> Published<'w> {
+    /// All of them, by topic.
+    pub(crate) fn all(world: &'w World) -> impl Iterator<Item = Self> {
+        world.bags.iter().enumerate().flat_map(|(index, bag)| {
+            bag.topics.values().flat_map(move |topic| {
+                let calibrations = topic.content.calibrations.iter().flat_map(|all| &all.calibrations);
+                let several = topic
+                    .content
+                    .calibrations
+                    .as_ref()
+                    .is_some_and(|all| all.calibrations.len() > 1);
+                calibrations.enumerate().map(move |(place, calibration)| Self {
+                    bag,
+                    index,
+                    topic: &topic.topic,
+                    calibration,
+                    number: several.then_some(place + 1),
+                })
+            })
+        })
+    }
+
+    /// What reports call it.
+    pub(crate) fn subject(&self) -> String {
+        match self.number {
+            Some(number) => format!("calibration {number} on topic `{}`", self.topic),
+            None => format!("calibration on topic `{}`", self.topic),
+        }
+    }
+
+    pub(crate) fn place(&self) -> Place {
+        Place::message(self.bag.source, self.calibration.at.clone())
+    }
+
+    /// The frame that its messages name.
+    pub(crate) fn frame(&self) -> Option<FrameId> {
+        let topic = self.bag.topics.get(self.topic)?;
+        let mut frames = topic.header_frames.keys().map(FrameId::canonical);
+        frames.find(|frame| !frame.as_str().is_empty())
+    }
+
+    /// Focal lengths and principal point, pixels: fx, fy, cx, cy.
+    pub(crate) fn intrinsics(&self) -> [f64; 4] {
+        let [fx, _, cx, _, fy, cy, ..] = self.calibration.k;
+        [fx, fy, cx, cy]
+    }
+
+    /// Whether it says that the camera is not calibrated: K is all zeros.
+    pub(crate) fn is_uncalibrated(&self) -> bool {
+        self.calibration.k.iter().all(|value| *value == 0.0)
+    }
+
+    /// The namespace that the camera's topics share: `/front` of `/front/camera_info`.
+    pub(crate) fn namespace(&self) -> &'w str {
+        namespace(self.topic)
+    }
+}
+
+/// All of a topic but its last part.
+pub(crate) fn namespace(topic: &str) -> &str {
+    topic.rsplit_once('/').map_or("", |(namespace, _)| namespace)
+}

@@ -1,0 +1,314 @@
+//! What is wrong with a declared range image: by itself, and against the clouds that it is made of. Must not judge.
+
+use serde::Deserialize;
+use std::f64::consts::{PI, TAU};
+
+use crate::analysis::lidar::Clouds;
+use crate::analysis::names;
+use crate::math::stats::quantile;
+use crate::verdict::Measured;
+use crate::world::World;
+use crate::world::projection::{Projection, RangeImage, Seam, Sense};
+
+use crate::analysis::camera::declared::is_about;
+
+/// What is wrong, with its word, what to do, and its number.
+pub(crate) struct Fault {
+    pub(crate) message: String,
+    pub(crate) relation: &'static str,
+    pub(crate) help: &'static str,
+    pub(crate) measured: Measured,
+    pub(crate) is_certain: bool,
+}
+
+/// What is wrong without any data.
+pub(crate) fn alone(image: &RangeImage) -> Vec<Fault> {
+    let mut faults = Vec::new();
+    if let (Some(up), Some(down)) = (image.fov_up_deg, image.fov_down_deg)
+        && up <= down
+    {
+        faults.push(Fault {
+            message: format!("the upper edge of the range image is declared at {up} deg, under the lower one at {down} deg: its rows run the wrong way"),
+            relation: "swapped",
+            help: "exchange the two edges, or look at the sign of the lower one",
+            measured: Measured::new("declared height", up - down, "deg").limit(0.0),
+            is_certain: true,
+        });
+    }
+    if let (Some(Seam::None), Some(width)) = (image.seam, image.width) {
+        faults.push(Fault {
+            message: format!(
+                "a point straight back (azimuth pi) comes to lie in column {width} of {width}: floor((azimuth + pi) / 2 pi * W) is W itself there, and nothing is done about it"
+            ),
+            relation: "seam",
+            help: "take the column modulo the width, or at most width - 1",
+            measured: Measured::new("column of azimuth pi", f64::from(width), "count").limit(f64::from(width) - 1.0),
+            is_certain: true,
+        });
+    }
+    faults
+}
+
+/// The clouds that a declaration is about.
+pub(crate) fn clouds<'w>(
+    world: &'w World,
+    projection: &Projection,
+    declared: &[(&Projection, &RangeImage)],
+) -> Result<Vec<Clouds<'w>>, String> {
+    let about = |clouds: &Clouds| {
+        let is_ouster = clouds.driver.is_some_and(|driver| driver.name == "Ouster");
+        clouds.is_of_a_lidar() && is_about(projection, clouds.topic) && (projection.format != "ouster" || is_ouster)
+    };
+    let found: Vec<Clouds> = Clouds::all(world).filter(about).collect();
+    let (first, others) = found
+        .split_first()
+        .ok_or("no recording has clouds of a lidar that it could be about")?;
+    if projection.topic.is_none() {
+        if others.iter().any(|clouds| clouds.topic.topic != first.topic.topic) {
+            return Err("several lidars are recorded, and nothing says which of them it is about".to_owned());
+        }
+        let alike = declared
+            .iter()
+            .filter(|(other, _)| other.topic.is_none() && other.format == projection.format);
+        if alike.count() > 1 {
+            return Err(
+                "several files of this format are beside it, and nothing says which of them is the lidar's".to_owned(),
+            );
+        }
+    }
+    Ok(found)
+}
+
+/// What the data of a topic say.
+pub(crate) fn against(
+    clouds: &Clouds,
+    image: &RangeImage,
+    limits: &Limits,
+) -> Result<(Vec<Fault>, Vec<Measured>), String> {
+    let topic = &clouds.topic.topic;
+    if clouds
+        .frame()
+        .is_some_and(|frame| names::is_base(&frame) && !names::is_device(&frame))
+    {
+        return Err(format!(
+            "the clouds on `{topic}` are told in the base: their elevations are not the sensor's"
+        ));
+    }
+    let elevations: Vec<f64> = clouds
+        .evidence
+        .samples
+        .iter()
+        .flat_map(|sample| &sample.points)
+        .map(|point| point.xyz)
+        .filter(|[x, y, z]| x.hypot(*y).hypot(*z) >= limits.near_m)
+        .map(|[x, y, z]| z.atan2(x.hypot(y)).to_degrees())
+        .collect();
+    if elevations.len() < limits.min_points {
+        return Err(format!(
+            "{} points of `{topic}` lie beyond {} m; {} are needed",
+            elevations.len(),
+            limits.near_m,
+            limits.min_points
+        ));
+    }
+    let at = |share| quantile(&elevations, share).unwrap_or(f64::NAN);
+    let (low, high) = (at(limits.quantile), at(1.0 - limits.quantile));
+    let mut measured = vec![
+        Measured::new("elevation, nearly all above", low, "deg").samples(elevations.len() as u64),
+        Measured::new("elevation, nearly all beneath", high, "deg").samples(elevations.len() as u64),
+    ];
+    let mut faults = Vec::new();
+    faults.extend(edges(topic, image, &elevations, [low, high], limits, &mut measured));
+    faults.extend(size(clouds, image, &mut measured));
+    faults.extend(sense(clouds, image, limits, &mut measured));
+    Ok((faults, measured))
+}
+
+fn edges(
+    topic: &str,
+    image: &RangeImage,
+    elevations: &[f64],
+    [low, high]: [f64; 2],
+    limits: &Limits,
+    measured: &mut Vec<Measured>,
+) -> Option<Fault> {
+    let (up, down) = (image.fov_up_deg?, image.fov_down_deg?);
+    if up <= down {
+        return None;
+    }
+    let off = limits.max_off_deg;
+    let outside = elevations
+        .iter()
+        .filter(|angle| **angle > up + off || **angle < down - off)
+        .count();
+    let outside = outside as f64 / elevations.len() as f64;
+    let share = Measured::new("share of the points outside the declared edges", outside, "1").limit(limits.max_outside);
+    measured.push(share.clone());
+    if outside > limits.max_outside {
+        let [up_deg, down_deg] = [up, down].map(f64::to_degrees);
+        let is_radians = up_deg <= 91.0 && down_deg >= -91.0 && high <= up_deg + off && low >= down_deg - off;
+        let is_reversed = high <= -down + off && low >= -up - off;
+        let (relation, what, help) = if is_radians {
+            (
+                "radians",
+                "these are radians where degrees are meant",
+                "multiply both by 180 / pi",
+            )
+        } else if is_reversed {
+            (
+                "swapped",
+                "the two edges are exchanged, with their signs",
+                "exchange them: the upper edge is the elevation of the highest beam",
+            )
+        } else {
+            (
+                "field-of-view",
+                "they are those of another sensor, or of another revision",
+                "take the elevations of the sensor's own metadata or data sheet",
+            )
+        };
+        return Some(Fault {
+            message: format!(
+                "the range image is declared from {down} to {up} deg, and {:.1} % of the points on `{topic}` lie outside: they reach from {low:.1} to {high:.1} deg; {what}",
+                100.0 * outside
+            ),
+            relation,
+            help,
+            measured: share,
+            is_certain: false,
+        });
+    }
+    // Beams into the sky have no returns; the lowest ones have the ground.
+    let unused = low - down;
+    (unused > 2.0 * off + 0.25 * (up - down)).then(|| Fault {
+        message: format!(
+            "the range image is declared down to {down} deg, and nearly no point on `{topic}` lies under {low:.1} deg: the lowest rows stay empty"
+        ),
+        relation: "field-of-view",
+        help: "take the elevations of the sensor's own metadata or data sheet",
+        measured: Measured::new("declared under the lowest points", unused, "deg").limit(off),
+        is_certain: false,
+    })
+}
+
+/// Rows and columns, where the cloud is organised.
+fn size(clouds: &Clouds, image: &RangeImage, measured: &mut Vec<Measured>) -> Option<Fault> {
+    let sample = clouds
+        .evidence
+        .samples
+        .iter()
+        .find(|sample| sample.size.iter().all(|count| *count > 1))?;
+    let [rows, columns] = sample.size;
+    measured.push(Measured::new("rows of the cloud", f64::from(rows), "count"));
+    measured.push(Measured::new("columns of the cloud", f64::from(columns), "count"));
+    let multiple = |a: u32, b: u32| a.max(b).is_multiple_of(a.min(b).max(1));
+    let topic = &clouds.topic.topic;
+    let told = [("rows", image.height, rows), ("columns", image.width, columns)];
+    told.into_iter().find_map(|(what, declared, seen)| {
+        let declared = declared?;
+        (!multiple(declared, seen)).then(|| Fault {
+            message: format!(
+                "the range image is declared with {declared} {what}, and the clouds on `{topic}` have {seen}"
+            ),
+            relation: "size",
+            help: "declare the size of the sensor's own frame, or a whole part of it",
+            measured: Measured::new(format!("declared {what}"), f64::from(declared), "count").limit(f64::from(seen)),
+            is_certain: true,
+        })
+    })
+}
+
+/// The way the azimuth goes with the columns of an organised cloud.
+fn sense(clouds: &Clouds, image: &RangeImage, limits: &Limits, measured: &mut Vec<Measured>) -> Option<Fault> {
+    let declared = image.azimuth?;
+    let resultant = |sign: f64| {
+        let (mut x, mut y, mut count) = (0.0, 0.0, 0.0);
+        for sample in clouds
+            .evidence
+            .samples
+            .iter()
+            .filter(|sample| sample.size.iter().all(|count| *count > 1))
+        {
+            for point in &sample.points {
+                let [_, column] = point.cell;
+                let azimuth = point.xyz[1].atan2(point.xyz[0]);
+                let rest = azimuth - sign * TAU * f64::from(column) / f64::from(sample.size[1]);
+                (x, y, count) = (x + rest.cos(), y + rest.sin(), count + 1.0);
+            }
+        }
+        if count > 0.0 { f64::hypot(x, y) / count } else { 0.0 }
+    };
+    let (clockwise, counter) = (resultant(-1.0), resultant(1.0));
+    let (seen, most) = if clockwise > counter {
+        (Sense::Clockwise, clockwise)
+    } else {
+        (Sense::CounterClockwise, counter)
+    };
+    if most < limits.min_resultant {
+        return None;
+    }
+    measured.push(Measured::new("resultant, clockwise", clockwise, "1").limit(limits.min_resultant));
+    measured.push(Measured::new("resultant, counter-clockwise", counter, "1"));
+    let word = |sense| {
+        if sense == Sense::Clockwise {
+            "clockwise"
+        } else {
+            "counter-clockwise"
+        }
+    };
+    (seen != declared).then(|| Fault {
+        message: format!(
+            "the columns of the range image are declared to go {}, and those of the clouds on `{}` go {} (resultant {most:.2} of 1): one is the mirror image of the other",
+            word(declared),
+            clouds.topic.topic,
+            word(seen)
+        ),
+        relation: "mirrored",
+        help: "count the azimuth the other way: u = (1 - (azimuth + pi) / 2 pi) * W for columns that go clockwise",
+        measured: Measured::new("angle between the two after half a turn", PI.to_degrees(), "deg"),
+        is_certain: false,
+    })
+}
+
+/// The beams' own origin: what the sensor's metadata has, and what is declared.
+pub(crate) fn beams(
+    clouds: &Clouds,
+    projection: &Projection,
+    image: &RangeImage,
+    declared: &[(&Projection, &RangeImage)],
+    limits: &Limits,
+) -> Option<Fault> {
+    if projection.format == "ouster" || clouds.driver.is_none_or(|driver| driver.name != "Ouster") {
+        return None;
+    }
+    let mut metadata = declared.iter().filter(|(other, _)| other.format == "ouster");
+    let (Some((_, metadata)), None) = (metadata.next(), metadata.next()) else {
+        return None;
+    };
+    let by_sensor = metadata.beam_offset_mm?;
+    let by_file = image.beam_offset_mm.unwrap_or(0.0);
+    let off = (by_sensor - by_file).abs();
+    (off > limits.max_beam_mm).then(|| Fault {
+        message: format!(
+            "the range image takes the beams to begin {by_file} mm from the axis, and the sensor's metadata have {by_sensor} mm: points at 3 m lie {:.2} deg aside",
+            (off * 1e-3 / 3.0).atan().to_degrees()
+        ),
+        relation: "beam-offset",
+        help: "take lidar_origin_to_beam_origin_mm from the sensor's metadata into the projection, as ouster-sdk's XYZLut does",
+        measured: Measured::new("difference in the origin of the beams", off, "mm").limit(limits.max_beam_mm),
+        is_certain: true,
+    })
+}
+
+/// Limits of CAMERA08.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    pub(crate) near_m: f64,
+    pub(crate) min_points: usize,
+    pub(crate) max_off_deg: f64,
+    pub(crate) max_outside: f64,
+    pub(crate) quantile: f64,
+    pub(crate) min_resultant: f64,
+    pub(crate) max_beam_mm: f64,
+}

@@ -1,0 +1,151 @@
+//! The variances that a stream of poses states against the noise that it shows, under the readings of what is stated.
+//!
+//! Must not judge. Shared by COV02 (the order of the blocks) and COV05 (units): each reports its own readings.
+
+use crate::analysis::motion::Stream;
+use crate::math::noise::DEG2_PER_RAD2;
+use crate::world::motion::PoseRow;
+
+use crate::analysis::cov::declared::Declared;
+use crate::analysis::cov::noise::{Noise, Variances};
+
+/// What the stated variances may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reading {
+    /// m² of x, y, z, then rad² about them.
+    AsTold,
+    /// Rotations first.
+    RotationFirst,
+    /// Rotations in degrees squared.
+    Degrees,
+    /// Positions in square centimetres.
+    Centimetres,
+    /// Positions in square millimetres.
+    Millimetres,
+    /// Deviations.
+    Deviations,
+}
+
+const READINGS: [Reading; 6] = [
+    Reading::AsTold,
+    Reading::RotationFirst,
+    Reading::Degrees,
+    Reading::Centimetres,
+    Reading::Millimetres,
+    Reading::Deviations,
+];
+
+impl Reading {
+    /// m² and rad² of what is stated.
+    fn variances(self, told: Variances) -> Variances {
+        let scaled = |linear: f64, angular: f64| Variances {
+            horizontal: told.horizontal / linear,
+            vertical: told.vertical / linear,
+            tilt: told.tilt / angular,
+            yaw: told.yaw / angular,
+        };
+        match self {
+            Self::AsTold => told,
+            Self::RotationFirst => Variances {
+                horizontal: told.tilt,
+                vertical: told.yaw,
+                tilt: told.horizontal,
+                yaw: told.vertical,
+            },
+            Self::Degrees => scaled(1.0, DEG2_PER_RAD2),
+            Self::Centimetres => scaled(1e4, 1.0),
+            Self::Millimetres => scaled(1e6, 1.0),
+            Self::Deviations => Variances {
+                horizontal: told.horizontal * told.horizontal,
+                vertical: told.vertical * told.vertical,
+                tilt: told.tilt * told.tilt,
+                yaw: told.yaw * told.yaw,
+            },
+        }
+    }
+}
+
+/// Each variance told beside the one shown, where any is: of heights on flat ground nothing is.
+fn pairs(told: Variances, shown: Variances) -> impl Iterator<Item = (f64, f64)> {
+    [
+        (told.horizontal, shown.horizontal),
+        (told.vertical, shown.vertical),
+        (told.tilt, shown.tilt),
+        (told.yaw, shown.yaw),
+    ]
+    .into_iter()
+    .filter(|(_, shown)| *shown > NOTHING)
+}
+
+/// How well the readings fit the noise.
+pub(crate) struct Fit {
+    /// Each with the largest factor by which a variance misses the noise; the best first.
+    pub(crate) readings: Vec<(Reading, f64)>,
+    /// Poses behind it.
+    pub(crate) poses: u64,
+    /// Mean log-likelihood ratio per pose of rotations first over positions first.
+    pub(crate) order_ratio: f64,
+}
+
+impl Fit {
+    /// Of a stream, or why there is none.
+    pub(crate) fn of(stream: &Stream<PoseRow>, declared: &Declared<'_>, min_poses: f64) -> Result<Self, String> {
+        if declared.samples.is_empty() {
+            return Err("every covariance is all zeros, or not finite".to_owned());
+        }
+        if declared.is_constant() {
+            return Err("one constant matrix: numbers that were typed in say nothing of the noise".to_owned());
+        }
+        let noise = Noise::of(stream, declared.topic);
+        if (noise.count() as f64) < min_poses {
+            return Err(format!("{} poses at even steps, {min_poses} are needed", noise.count()));
+        }
+        let (Some(shown), Some(told)) = (noise.variances(), declared.variances()) else {
+            return Err("the poses show no noise".to_owned());
+        };
+        if shown.horizontal <= NOTHING || shown.tilt.max(shown.yaw) <= NOTHING {
+            return Err("the poses show no noise in x, y and an angle: a filtered estimate".to_owned());
+        }
+        let readings = READINGS.map(|reading| (reading, miss(reading.variances(told), shown)));
+        let mut readings = readings.to_vec();
+        readings.sort_by(|a, b| a.1.total_cmp(&b.1));
+        let likelihood = |reading: Reading| -> f64 {
+            pairs(reading.variances(told), shown)
+                .map(|(told, shown)| -0.5 * (told.ln() + shown / told))
+                .sum()
+        };
+        Ok(Self {
+            readings,
+            poses: noise.count() as u64,
+            order_ratio: likelihood(Reading::RotationFirst) - likelihood(Reading::AsTold),
+        })
+    }
+
+    /// The largest factor by which a reading misses the noise.
+    pub(crate) fn miss(&self, reading: Reading) -> f64 {
+        let found = self.readings.iter().find(|known| known.0 == reading);
+        found.map_or(f64::INFINITY, |found| found.1)
+    }
+
+    /// The best reading, where it fits to this factor and every other misses by so many times more.
+    pub(crate) fn best(&self, fits: f64, margin: f64) -> Option<Reading> {
+        let (best, second) = (self.readings.first()?, self.readings.get(1)?);
+        (best.1 <= fits && second.1 >= margin * best.1).then_some(best.0)
+    }
+}
+
+/// Variances below this are rounding, m² or rad².
+const NOTHING: f64 = 1e-14;
+
+/// The largest factor between what is told and what is shown; infinite where a noisy axis is told to be sure.
+fn miss(told: Variances, shown: Variances) -> f64 {
+    let factors = pairs(told, shown).map(|(told, shown)| {
+        let ratio = told / shown;
+        if ratio > 0.0 {
+            ratio.ln().abs().exp()
+        } else {
+            f64::INFINITY
+        }
+    });
+    factors.fold(1.0, f64::max)
+}

@@ -1,0 +1,266 @@
+//! Which direction of a mounting brings scans together.
+
+use crate::analysis::Estimates;
+use crate::analysis::hand_eye::HandEye;
+use crate::analysis::hand_eye::Pair;
+use crate::analysis::hand_eye::half_turn;
+use crate::analysis::hand_eye::in_plane;
+use crate::analysis::lidar::Clouds;
+use crate::analysis::scan_motion::Moved;
+use crate::math::circular::difference;
+use crate::math::stats::median;
+use crate::verdict::NotEvaluated;
+use nalgebra::Isometry3;
+use serde::Deserialize;
+
+/// Limits of CROSS04.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    pub(crate) min_way_m: f64,
+    pub(crate) min_turn_deg: f64,
+    pub(crate) long_s: f64,
+    pub(crate) min_pairs: usize,
+    pub(crate) max_sigma_m: f64,
+    pub(crate) min_apart_m: f64,
+    pub(crate) min_apart_deg: f64,
+    pub(crate) ratio: f64,
+    pub(crate) paired_ratio: f64,
+    pub(crate) paired_t: f64,
+    pub(crate) min_excess_m: f64,
+    pub(crate) max_residual_m: f64,
+    pub(crate) within_sigmas: f64,
+    pub(crate) apart_sigmas: f64,
+    pub(crate) least_yaw_deg: f64,
+    pub(crate) least_place_m: f64,
+}
+
+/// What the mounting may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Reading {
+    AsTold,
+    Inverse,
+    Turned,
+    InverseTurned,
+}
+
+impl Reading {
+    /// Whether it must win against another. What is told needs no fault, and is not held against two at once: at a yaw of 90 deg both
+    /// together are nearly nothing.
+    pub(crate) fn is_held_against(self, rival: Self) -> bool {
+        self != rival && (self, rival) != (Self::AsTold, Self::InverseTurned)
+    }
+}
+
+/// What a reading leaves of each pair, metres.
+pub(crate) struct Residuals {
+    pub(crate) reading: Reading,
+    pub(crate) all_m: Vec<f64>,
+    pub(crate) median_m: f64,
+}
+
+impl Residuals {
+    pub(crate) fn of(reading: Reading, all_m: Vec<f64>) -> Self {
+        let median_m = median(&all_m).unwrap_or(f64::INFINITY);
+        Self {
+            reading,
+            all_m,
+            median_m,
+        }
+    }
+
+    /// Whether another leaves clearly less: by the ratio, or on nearly every pair a little.
+    pub(crate) fn is_beaten_by(&self, better: &Self, limits: &Limits) -> bool {
+        let by = |ratio: f64| self.median_m >= ratio * better.median_m;
+        if by(limits.ratio) && self.median_m - better.median_m >= limits.min_excess_m {
+            return true;
+        }
+        let more: Vec<f64> = self.all_m.iter().zip(&better.all_m).map(|(a, b)| a - b).collect();
+        let count = more.len() as f64;
+        let mean = more.iter().sum::<f64>() / count;
+        let variance = more.iter().map(|more| (more - mean).powi(2)).sum::<f64>() / (count - 1.0);
+        by(limits.paired_ratio) && mean >= limits.paired_t * (variance / count).sqrt()
+    }
+}
+
+/// What a reading leaves.
+pub(crate) fn of(residuals: &[Residuals], reading: Reading) -> Option<&Residuals> {
+    residuals.iter().find(|known| known.reading == reading)
+}
+
+/// What was seen.
+pub(crate) struct Seen {
+    pub(crate) known: HandEye,
+    pub(crate) pairs: usize,
+    /// What each reading leaves, the best first.
+    pub(crate) residuals: Vec<Residuals>,
+    pub(crate) decided: Option<Reading>,
+    /// Whether the inverse explains the motion better than what was told, if perhaps not alone.
+    pub(crate) inverse_serves: bool,
+}
+
+impl Seen {
+    pub(crate) fn of(&self, reading: Reading) -> f64 {
+        of(&self.residuals, reading).map_or(f64::NAN, |known| known.median_m)
+    }
+}
+
+/// The same for another rule, by the limits of this one.
+pub(crate) fn seen(world: &Estimates, clouds: &Clouds) -> Option<Seen> {
+    look(
+        world,
+        clouds,
+        &world.limits::<crate::analysis::cross::direction::Limits>(),
+    )
+    .ok()
+}
+
+/// What is to be said beside a yaw that a mounting lacks, where its inverse explains that yaw as well: by the motions, or where they do not
+/// tell, by the yaw of the inverse, give or take an error.
+pub(crate) fn doubt(seen: Option<&Seen>, told: &Isometry3<f64>, lacks_rad: f64, error_rad: f64) -> &'static str {
+    let inverse = told.inverse();
+    let has_that_yaw = || difference(lacks_rad, in_plane(&(inverse * inverse)).rotation.angle()).abs() <= error_rad;
+    match seen {
+        Some(seen) if seen.decided.is_none() && seen.inverse_serves => {
+            "; or it is told the wrong way round: its inverse brings the two together as well"
+        }
+        None if has_that_yaw() => "; or it is told the wrong way round: its inverse has that yaw",
+        _ => "",
+    }
+}
+
+/// Which reading of a mounting brings the two motions together.
+pub(crate) fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<Seen, (NotEvaluated, String)> {
+    let turned_deg = |moved: &Moved| moved.turned_rad().abs().to_degrees();
+    let known = HandEye::of(world, clouds, |steps| {
+        steps.chained_to_the_end(|moved| turned_deg(moved) >= limits.min_turn_deg || moved.lasted_s() >= limits.long_s)
+    })?;
+    let inverse = known.told.inverse();
+    let apart = known.told.inv_mul(&inverse);
+    if apart.translation.vector.norm() < limits.min_apart_m
+        && apart.rotation.angle().to_degrees() < limits.min_apart_deg
+    {
+        let why = format!(
+            "`{}_from_{}` and its inverse are the same, about",
+            known.body, known.lidar
+        );
+        return Err((NotEvaluated::NotApplicable, why));
+    }
+    let is_turned = |pair: &&Pair| pair.size().1.to_degrees() >= limits.min_turn_deg;
+    let mut sure: Vec<&Pair> = known
+        .pairs
+        .iter()
+        .filter(|pair| pair.sigma_m <= limits.max_sigma_m && (is_turned(pair) || pair.size().0 >= limits.min_way_m))
+        .collect();
+    if sure.len() < limits.min_pairs {
+        let why = format!(
+            "{} pairs of scans moved enough and matched well beside {}; {} are needed",
+            sure.len(),
+            known.poses.0,
+            limits.min_pairs
+        );
+        return Err((NotEvaluated::TooLittleEvidence, why));
+    }
+    // Straight on every lever arm is as good: those count that turn, or else those that turn the most.
+    sure.sort_by(|a, b| b.size().1.total_cmp(&a.size().1));
+    let turned = sure.iter().filter(|pair| is_turned(pair)).count();
+    sure.truncate(turned.max(limits.min_pairs));
+    let all = |mounting: &Isometry3<f64>| -> Vec<f64> { sure.iter().map(|pair| pair.residual_m(mounting)).collect() };
+    let readings = [
+        (Reading::AsTold, known.told),
+        (Reading::Inverse, inverse),
+        (Reading::Turned, known.told * half_turn()),
+        (Reading::InverseTurned, inverse * half_turn()),
+    ];
+    let by_place = placed(world, &known, &readings, limits);
+    let mut residuals: Vec<Residuals> = readings
+        .iter()
+        .map(|(reading, mounting)| Residuals::of(*reading, all(mounting)))
+        .collect();
+    residuals.sort_by(|a, b| a.median_m.total_cmp(&b.median_m));
+    let told = of(&residuals, Reading::AsTold);
+    let by_pairs = residuals.first().zip(told).and_then(|(best, told)| {
+        let best = if told.is_beaten_by(best, limits) { best } else { told };
+        let mut rivals = residuals
+            .iter()
+            .filter(|rival| best.reading.is_held_against(rival.reading));
+        let is_best = rivals.all(|rival| rival.is_beaten_by(best, limits));
+        (is_best && best.median_m <= limits.max_residual_m).then_some(best.reading)
+    });
+    let inverse_serves = of(&residuals, Reading::Inverse)
+        .zip(told)
+        .is_some_and(|(inverse, told)| inverse.median_m <= limits.max_residual_m && told.is_beaten_by(inverse, limits));
+    Ok(Seen {
+        inverse_serves,
+        pairs: sure.len(),
+        residuals,
+        decided: match by_place {
+            Some(by_place) => by_place.agreed(by_pairs),
+            None => by_pairs,
+        },
+        known,
+    })
+}
+
+/// Where all pairs together determine the mounting.
+pub(crate) struct Placed {
+    /// The readings that are there, give or take its errors.
+    pub(crate) near: Vec<Reading>,
+    /// The one of them that all others are far from.
+    pub(crate) alone: Option<Reading>,
+}
+
+impl Placed {
+    /// The reading that both ways allow. A mounting that is off by something else than a reading may still be told the right way round.
+    pub(crate) fn agreed(&self, by_pairs: Option<Reading>) -> Option<Reading> {
+        match (by_pairs, self.alone) {
+            (Some(by_pairs), None) => {
+                (by_pairs == Reading::AsTold || self.near.contains(&by_pairs)).then_some(by_pairs)
+            }
+            (Some(by_pairs), Some(alone)) => (by_pairs == alone).then_some(alone),
+            (None, alone) => alone,
+        }
+    }
+}
+
+/// Which readings are where least squares over all pairs put the mounting; `None` where those do not determine it.
+pub(crate) fn placed(
+    world: &Estimates,
+    known: &HandEye,
+    readings: &[(Reading, Isometry3<f64>)],
+    limits: &Limits,
+) -> Option<Placed> {
+    let found =
+        crate::analysis::cross::hand_eye::estimated(known, &world.limits::<crate::analysis::cross::hand_eye::Limits>())
+            .ok()?;
+    let [yaw, x, y] = found.sigma;
+    let least_rad = limits.least_yaw_deg.to_radians();
+    let sigma = [
+        yaw.hypot(least_rad),
+        x.hypot(limits.least_place_m),
+        y.hypot(limits.least_place_m),
+    ];
+    let sigmas = |mounting: &Isometry3<f64>| -> f64 {
+        let turned = in_plane(&(mounting * known.told.inverse())).rotation.angle();
+        let off = found.place - mounting.translation.vector.xy();
+        let off = [difference(found.yaw_rad, turned), off.x, off.y];
+        off.iter()
+            .zip(sigma)
+            .map(|(off, sigma)| (off / sigma).powi(2))
+            .sum::<f64>()
+            .sqrt()
+    };
+    let off: Vec<(Reading, f64)> = readings
+        .iter()
+        .map(|(reading, mounting)| (*reading, sigmas(mounting)))
+        .collect();
+    let is_alone = |(reading, best): &&(Reading, f64)| {
+        let mut rivals = off.iter().filter(|(rival, _)| reading.is_held_against(*rival));
+        rivals.all(|(_, sigmas)| sigmas.powi(2) - best.powi(2) >= limits.apart_sigmas.powi(2))
+    };
+    let near = || off.iter().filter(|(_, sigmas)| *sigmas <= limits.within_sigmas);
+    Some(Placed {
+        alone: near().find(is_alone).map(|(reading, _)| *reading),
+        near: near().map(|(reading, _)| *reading).collect(),
+    })
+}

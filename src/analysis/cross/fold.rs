@@ -1,0 +1,48 @@
+//! Pairs of statements that differ for one reason: one odd source among several that agree.
+//!
+//! Must not know limits of rules.
+
+use crate::world::World;
+
+use crate::analysis::cross::statements::{Pair, Statement};
+
+/// An odd source differs from each of those that agree: only the first of such pairs speaks, and the others second it.
+/// `earlier` are the pairs before this one about the same two frames.
+pub(crate) fn fold(world: &World, pair: &mut Pair, earlier: &mut [Pair]) {
+    if is_same(&pair.reference, &pair.other, false) {
+        return;
+    }
+    let told = earlier.iter_mut().find(|told| {
+        let turned = told.reference.target != pair.reference.target;
+        let same = |a: &Statement, b: &Statement| is_same(a, b, turned);
+        told.repeats.is_none()
+            && told.alternatives == pair.alternatives
+            && (same(&told.reference, &pair.reference) && same(&told.other, &pair.other)
+                || same(&told.reference, &pair.other) && same(&told.other, &pair.reference))
+    });
+    let Some(told) = told else { return };
+    pair.repeats = Some(format!("the same difference as {}", told.subject(world)));
+    let turned = told.reference.target != pair.reference.target;
+    for statement in [&pair.reference, &pair.other] {
+        let with_other = is_same(&told.other, statement, turned);
+        let second = (with_other, statement.place.clone(), statement.who.clone());
+        let is_known = [&told.reference, &told.other]
+            .iter()
+            .any(|known| known.place == statement.place);
+        if !is_known && !told.seconded_by.contains(&second) {
+            told.seconded_by.push(second);
+        }
+    }
+}
+
+/// Whether two statements are one transform, up to what printing leaves of it; `turned`: `b` is in the other direction.
+fn is_same(a: &Statement, b: &Statement, turned: bool) -> bool {
+    const ANGLE_RAD: f64 = 0.05 * std::f64::consts::PI / 180.0;
+    const DISTANCE_M: f64 = 0.001;
+    let b_pose = if turned { b.pose.inverse() } else { b.pose };
+    let difference = a.pose.inv_mul(&b_pose);
+    a.has_rotation == b.has_rotation
+        && a.has_translation == b.has_translation
+        && difference.rotation.angle() <= ANGLE_RAD
+        && difference.translation.vector.norm() <= DISTANCE_M
+}

@@ -1,0 +1,96 @@
+//! The mounting that the motion of scans and of the body gives.
+
+use crate::analysis::hand_eye::HandEye;
+use crate::analysis::hand_eye::Pair;
+use crate::analysis::hand_eye::in_plane;
+use crate::math::planar_hand_eye::Mounted;
+use crate::math::planar_hand_eye::mounted;
+use crate::math::stats::median;
+use crate::verdict::NotEvaluated;
+use nalgebra::Isometry3;
+use nalgebra::Translation3;
+use nalgebra::UnitQuaternion;
+use nalgebra::Vector3;
+use serde::Deserialize;
+
+/// Limits of CROSS05.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    pub(crate) long_deg: f64,
+    pub(crate) long_s: f64,
+    pub(crate) max_sigma_m: f64,
+    pub(crate) min_turned_deg: f64,
+    pub(crate) max_yaw_deg: f64,
+    pub(crate) max_place_m: f64,
+    pub(crate) systematic_m: f64,
+    pub(crate) sigmas: f64,
+    pub(crate) sure_yaw_deg: f64,
+    pub(crate) sure_place_m: f64,
+    pub(crate) max_scale: f64,
+    pub(crate) forward_deg: f64,
+}
+
+/// The pairs that were matched well.
+pub(crate) fn sure<'k>(known: &'k HandEye, limits: &Limits) -> impl Iterator<Item = &'k Pair> {
+    let max_sigma_m = limits.max_sigma_m;
+    known.pairs.iter().filter(move |pair| pair.sigma_m <= max_sigma_m)
+}
+
+/// The same as [`estimated`], where it is sure.
+pub(crate) fn solved(known: &HandEye, limits: &Limits) -> Result<Mounted, (NotEvaluated, String)> {
+    let turned_deg: f64 = sure(known, limits)
+        .map(|pair| pair.lidar.rotation.angle().to_degrees())
+        .sum();
+    if turned_deg < limits.min_turned_deg {
+        let why = format!(
+            "it turned by {turned_deg:.0} deg in {} pairs of scans: where on the body it is shows in turns alone; {} are needed",
+            sure(known, limits).count(),
+            limits.min_turned_deg
+        );
+        return Err((NotEvaluated::TooLittleEvidence, why));
+    }
+    let found = estimated(known, limits)?;
+    let [yaw, x, y] = found.sigma;
+    if yaw.to_degrees() > limits.sure_yaw_deg || x.hypot(y) > limits.sure_place_m {
+        let why = format!(
+            "yaw and place are determined to {:.2} deg and {:.2} m; {} and {} are needed",
+            yaw.to_degrees(),
+            x.hypot(y),
+            limits.sure_yaw_deg,
+            limits.sure_place_m
+        );
+        return Err((NotEvaluated::TooLittleEvidence, why));
+    }
+    Ok(found)
+}
+
+/// What is left of a mounting that is told, in the plane of the body: its yaw and its place.
+pub(crate) fn estimated(known: &HandEye, limits: &Limits) -> Result<Mounted, (NotEvaluated, String)> {
+    let little = |why: String| (NotEvaluated::TooLittleEvidence, why);
+    let turn = Isometry3::from_parts(nalgebra::Translation3::identity(), known.told.rotation);
+    let flat: Vec<_> = sure(known, limits)
+        .map(|pair| (in_plane(&pair.body), in_plane(&(turn * pair.lidar * turn.inverse()))))
+        .collect();
+    let mut found =
+        mounted(&flat).ok_or_else(|| little(format!("{} pairs of scans do not determine where it is", flat.len())))?;
+    if (found.scale - 1.0).abs() > limits.max_scale {
+        return Err(little(format!(
+            "{} goes {:.2} m for a metre of the scans: one of them is no measure for the other",
+            known.poses.0, found.scale
+        )));
+    }
+    // What all matches have in common no group of them shows.
+    let ways: Vec<f64> = flat.iter().map(|(_, lidar)| lidar.translation.vector.norm()).collect();
+    let way_m = median(&ways).unwrap_or_default();
+    let [yaw, ..] = &mut found.sigma;
+    *yaw = yaw.hypot(limits.systematic_m.atan2(way_m));
+    Ok(found)
+}
+
+/// The mounting with the yaw and the place that the scans show, and the rest as it is told.
+pub(crate) fn at_place(known: &HandEye, found: &Mounted) -> Isometry3<f64> {
+    let place = Translation3::new(found.place.x, found.place.y, known.told.translation.z);
+    let yaw = UnitQuaternion::from_axis_angle(&Vector3::z_axis(), found.yaw_rad);
+    Isometry3::from_parts(place, yaw * known.told.rotation)
+}

@@ -1,0 +1,10 @@
+//! What several sources state of the same pair of frames.
+
+pub(crate) mod angles;
+pub(crate) mod blame;
+pub(crate) mod direction;
+pub(crate) mod fold;
+pub(crate) mod halves;
+pub(crate) mod hand_eye;
+pub(crate) mod roles;
+pub(crate) mod statements;

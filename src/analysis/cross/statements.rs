@@ -1,0 +1,439 @@
+//! Statements about rigid transforms, brought into pairs that speak of the same two frames.
+//!
+//! Owns which sources may be compared with which. Alternatives are not disagreements: two URDF files, or the same key
+//! in the files of two devices, state different robots, so only a recording's own description is held against a file.
+//! Rules that judge one source alone take what others say from [`crate::analysis::pairs`].
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use nalgebra::Isometry3;
+
+use crate::math::relation::{Classification, Tolerance, classify, classify_rotation};
+use crate::source::{Confidence, Place, SourceId, SourceKind};
+use crate::world::graph::{Edge, EdgeOrigin};
+use crate::world::{Claim, ClaimKind, FrameId, Spelling, World};
+
+use crate::analysis::cross::blame::oriented;
+use crate::analysis::cross::fold::fold;
+use crate::analysis::cross::halves::join_halves;
+use crate::analysis::cross::roles;
+
+/// How far a source is trusted to be the one that is right, when two disagree: descriptions before files.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Rank {
+    Urdf,
+    Description,
+    Tf,
+    File,
+}
+
+/// How a statement was brought to a pair.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Direction {
+    /// As it was stated.
+    AsStated,
+    /// It was stated as `source_from_target`.
+    TurnedRound,
+}
+
+/// One source's word on `target_from_source`, of a rigid pair.
+#[derive(Clone, Debug)]
+pub(crate) struct Statement {
+    /// Target (parent) frame, canonical.
+    pub(crate) target: FrameId,
+    /// Source (child) frame, canonical.
+    pub(crate) source_frame: FrameId,
+    /// `target_from_source`.
+    pub(crate) pose: Isometry3<f64>,
+    /// Whether a rotation was stated.
+    pub(crate) has_rotation: bool,
+    /// Whether a translation was stated.
+    pub(crate) has_translation: bool,
+    /// Who says so, in words.
+    pub(crate) who: String,
+    /// Where.
+    pub(crate) place: Place,
+    /// How sure the reading of the statement is.
+    pub(crate) reading: Confidence,
+    /// The key or joint it stands under.
+    pub(crate) label: String,
+    /// The angles it is spelled in, radians as read.
+    pub(crate) rpy: Option<[f64; 3]>,
+    /// Whether `pose` is as stated.
+    pub(crate) direction: Direction,
+    rank: Rank,
+    bare_quaternion: bool,
+    /// The dialect whose names for its sensors (`lidar`, `imu`) its frames are; `None` where they are names of the platform's frames.
+    roles: Option<String>,
+}
+
+impl Statement {
+    /// Whether it was spelled as a quaternion.
+    pub(crate) fn is_bare_quaternion(&self) -> bool {
+        self.bare_quaternion
+    }
+
+    /// Whether its frames are a program's words for its sensors.
+    pub(crate) fn is_guess(&self) -> bool {
+        self.roles.is_some()
+    }
+
+    /// Whether a calibration file states it.
+    pub(crate) fn is_of_a_file(&self) -> bool {
+        self.rank == Rank::File
+    }
+}
+
+/// Two statements about one pair, the more trusted one first, both as `target_from_source` of the first.
+#[derive(Clone, Debug)]
+pub(crate) struct Pair {
+    /// The statement taken for the reference.
+    pub(crate) reference: Statement,
+    /// The statement held against it, turned to the reference's direction where it was stated the other way round.
+    pub(crate) other: Statement,
+    /// Whether the two stand under the same key of sibling files: perhaps alternatives, not a disagreement.
+    pub(crate) alternatives: bool,
+    /// Why it says nothing new, where an earlier pair is of the same two transforms: other sources repeat what these say.
+    pub(crate) repeats: Option<String>,
+    /// Statements that agree with the first of the two (`false`) or with the second (`true`).
+    pub(crate) seconded_by: Vec<(bool, Place, String)>,
+}
+
+impl Pair {
+    /// What is judged, in words.
+    pub(crate) fn subject(&self, world: &World) -> String {
+        format!(
+            "`{}` from `{}`: {} and {}",
+            self.reference.target,
+            self.reference.source_frame,
+            world.path(self.reference.place.source),
+            world.path(self.other.place.source),
+        )
+    }
+
+    /// How sure the reading of both is.
+    pub(crate) fn reading(&self) -> Confidence {
+        let (a, b) = (&self.reference, &self.other);
+        let by_role = (a.roles.is_some() || b.roles.is_some()) && a.place.source != b.place.source;
+        // That two files mean one sensor by `lidar` is a guess.
+        let most = if by_role { Confidence::Hint } else { Confidence::Certain };
+        a.reading.min(b.reading).min(most)
+    }
+
+    /// The same pair in the other direction. `None` where one of the two states a half, which cannot be turned.
+    pub(crate) fn turned(&self) -> Option<Self> {
+        let turn = |one: &Statement| {
+            (one.has_rotation && one.has_translation).then(|| Statement {
+                target: one.source_frame.clone(),
+                source_frame: one.target.clone(),
+                pose: one.pose.inverse(),
+                direction: match one.direction {
+                    Direction::AsStated => Direction::TurnedRound,
+                    Direction::TurnedRound => Direction::AsStated,
+                },
+                who: match one.who.strip_suffix(TURNED) {
+                    Some(who) => who.to_owned(),
+                    None => format!("{}{TURNED}", one.who),
+                },
+                ..one.clone()
+            })
+        };
+        Some(Self {
+            reference: turn(&self.reference)?,
+            other: turn(&self.other)?,
+            ..self.clone()
+        })
+    }
+
+    /// Takes the other statement for the reference.
+    pub(crate) fn swap(&mut self) {
+        std::mem::swap(&mut self.reference, &mut self.other);
+        for (with_other, ..) in &mut self.seconded_by {
+            *with_other = !*with_other;
+        }
+    }
+
+    /// The relation between the two and their plain difference; parts that one does not state are not compared.
+    pub(crate) fn classify(&self) -> Classification {
+        let tolerance = Tolerance::default();
+        let (a, b) = (&self.reference, &self.other);
+        if a.has_translation && b.has_translation {
+            let mut a_pose = a.pose;
+            if !(a.has_rotation && b.has_rotation) {
+                a_pose.rotation = b.pose.rotation;
+            }
+            return classify(&a_pose, &b.pose, &tolerance);
+        }
+        classify_rotation(&a.pose.rotation, &b.pose.rotation, &tolerance)
+    }
+}
+
+/// Behind who states a transform the other way round than it is compared.
+const TURNED: &str = " (the other way round)";
+
+/// All pairs of a world, in a fixed order.
+pub(crate) fn pairs(world: &World) -> Vec<Pair> {
+    let mut by_frames: BTreeMap<(FrameId, FrameId), Vec<Statement>> = BTreeMap::new();
+    for statement in statements(world) {
+        let (a, b) = (&statement.target, &statement.source_frame);
+        let key = if a <= b {
+            (a.clone(), b.clone())
+        } else {
+            (b.clone(), a.clone())
+        };
+        by_frames.entry(key).or_default().push(statement);
+    }
+    let mut pairs = Vec::new();
+    for (frames, mut statements) in by_frames {
+        add_chains(world, &frames, &mut statements);
+        statements.sort_by(|a, b| (a.rank, a.bare_quaternion, &a.place).cmp(&(b.rank, b.bare_quaternion, &b.place)));
+        let from = pairs.len();
+        for (index, reference) in statements.iter().enumerate() {
+            for other in statements.iter().skip(index + 1) {
+                if let Some(pair) = pair(world, reference, other) {
+                    let mut pair = oriented(pair);
+                    fold(world, &mut pair, pairs.get_mut(from..).unwrap_or_default());
+                    pairs.push(pair);
+                }
+            }
+        }
+    }
+    pairs
+}
+
+fn pair(world: &World, reference: &Statement, other: &Statement) -> Option<Pair> {
+    let comparable = comparable(world, reference, other)?;
+    let turned = reference.target != other.target;
+    if turned && !(other.has_rotation && other.has_translation) {
+        // Half a transform can't be turned round.
+        return None;
+    }
+    let both_rotations = reference.has_rotation && other.has_rotation;
+    let both_translations = reference.has_translation && other.has_translation;
+    if !both_rotations && !both_translations {
+        return None;
+    }
+    let mut other = other.clone();
+    if turned {
+        other.pose = other.pose.inverse();
+        other.direction = Direction::TurnedRound;
+        other.who.push_str(TURNED);
+        other.target.clone_from(&reference.target);
+        other.source_frame.clone_from(&reference.source_frame);
+    }
+    Some(Pair {
+        reference: reference.clone(),
+        other,
+        alternatives: comparable == Comparable::Alternatives,
+        repeats: None,
+        seconded_by: Vec::new(),
+    })
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Comparable {
+    Same,
+    Alternatives,
+}
+
+fn comparable(world: &World, a: &Statement, b: &Statement) -> Option<Comparable> {
+    let last = |statement: &Statement| statement.label.rsplit('/').next().map(str::to_owned);
+    match (a.rank, b.rank) {
+        // Descriptions of several robots; TF of one recording is TREE05's, of several they are several drives.
+        (Rank::Urdf, Rank::Urdf) | (Rank::Description, Rank::Description) | (Rank::Tf, Rank::Tf) => None,
+        (Rank::File, Rank::File) if a.place.source == b.place.source => {
+            (last(a) != last(b) && a.label != b.label).then_some(Comparable::Same)
+        }
+        // One program's files in a folder are of several robots.
+        (Rank::File, Rank::File) if a.roles.is_some() && a.roles == b.roles => None,
+        // Frames of one letter (`T_BS`) mean "the sensor of this file".
+        (Rank::File, Rank::File) if is_letter(&a.target) || is_letter(&a.source_frame) => None,
+        // Two launch files are two ways to start.
+        (Rank::File, Rank::File) if is_launched(world, a) && is_launched(world, b) => None,
+        (Rank::File, Rank::File) if is_launched(world, a) || is_launched(world, b) => Some(Comparable::Same),
+        (Rank::File, Rank::File) => {
+            let folder = |id: SourceId| Path::new(world.path(id)).parent().map(Path::to_path_buf);
+            if folder(a.place.source) != folder(b.place.source) {
+                return None;
+            }
+            Some(if last(a) == last(b) {
+                Comparable::Alternatives
+            } else {
+                Comparable::Same
+            })
+        }
+        _ => Some(Comparable::Same),
+    }
+}
+
+/// Whether a launch file or a script publishes it.
+fn is_launched(world: &World, statement: &Statement) -> bool {
+    let source = world.source(statement.place.source);
+    source.is_some_and(|source| source.kind == SourceKind::Launch)
+}
+
+fn is_letter(frame: &FrameId) -> bool {
+    frame.as_str().chars().count() == 1
+}
+
+/// Every word on a rigid pair.
+pub(crate) fn statements(world: &World) -> Vec<Statement> {
+    let files = world.claims.iter().filter_map(|claim| from_claim(world, claim));
+    let edges = world
+        .bags
+        .iter()
+        .flat_map(|bag| bag.tf.iter().map(move |edge| (bag.source, edge)));
+    let tf = edges.filter_map(|(source, edge)| {
+        let constant = edge.is_static || (edge.count >= 10 && edge.extreme.as_ref().is_none_or(is_tiny));
+        let first = edge.first().filter(|_| constant)?;
+        Some(Statement {
+            target: edge.parent.canonical(),
+            source_frame: edge.child.canonical(),
+            pose: first.pose.isometry(),
+            has_rotation: true,
+            has_translation: true,
+            who: format!("TF on `{}`", edge.topic),
+            place: Place::message(source, first.at.clone()),
+            reading: Confidence::Certain,
+            label: edge.topic.clone(),
+            rpy: None,
+            direction: Direction::AsStated,
+            rank: Rank::Tf,
+            bare_quaternion: false,
+            roles: None,
+        })
+    });
+    let mut statements: Vec<Statement> = files.chain(tf).collect();
+    join_halves(&mut statements);
+    statements
+}
+
+fn is_tiny(extreme: &(crate::world::bag::TfSample, f64, f64)) -> bool {
+    extreme.1 < 1e-9 && extreme.2 < 1e-9
+}
+
+fn from_claim(world: &World, claim: &Claim) -> Option<Statement> {
+    let (target, source_frame) = claim.frames.as_ref()?;
+    if !claim.is_rigid() {
+        return None;
+    }
+    let path = world.path(claim.place.source);
+    let stated = (target.canonical(), source_frame.canonical());
+    let (target, source_frame) = match &claim.kind {
+        ClaimKind::File { dialect, .. } => (
+            roles::role(world, dialect, path, target),
+            roles::role(world, dialect, path, source_frame),
+        ),
+        ClaimKind::Joint { .. } => stated.clone(),
+    };
+    if target == source_frame {
+        return None;
+    }
+    // A name that was brought to another word is as much a guess as a role.
+    let is_guessed = (&target, &source_frame) != (&stated.0, &stated.1);
+    let (rank, who) = match &claim.kind {
+        ClaimKind::Joint { joint, .. } => (joint_rank(world, claim.place.source), format!("joint `{joint}`")),
+        ClaimKind::File { .. } => (Rank::File, format!("`{}`", claim.label)),
+    };
+    Some(Statement {
+        target,
+        source_frame,
+        pose: claim.pose?.isometry(),
+        has_rotation: claim.has_rotation,
+        has_translation: claim.has_translation,
+        who,
+        place: claim.place.clone(),
+        reading: claim.reading,
+        label: claim.label.clone(),
+        rpy: match claim.spelling {
+            Spelling::Rpy { rpy, .. } => Some(rpy),
+            _ => None,
+        },
+        direction: Direction::AsStated,
+        rank,
+        bare_quaternion: matches!(claim.spelling, Spelling::Quaternion { .. }),
+        roles: match &claim.kind {
+            ClaimKind::File { dialect, roles } if *roles || is_guessed => Some(dialect.clone()),
+            _ => None,
+        },
+    })
+}
+
+fn joint_rank(world: &World, id: SourceId) -> Rank {
+    match world.source(id).map(|source| source.kind) {
+        Some(SourceKind::RobotDescription) => Rank::Description,
+        _ => Rank::Urdf,
+    }
+}
+
+/// Where a description reaches both frames only over other frames, its composed chain speaks as one more statement.
+fn add_chains(world: &World, (a, b): &(FrameId, FrameId), statements: &mut Vec<Statement>) {
+    let Some(first) = statements.iter().find(|s| s.rank == Rank::File || s.rank == Rank::Tf) else {
+        return;
+    };
+    let (target, source_frame) = (first.target.clone(), first.source_frame.clone());
+    debug_assert!(&target == a || &target == b);
+    for rank in [Rank::Urdf, Rank::Description, Rank::Tf] {
+        if !statements.iter().any(|statement| statement.rank == rank) {
+            statements.extend(chain_of(world, rank, &target, &source_frame));
+        }
+    }
+}
+
+/// What a description, or TF, says of two frames over any others.
+pub(crate) fn described(world: &World, target: &FrameId, source_frame: &FrameId) -> Option<Statement> {
+    let mut ranks = [Rank::Urdf, Rank::Description, Rank::Tf].into_iter();
+    ranks.find_map(|rank| chain_of(world, rank, target, source_frame))
+}
+
+fn chain_of(world: &World, rank: Rank, target: &FrameId, source_frame: &FrameId) -> Option<Statement> {
+    let graph = world.graph();
+    let rank_of = |edge: &Edge| match edge.origin {
+        EdgeOrigin::Joint(index) => world
+            .claims
+            .get(index)
+            .map_or(Rank::Urdf, |claim| joint_rank(world, claim.place.source)),
+        EdgeOrigin::Tf(..) => Rank::Tf,
+    };
+    let (pose, steps) = graph.chain(target, source_frame, |edge| edge.is_rigid && rank_of(edge) == rank)?;
+    let last = steps.last().and_then(|step| graph.edges.get(step.edge))?;
+    Some(Statement {
+        target: target.clone(),
+        source_frame: source_frame.clone(),
+        pose,
+        has_rotation: true,
+        has_translation: true,
+        who: format!("the chain of {} transforms", steps.len()),
+        place: place_of(world, last)?,
+        reading: Confidence::Certain,
+        label: "chain".to_owned(),
+        rpy: None,
+        direction: Direction::AsStated,
+        rank,
+        bare_quaternion: false,
+        roles: None,
+    })
+}
+
+/// Whether two statements on different frames may be of one platform, so that one may be composed with the other.
+pub(crate) fn are_of_one_platform(world: &World, a: &Statement, b: &Statement) -> bool {
+    if a.place.source == b.place.source {
+        return true;
+    }
+    let is_file = |one: &Statement| one.rank == Rank::File;
+    match (is_file(a), is_file(b)) {
+        (false, false) => a.rank == b.rank,
+        _ => comparable(world, a, b) == Some(Comparable::Same),
+    }
+}
+
+fn place_of(world: &World, edge: &Edge) -> Option<Place> {
+    match edge.origin {
+        EdgeOrigin::Joint(index) => world.claims.get(index).map(|claim| claim.place.clone()),
+        EdgeOrigin::Tf(bag, index) => {
+            let bag = world.bags.get(bag)?;
+            Some(Place::message(bag.source, bag.tf.get(index)?.first_at.clone()))
+        }
+    }
+}

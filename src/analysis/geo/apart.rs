@@ -1,0 +1,48 @@
+//! How far two origins lie apart, and words for it.
+//!
+//! Must not judge.
+
+use nalgebra::Vector3;
+
+use crate::analysis::geo::origins::Origin;
+
+/// Beyond it east, north and up say nothing, metres.
+const FAR_M: f64 = 1e5;
+
+/// East, north and up from one to the other, metres; without up where one of them says no height.
+pub(crate) fn between(from: &Origin, to: &Origin) -> Vector3<f64> {
+    let (mut from_at, mut to_at) = (from.at, to.at);
+    if from.has_height && to.has_height {
+        return from_at.enu_of(&to_at);
+    }
+    (from_at.height_m, to_at.height_m) = (0.0, 0.0);
+    let enu = from_at.enu_of(&to_at);
+    // Of places around the Earth the plane hides how far away they are.
+    if enu.xy().norm() > FAR_M {
+        to_at.to_ecef() - from_at.to_ecef()
+    } else {
+        Vector3::new(enu.x, enu.y, 0.0)
+    }
+}
+
+/// A place, in degrees and metres.
+pub(crate) fn told(origin: &Origin) -> String {
+    let (latitude, longitude) = (
+        origin.at.latitude_rad.to_degrees(),
+        origin.at.longitude_rad.to_degrees(),
+    );
+    let height = if origin.has_height {
+        format!(", {:.2} m", origin.at.height_m)
+    } else {
+        String::new()
+    };
+    format!("{latitude:.7}, {longitude:.7}{height}")
+}
+
+/// The way from one to the other, where they are near.
+pub(crate) fn direction(apart: &Vector3<f64>) -> String {
+    if apart.norm() > FAR_M {
+        return String::new();
+    }
+    format!(" (east {:+.2}, north {:+.2}, up {:+.2})", apart.x, apart.y, apart.z)
+}

@@ -1,0 +1,134 @@
+//! What a stated position may mean besides degrees, and what other receivers say.
+//!
+//! Must not report.
+
+use crate::math::stats::median;
+use crate::world::World;
+use crate::world::bag::TopicEvidence;
+use crate::world::content::{FixAt, FixEvidence};
+use serde::Deserialize;
+
+/// Latitude and longitude, degrees.
+pub(crate) type Position = (f64, f64);
+
+/// Median position of the fixes of a topic, as published.
+pub(crate) fn middle(fixes: &FixEvidence) -> Option<Position> {
+    let of = |coordinate: fn(&FixAt) -> f64| {
+        let with_fix = fixes.samples.iter().filter(|fix| fix.status >= 0);
+        median(&with_fix.map(coordinate).collect::<Vec<f64>>())
+    };
+    Some((of(|fix| fix.latitude_deg)?, of(|fix| fix.longitude_deg)?))
+}
+
+/// A median position, degrees, of some stream of fixes.
+pub(crate) fn some_position(world: &World) -> Option<Position> {
+    let topics = world.bags.iter().flat_map(|bag| bag.topics.values());
+    let mut said = topics.flat_map(TopicEvidence::said).filter(|said| !said.guessed);
+    said.find_map(|said| middle(said.content.fixes.as_ref()?))
+}
+
+/// Whether two positions are within some degrees of each other.
+fn near(a: Position, b: Position, degrees: f64) -> bool {
+    (a.0 - b.0).abs() <= degrees && (a.1 - b.1).abs() <= degrees
+}
+
+/// Median positions of everything else with fixes, by topic. What is only guessed to be a fix confirms nothing.
+pub(crate) fn others<'w>(world: &'w World, fixes: &FixEvidence) -> Vec<(&'w str, Position)> {
+    let topics = world.bags.iter().flat_map(|bag| bag.topics.values());
+    topics
+        .flat_map(TopicEvidence::said)
+        .filter(|said| !said.guessed)
+        .filter_map(|said| {
+            let other = said.content.fixes.as_ref();
+            let other = other.filter(|other| !std::ptr::eq(*other, fixes))?;
+            Some((said.topic.topic.as_str(), middle(other)?))
+        })
+        .collect()
+}
+
+/// Ways to misread a position, with what it would be: words, and the position meant.
+fn readings((latitude, longitude): Position) -> Vec<(&'static str, Position)> {
+    let in_range = |(latitude, longitude): &Position| latitude.abs() <= 90.0 && longitude.abs() <= 180.0;
+    let mut found = vec![("latitude and longitude are swapped", (longitude, latitude))];
+    if latitude.abs() <= std::f64::consts::FRAC_PI_2 && longitude.abs() <= std::f64::consts::PI {
+        let degrees = (latitude.to_degrees(), longitude.to_degrees());
+        found.push(("radians were taken for degrees", degrees));
+    }
+    found.push((
+        "units of 1e-7 degrees were taken for degrees",
+        (latitude / 1e7, longitude / 1e7),
+    ));
+    found.retain(|(_, position)| in_range(position));
+    found
+}
+
+/// What a position out of range may have been meant for.
+pub(crate) fn meant(fix: &FixAt, limits: &Limits) -> String {
+    let (latitude, longitude) = (fix.latitude_deg, fix.longitude_deg);
+    let scaled = latitude.abs().max(longitude.abs()) > limits.scaled_deg;
+    let mut all = readings((latitude, longitude)).into_iter();
+    all.find(|(words, _)| words.contains("1e-7") == scaled)
+        .map_or(String::new(), |(words, (latitude, longitude))| {
+            format!(": perhaps {words}, and {latitude:.5}, {longitude:.5} is meant")
+        })
+}
+
+/// The way to read a position that makes it agree with another receiver's; or radians, where the position lies in the
+/// sea beside the origin, which no other receiver confirms.
+pub(crate) fn misread<'o>(
+    position: Position,
+    others: &[(&'o str, Position)],
+    limits: &Limits,
+) -> Option<(&'static str, Option<&'o str>)> {
+    if others.iter().any(|(_, other)| near(position, *other, limits.agree_deg)) {
+        return None;
+    }
+    let ways = readings(position);
+    let confirmed = ways.iter().find_map(|(words, meant)| {
+        let other = others
+            .iter()
+            .find(|(_, other)| near(*meant, *other, limits.agree_deg))?;
+        Some((*words, Some(other.0)))
+    });
+    // Simulators put their origin near 0, 0.
+    let from_origin = position.0.abs().max(position.1.abs());
+    let radians = ways.iter().find(|(words, _)| words.starts_with("radians"));
+    let alone = radians
+        .filter(|_| from_origin > limits.origin_deg)
+        .map(|(words, _)| (*words, None));
+    confirmed.or(alone)
+}
+
+/// Limits of GEO01.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    pub(crate) max_wrong: f64,
+    pub(crate) error_share: f64,
+    pub(crate) agree_deg: f64,
+    pub(crate) scaled_deg: f64,
+    pub(crate) origin_deg: f64,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_position_is_read_in_every_way_that_stays_on_earth() {
+        let words = |position| {
+            readings(position)
+                .into_iter()
+                .map(|(words, _)| words)
+                .collect::<Vec<_>>()
+        };
+        assert!(words((0.84, 0.19)).contains(&"radians were taken for degrees"));
+        assert!(!words((48.0, 11.0)).contains(&"radians were taken for degrees"));
+        assert_eq!(
+            words((481_234_567.0, 115_678_901.0)),
+            ["units of 1e-7 degrees were taken for degrees"]
+        );
+        assert!(!words((48.0, 130.0)).contains(&"latitude and longitude are swapped"));
+        assert!(near((48.0, 11.0), (48.5, 11.9), 1.0) && !near((48.0, 11.0), (11.0, 48.0), 1.0));
+    }
+}

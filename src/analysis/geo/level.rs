@@ -1,0 +1,73 @@
+//! How a local frame stands at its own origin on the Earth.
+//!
+//! Must not judge.
+
+use nalgebra::{Isometry3, Rotation3};
+use serde::Deserialize;
+
+use crate::math::constants::ned_enu;
+use crate::math::earth_turns::beside;
+use crate::math::geodesy::Geodetic;
+use crate::source::Place;
+
+use crate::analysis::geo::earth::OnEarth;
+
+/// A pose that can be judged.
+pub(crate) struct Seen<'s> {
+    /// Where it is stated.
+    pub(crate) place: &'s Place,
+    /// Its origin.
+    pub(crate) origin: Geodetic,
+    /// `earth_from_local` with the axes east, north, up: those of a frame that says north, east, down are changed.
+    pub(crate) rotation: Rotation3<f64>,
+    /// The angle between its z axis and up.
+    pub(crate) tilt_deg: f64,
+    /// The angle of its x axis from east towards north.
+    pub(crate) yaw_deg: f64,
+    /// Whether the transform was stated the other way round.
+    pub(crate) is_inverse: bool,
+}
+
+/// The pose of a local frame, where its origin lies on the Earth.
+pub(crate) fn see<'s>(stated: &OnEarth, place: &'s Place, pose: &Isometry3<f64>, limits: &Limits) -> Option<Seen<'s>> {
+    let of = |pose: &Isometry3<f64>, is_inverse| {
+        let origin = Geodetic::from_ecef(&pose.translation.vector)?;
+        let mut rotation = pose.rotation.to_rotation_matrix();
+        if stated.local.has_token("ned") {
+            rotation *= ned_enu();
+        }
+        let seen = beside(&origin, &rotation);
+        (origin.height_m.abs() <= limits.max_height_m).then(|| Seen {
+            place,
+            origin,
+            rotation,
+            tilt_deg: seen.tilt_rad.to_degrees(),
+            yaw_deg: seen.yaw_rad.to_degrees(),
+            is_inverse,
+        })
+    };
+    // Seen from a place on the Earth its centre lies straight down: the inverse of a right transform has its origin at
+    // the south pole, to 21 km.
+    let t = pose.translation.vector;
+    let at_pole = t.z < 0.0 && t.x.hypot(t.y) <= limits.pole_m;
+    let inverse = of(&pose.inverse(), true).filter(|seen| at_pole && seen.tilt_deg <= limits.warning_deg);
+    inverse.or_else(|| of(pose, false))
+}
+
+/// The right `earth_from_local`, `[x, y, z, w]`.
+pub(crate) fn expected(origin: &Geodetic, is_ned: bool) -> [f64; 4] {
+    let enu = origin.enu_from_ecef().inverse();
+    let rotation = if is_ned { enu * ned_enu() } else { enu };
+    nalgebra::UnitQuaternion::from_rotation_matrix(&rotation).coords.into()
+}
+
+/// Limits of GEO02.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    pub(crate) warning_deg: f64,
+    pub(crate) error_deg: f64,
+    pub(crate) relation_deg: f64,
+    pub(crate) max_height_m: f64,
+    pub(crate) pole_m: f64,
+}

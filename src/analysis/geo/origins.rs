@@ -1,0 +1,280 @@
+//! Everything that says where the origin of a local frame lies on the Earth.
+//!
+//! Must not judge.
+
+use crate::analysis::Estimates;
+use serde::Deserialize;
+use std::collections::BTreeSet;
+
+use nalgebra::Vector2;
+
+use crate::analysis::motion::{BagMotion, Motion, Stream, Timed};
+use crate::analysis::names;
+use crate::analysis::names::Standard;
+use crate::math::geodesy::Geodetic;
+use crate::math::similarity2::deviations;
+use crate::source::{Confidence, Place};
+use crate::world::bag::TopicEvidence;
+use crate::world::content::FixAt;
+use crate::world::motion::PoseRow;
+use crate::world::{BagEvidence, EarthOrigin, FrameId, World};
+
+use crate::analysis::geo::earth::OnEarth;
+
+use crate::analysis::geo::overlay::{Overlay, is_way};
+
+/// Metres of a degree of latitude, for the digits of a file.
+const DEGREE_M: f64 = 111_320.0;
+/// From so many decimals on, degrees are taken to be rounded.
+const ROUNDED_DECIMALS: u32 = 5;
+
+/// Where a statement comes from: the more trusted first. Statements of one recording's messages are not alternatives, files of
+/// one format are.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum By {
+    /// A transform from the Earth's frame.
+    Transform,
+    /// A topic.
+    Topic,
+    /// A file, in this format.
+    File(String),
+    /// Poses laid over fixes.
+    Track,
+}
+
+/// One origin.
+#[derive(Clone, Debug)]
+pub(crate) struct Origin {
+    /// Who says it, for messages.
+    pub(crate) who: String,
+    /// By what.
+    pub(crate) by: By,
+    /// The recording, by its place in the world, of what a recording says.
+    pub(crate) bag: Option<usize>,
+    /// Where it lies; at height 0 where that is not said.
+    pub(crate) at: Geodetic,
+    /// Whether the height is said.
+    pub(crate) has_height: bool,
+    /// How far off it may be: its digits, or the fit's deviation, metres.
+    pub(crate) within_m: f64,
+    /// Where the same source puts it later on, farthest off.
+    pub(crate) later: Option<Geodetic>,
+    /// By how much a track's axes are turned from east and north, and one deviation of that, radians.
+    pub(crate) turned_rad: Option<(f64, f64)>,
+    /// Where it is said.
+    pub(crate) place: Place,
+    /// How sure the reading is.
+    pub(crate) reading: Confidence,
+}
+
+/// Every origin of a world, by how far it is trusted, and why others were left out.
+pub(crate) fn origins(world: &Estimates, limits: &Limits) -> (Vec<Origin>, Vec<String>) {
+    let mut left_out = Vec::new();
+    let mut all = of_transforms(world, limits, &mut left_out);
+    all.extend(world.origins.iter().filter_map(of_file));
+    let motion = Motion::of(world);
+    for (index, (bag, streams)) in world.bags.iter().zip(&motion.bags).enumerate() {
+        all.extend(bag.topics.values().filter_map(|topic| of_topic(bag, index, topic)));
+        all.extend(streams.poses.iter().filter_map(|poses| of_local_xy(index, poses)));
+        // One for each drive: what is wrong with an origin is wrong with all tracks of it.
+        all.extend(of_tracks(world, index, streams, limits).min_by(|a, b| a.within_m.total_cmp(&b.within_m)));
+    }
+    all.sort_by(|a, b| (&a.by, a.bag, &a.place).cmp(&(&b.by, b.bag, &b.place)));
+    (all, left_out)
+}
+
+/// Of transforms those of `map`, or of the only local frame there is.
+fn of_transforms(world: &World, limits: &Limits, left_out: &mut Vec<String>) -> Vec<Origin> {
+    let is_map = |frame: &FrameId| matches!(names::standard(frame), Some((_, Standard::Map)));
+    let mut stated = OnEarth::all(world);
+    stated.retain(|stated| stated.is_local() && stated.has.1 && !names::has_word(&stated.local, &["odom"]));
+    if stated.iter().any(|stated| is_map(&stated.local)) {
+        stated.retain(|stated| is_map(&stated.local));
+    }
+    let frames: BTreeSet<&FrameId> = stated.iter().map(|stated| &stated.local).collect();
+    if frames.len() > 1 {
+        let names: Vec<String> = frames.iter().map(|frame| format!("`{frame}`")).collect();
+        left_out.push(format!(
+            "{} have an origin each on the Earth: which is meant is not known",
+            names.join(" and ")
+        ));
+        return Vec::new();
+    }
+    let made = |stated: &OnEarth| {
+        let (place, pose) = stated.poses.first()?;
+        let at = Geodetic::from_ecef(&pose.translation.vector)?;
+        let later = stated.poses.iter().skip(1);
+        let later = later.filter_map(|(_, pose)| Geodetic::from_ecef(&pose.translation.vector));
+        (at.height_m.abs() <= limits.max_height_m).then(|| Origin {
+            later: farthest(&at, later),
+            turned_rad: None,
+            who: stated.subject.clone(),
+            by: By::Transform,
+            bag: world.bags.iter().position(|bag| bag.source == place.source),
+            at,
+            has_height: true,
+            within_m: 0.0,
+            place: place.clone(),
+            reading: stated.reading,
+        })
+    };
+    stated.iter().filter_map(made).collect()
+}
+
+fn of_file(stated: &EarthOrigin) -> Option<Origin> {
+    let [latitude, longitude] = stated.latitude_longitude_deg?;
+    // An altitude of nothing at all is one that was not filled in.
+    let altitude_m = stated.altitude_m.filter(|altitude| *altitude != 0.0);
+    let rounding = if stated.decimals >= ROUNDED_DECIMALS {
+        DEGREE_M * 10f64.powi(-i32::try_from(stated.decimals).unwrap_or(i32::MAX))
+    } else {
+        0.0
+    };
+    Some(Origin {
+        who: format!("`{}`", stated.label),
+        by: By::File(stated.format.clone()),
+        bag: None,
+        at: Geodetic::from_degrees(latitude, longitude, altitude_m.unwrap_or(0.0))?,
+        has_height: altitude_m.is_some(),
+        within_m: rounding,
+        later: None,
+        turned_rad: None,
+        place: stated.place.clone(),
+        reading: Confidence::Certain,
+    })
+}
+
+/// Of places the one that is farthest from another.
+fn farthest(from: &Geodetic, places: impl Iterator<Item = Geodetic>) -> Option<Geodetic> {
+    let distance = |place: &Geodetic| from.enu_of(place).norm();
+    places.max_by(|a, b| distance(a).total_cmp(&distance(b)))
+}
+
+/// Whether a topic tells an origin, by the last part of its name.
+pub(crate) fn tells_origin(topic: &str) -> bool {
+    let last = FrameId::new(topic.rsplit('/').next().unwrap_or(topic));
+    last.has_token("origin") || last.has_token("datum")
+}
+
+/// A point or a fix on a topic of an origin.
+fn of_topic(bag: &BagEvidence, index: usize, topic: &TopicEvidence) -> Option<Origin> {
+    let fixes = topic.content.fixes.as_ref().filter(|_| tells_origin(&topic.topic))?;
+    let mut valid = fixes.samples.iter().filter(|fix| fix.status >= 0);
+    let first = valid.next()?;
+    let has_height = first.altitude_m.is_finite() && first.altitude_m != 0.0;
+    let height_m = |fix: &FixAt| if has_height { fix.altitude_m } else { 0.0 };
+    let of = |fix: &FixAt| Geodetic::from_degrees(fix.latitude_deg, fix.longitude_deg, height_m(fix));
+    let at = of(first)?;
+    Some(Origin {
+        who: format!("topic `{}`", topic.topic),
+        by: By::Topic,
+        bag: Some(index),
+        at,
+        has_height,
+        within_m: 0.0,
+        later: farthest(&at, valid.filter_map(of)),
+        turned_rad: None,
+        place: Place::message(bag.source, first.at.clone()),
+        reading: Confidence::Certain,
+    })
+}
+
+/// A pose on `local_xy_origin`: x is the longitude, y the latitude (swri_transform_util).
+fn of_local_xy(index: usize, poses: &Stream<PoseRow>) -> Option<Origin> {
+    let is_one = poses.topic.rsplit('/').next() == Some("local_xy_origin");
+    let of = |timed: &Timed<PoseRow>| {
+        let [longitude, latitude, altitude] = timed.row.position;
+        Geodetic::from_degrees(latitude, longitude, altitude)
+    };
+    let at = of(poses.rows().next().filter(|_| is_one)?)?;
+    Some(Origin {
+        who: poses.subject.clone(),
+        by: By::Topic,
+        bag: Some(index),
+        at,
+        has_height: at.height_m != 0.0,
+        within_m: 0.0,
+        later: farthest(&at, poses.rows().skip(1).filter_map(of)),
+        turned_rad: None,
+        place: poses.place(),
+        reading: Confidence::Certain,
+    })
+}
+
+/// Where the poses of a map, laid over fixes, put its origin.
+fn of_tracks<'m>(
+    world: &'m World,
+    index: usize,
+    streams: &'m BagMotion,
+    limits: &'m Limits,
+) -> impl Iterator<Item = Origin> + 'm {
+    let in_map = |poses: &&Stream<PoseRow>| {
+        let kind = poses.frame.as_ref().and_then(names::standard);
+        matches!(kind, Some((_, Standard::Map)))
+    };
+    let tracks = streams.poses.iter().filter(in_map).filter(|poses| is_way(poses));
+    let receivers = || streams.fixes.iter().filter(|fixes| !tells_origin(&fixes.topic));
+    tracks
+        .flat_map(move |poses| receivers().map(move |fixes| (poses, fixes)))
+        .filter_map(move |(poses, fixes)| {
+            let overlay = Overlay::of(world, poses, fixes)?;
+            let (at, within_m, turned_rad) = origin_of_track(&overlay, limits)?;
+            Some(Origin {
+                who: format!("{} laid over {}", poses.subject, fixes.subject),
+                by: By::Track,
+                bag: Some(index),
+                at,
+                has_height: false,
+                within_m,
+                later: None,
+                turned_rad: Some(turned_rad),
+                place: poses.place(),
+                reading: Confidence::Likely,
+            })
+        })
+}
+
+/// The origin, what it is uncertain by in metres, and by how much the axes are turned with its deviation in radians; `None` for a
+/// track that does not fit or is not local.
+fn origin_of_track(overlay: &Overlay, limits: &Limits) -> Option<(Geodetic, f64, (f64, f64))> {
+    let (enu, xy) = overlay.planes();
+    let fit = overlay.fit(limits.max_scale, 1.0)?;
+    let (angle_sd, scale_sd) = deviations(&xy, &enu, limits.blocks)?;
+    let far_m = xy.iter().map(Vector2::norm).fold(0.0, f64::max);
+    let is_sound = overlay.extent_m() >= limits.min_extent_m
+        && overlay.both.len() >= limits.min_points
+        && far_m <= limits.local_m
+        && fit.rms_m <= limits.track_m;
+    let within_m = limits.sigmas * (fit.rms_m + far_m * angle_sd.hypot(scale_sd));
+    (is_sound && within_m <= limits.track_m).then_some((
+        overlay.origin(&fit)?,
+        within_m,
+        (
+            fit.angle_rad,
+            angle_sd.hypot(overlay.receiver_deviation(limits.errors_last_s, limits.untold_m)),
+        ),
+    ))
+}
+
+/// Limits of GEO07.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    pub(crate) warning_m: f64,
+    pub(crate) error_m: f64,
+    pub(crate) track_m: f64,
+    pub(crate) site_m: f64,
+    pub(crate) geoid_m: f64,
+    pub(crate) min_geoid_m: f64,
+    pub(crate) max_height_m: f64,
+    pub(crate) local_m: f64,
+    pub(crate) min_extent_m: f64,
+    pub(crate) min_points: usize,
+    pub(crate) blocks: usize,
+    pub(crate) max_scale: f64,
+    pub(crate) sigmas: f64,
+    pub(crate) copied_m: f64,
+    pub(crate) aligned_deg: f64,
+    pub(crate) errors_last_s: f64,
+    pub(crate) untold_m: f64,
+}

@@ -1,0 +1,178 @@
+//! Poses and fixes of one platform at the same moments.
+//!
+//! Owns the way from the body of a pose to the antenna, where it is known. Must not judge.
+
+use std::sync::Arc;
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector2, Vector3};
+
+use crate::analysis::motion::{Stream, Track};
+use crate::analysis::names;
+use crate::math::geodesy::Geodetic;
+use crate::math::similarity2::{Similarity2, fit_similarities, spread};
+use crate::math::stats::median;
+use crate::world::World;
+use crate::world::motion::{FixRow, PoseRow};
+
+/// So many moments say where a track lies; of more every n-th is taken. Errors of receivers last for minutes.
+const MAX_MOMENTS: usize = 4096;
+/// Messages of a receiver come up to this late, seconds; stamps further apart are of two clocks.
+const MAX_LATENCY_S: f64 = 1.0;
+
+/// One moment.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Both {
+    /// Seconds after the recording's start.
+    pub(crate) t_s: f64,
+    /// The antenna in the frame of the poses, metres.
+    pub(crate) place_m: Vector3<f64>,
+    /// Where the receiver says it is.
+    pub(crate) fix: Geodetic,
+    /// The same in the tangent plane of the first fix, metres.
+    pub(crate) enu_m: Vector3<f64>,
+    /// The altitude over that of the first fix, metres; `None` where the receiver gives none.
+    pub(crate) climb_m: Option<f64>,
+    /// What the receiver says its horizontal error to be, one deviation, metres; `None` where it says nothing.
+    pub(crate) deviation_m: Option<f64>,
+}
+
+/// All moments of a stream of poses and a receiver.
+#[derive(Clone, Debug)]
+pub(crate) struct Overlay {
+    /// The first fix: where the tangent plane of `enu_m` touches.
+    pub(crate) first: Geodetic,
+    /// The moments, in the order of the fixes.
+    pub(crate) both: Vec<Both>,
+}
+
+impl Overlay {
+    /// Puts poses beside fixes; `None` where they have fewer than two moments in common.
+    pub(crate) fn of(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>) -> Option<Self> {
+        let arm = arm(world, poses, fixes).filter(|arm| *arm != Vector3::zeros());
+        let track = arm.map_or_else(|| poses.track(), |arm| Arc::new(Track::of_poses(&moved(poses, arm))));
+        let by_arrival = Self::at(&track, fixes, 0.0);
+        // Streams are put side by side by when they arrived. A receiver's messages come late, and its stamps say by how
+        // much, if they are of the poses' clock: the better fit tells.
+        let late_s = fixes.stamp_offset_s.zip(poses.stamp_offset_s).map(|(a, b)| a - b);
+        let late_s = late_s.filter(|late_s| *late_s != 0.0 && late_s.abs() <= MAX_LATENCY_S);
+        let by_stamp = late_s.and_then(|late_s| Self::at(&track, fixes, late_s));
+        [by_arrival, by_stamp]
+            .into_iter()
+            .flatten()
+            .min_by(|a, b| a.rms_m().total_cmp(&b.rms_m()))
+    }
+
+    /// The moments, where the poses are read so many seconds after the fixes.
+    fn at(track: &Track, fixes: &Stream<FixRow>, after_s: f64) -> Option<Self> {
+        let mut at = track.follow();
+        let origin = fixes.rows().find_map(|timed| geodetic(&timed.row))?;
+        let every = fixes.rows().count().div_ceil(MAX_MOMENTS).max(1);
+        let mut beside = |t_s: f64, row: &FixRow| {
+            let fix = geodetic(row)?;
+            Some(Both {
+                t_s,
+                place_m: at(t_s + after_s)?,
+                fix,
+                enu_m: origin.enu_of(&fix),
+                climb_m: row.altitude_m.is_finite().then_some(fix.height_m - origin.height_m),
+                deviation_m: row.horizontal_sd_m(),
+            })
+        };
+        let both: Vec<Both> = fixes
+            .rows()
+            .step_by(every)
+            .filter_map(|timed| beside(timed.t_s, &timed.row))
+            .collect();
+        (both.len() > 1).then_some(Self { first: origin, both })
+    }
+
+    /// How far the poses lie off the fixes once turned, scaled and shifted, metres.
+    fn rms_m(&self) -> f64 {
+        let (enu, xy) = self.planes();
+        fit_similarities(&xy, &enu).map_or(f64::INFINITY, |fit| fit.proper.rms_m)
+    }
+
+    /// By how much the receiver's errors may turn the track (radians) or scale it, one deviation. Such errors stay for minutes,
+    /// and one that drifts along looks like a turn: no scatter within a drive shows it. Errors that are `errors_last_s` apart
+    /// are independent; `untold_m` is the deviation of a receiver that states none.
+    pub(crate) fn receiver_deviation(&self, errors_last_s: f64, untold_m: f64) -> f64 {
+        let told: Vec<f64> = self.both.iter().filter_map(|both| both.deviation_m).collect();
+        let error_m = median(&told).unwrap_or(untold_m);
+        let (enu, _) = self.planes();
+        let spread_m = spread(&enu).map_or(0.0, |spread| spread.major_sd_m.hypot(spread.minor_sd_m));
+        let (from_s, to_s) = self.span_s();
+        error_m / spread_m / ((to_s - from_s) / errors_last_s).max(1.0).sqrt()
+    }
+
+    /// East and north of the fixes, and x and y of the poses, metres.
+    pub(crate) fn planes(&self) -> (Vec<Vector2<f64>>, Vec<Vector2<f64>>) {
+        let both = self.both.iter();
+        both.map(|both| (both.enu_m.xy(), both.place_m.xy())).unzip()
+    }
+
+    /// The longer side of the box around the fixes, metres.
+    pub(crate) fn extent_m(&self) -> f64 {
+        let side = |of: fn(&Vector3<f64>) -> f64| {
+            let values = self.both.iter().map(|both| of(&both.enu_m));
+            let (least, most) = values.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), v| (a.min(v), b.max(v)));
+            most - least
+        };
+        side(|p| p.x).max(side(|p| p.y))
+    }
+
+    /// The turn, scale and shift that take x and y of the poses to east and north; `None` where the poses do not follow the
+    /// fixes: another scale by more than `scale`, or residuals of more than `share` of the extent.
+    pub(crate) fn fit(&self, scale: f64, share: f64) -> Option<Similarity2> {
+        let (enu, xy) = self.planes();
+        let fit = fit_similarities(&xy, &enu)?.proper;
+        ((fit.scale - 1.0).abs() <= scale && fit.rms_m <= share * self.extent_m()).then_some(fit)
+    }
+
+    /// Where the origin of the poses' frame lies by a fit, at the height of the first fix.
+    pub(crate) fn origin(&self, fit: &Similarity2) -> Option<Geodetic> {
+        self.first.at_enu(&fit.translation_m.push(0.0))
+    }
+
+    /// First and last moment, seconds after the recording's start.
+    pub(crate) fn span_s(&self) -> (f64, f64) {
+        let ends = self.both.first().zip(self.both.last());
+        ends.map_or((f64::NAN, f64::NAN), |(first, last)| (first.t_s, last.t_s))
+    }
+}
+
+/// Whether poses say where the platform is in a frame of the world: not where one such frame lies in another.
+pub(crate) fn is_way(poses: &Stream<PoseRow>) -> bool {
+    poses.frame.as_ref().is_some_and(names::is_world)
+        && !poses.is_earth_centred()
+        && !poses.child.as_ref().is_some_and(names::is_world)
+}
+
+/// The place of a fix; at height 0 where the receiver gives none.
+pub(crate) fn geodetic(fix: &FixRow) -> Option<Geodetic> {
+    let height_m = if fix.altitude_m.is_finite() {
+        fix.altitude_m
+    } else {
+        0.0
+    };
+    Geodetic::from_degrees(fix.latitude_deg, fix.longitude_deg, height_m)
+}
+
+/// The antenna in the axes of the body that the poses are of, metres.
+fn arm(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>) -> Option<Vector3<f64>> {
+    let (body, antenna) = (poses.child.as_ref()?, fixes.frame.as_ref()?);
+    if body == antenna {
+        return Some(Vector3::zeros());
+    }
+    let (body_from_antenna, _) = world.graph().chain(body, antenna, |edge| edge.is_rigid)?;
+    Some(body_from_antenna.translation.vector)
+}
+
+fn moved(poses: &Stream<PoseRow>, arm: Vector3<f64>) -> Stream<PoseRow> {
+    let mut poses = poses.clone();
+    for timed in poses.stretches.iter_mut().flatten() {
+        let [x, y, z, w] = timed.row.orientation;
+        let turned = UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-6).map(|q| q * arm);
+        timed.row.position = (Vector3::from(timed.row.position) + turned.unwrap_or_default()).into();
+    }
+    poses
+}

@@ -1,0 +1,179 @@
+//! The clouds of a world, each with what its fields say of the sensor; and the scans of planes, as clouds. Must not judge.
+
+use crate::analysis::{names, radar};
+use crate::source::Place;
+use crate::tables::CloudDriver;
+use crate::world::bag::TopicEvidence;
+use crate::world::cloud::{CloudEvidence, CloudSample, PointTimes};
+use crate::world::laser::LaserEvidence;
+use crate::world::{BagEvidence, FrameId, World};
+
+/// Units that times of points come in, seconds.
+const UNITS_S: [(f64, &str); 4] = [
+    (1.0, "seconds"),
+    (1e-3, "milliseconds"),
+    (1e-6, "microseconds"),
+    (1e-9, "nanoseconds"),
+];
+
+/// No scan takes longer, seconds: of clouds that were thrown away nine hundred times out of a thousand the times would fit another unit.
+const LONGEST_S: f64 = 20.0;
+
+/// Fields that only the points of a lidar have.
+const OF_A_LIDAR: [&str; 10] = [
+    "ring",
+    "line",
+    "channel",
+    "laser_id",
+    "laser",
+    "azimuth",
+    "reflectivity",
+    "tag",
+    "return_type",
+    "column",
+];
+
+/// Words in topics and frames of lidars.
+const LIDARS: [&str; 16] = [
+    "lidar",
+    "laser",
+    "velodyne",
+    "ouster",
+    "os",
+    "livox",
+    "hesai",
+    "pandar",
+    "robosense",
+    "rslidar",
+    "seyond",
+    "innoviz",
+    "aeva",
+    "luminar",
+    "vlp",
+    "vlp16",
+];
+
+/// The clouds of one topic.
+#[derive(Clone, Copy)]
+pub(crate) struct Clouds<'w> {
+    pub(crate) bag: &'w BagEvidence,
+    /// The number of the recording in the world.
+    pub(crate) index: usize,
+    pub(crate) topic: &'w TopicEvidence,
+    pub(crate) evidence: &'w CloudEvidence,
+    /// The scans of a plane that these are, where they are no clouds: the evidence has their runs alone then.
+    pub(crate) laser: Option<&'w LaserEvidence>,
+    /// The driver that its fields tell.
+    pub(crate) driver: Option<&'w CloudDriver>,
+}
+
+impl<'w> Clouds<'w> {
+    /// Those of a world that have points with x, y and z.
+    pub(crate) fn all(world: &'w World) -> impl Iterator<Item = Self> {
+        world.bags.iter().enumerate().flat_map(move |(index, bag)| {
+            bag.topics.values().filter_map(move |topic| {
+                let evidence = topic.content.clouds.as_ref()?;
+                let layout = evidence.layouts.first()?;
+                let has = |name: &str| layout.fields.iter().any(|field| field.name == name);
+                if !(has("x") && has("y") && has("z")) {
+                    return None;
+                }
+                let fields = layout.fields.iter();
+                Some(Self {
+                    bag,
+                    index,
+                    topic,
+                    evidence,
+                    laser: None,
+                    driver: world
+                        .tables
+                        .cloud_driver(fields.map(|field| (field.name.as_str(), field.datatype.as_str()))),
+                })
+            })
+        })
+    }
+
+    /// The scans of planes of a world.
+    pub(crate) fn lasers(world: &'w World) -> impl Iterator<Item = Self> {
+        world.bags.iter().enumerate().flat_map(|(index, bag)| {
+            bag.topics.values().filter_map(move |topic| {
+                let laser = topic.content.lasers.as_deref()?;
+                Some(Self {
+                    bag,
+                    index,
+                    topic,
+                    evidence: &laser.projected,
+                    laser: Some(laser),
+                    driver: None,
+                })
+            })
+        })
+    }
+
+    /// Both: for rules that look at motion in the plane of x and y.
+    pub(crate) fn scanners(world: &'w World) -> impl Iterator<Item = Self> {
+        Self::all(world).chain(Self::lasers(world))
+    }
+
+    /// What reports call it.
+    pub(crate) fn subject(&self, of: &str) -> String {
+        format!("{of} of topic `{}`", self.topic.topic)
+    }
+
+    /// The first cloud.
+    pub(crate) fn place(&self) -> Place {
+        let of_cloud = self.evidence.layouts.first().map(|layout| &layout.at);
+        let first = self.laser.map(|laser| &laser.first).or(of_cloud);
+        Place::of(self.bag.source, first)
+    }
+
+    /// The frame of the first cloud that names one.
+    pub(crate) fn frame(&self) -> Option<FrameId> {
+        let frames = self.topic.header_frames.keys().map(FrameId::canonical);
+        frames.into_iter().find(|frame| !frame.as_str().is_empty())
+    }
+
+    /// The type of a field of the points.
+    pub(crate) fn datatype(&self, name: &str) -> Option<&'w str> {
+        let layout = self.evidence.layouts.first()?;
+        let field = layout.fields.iter().find(|field| field.name == name)?;
+        Some(&field.datatype)
+    }
+
+    /// Whether these are the points of a lidar as it measured them: not a depth camera's, and not a map's.
+    pub(crate) fn is_of_a_lidar(&self) -> bool {
+        let is_registered = self.frame().is_some_and(|frame| names::is_world(&frame));
+        let has_field = OF_A_LIDAR.iter().any(|name| self.datatype(name).is_some());
+        let words = self.topic.words();
+        let has_word = words.iter().any(|word| LIDARS.contains(&word.as_str()));
+        let has_colour = ["rgb", "rgba"].iter().any(|name| self.datatype(name).is_some());
+        let is_lidar = self.laser.is_some() || self.driver.is_some() || has_field || has_word;
+        is_lidar && !is_registered && !has_colour && !radar::is_of_a_radar(self.topic)
+    }
+
+    /// From one cloud to the next, seconds.
+    pub(crate) fn period_s(&self) -> Option<f64> {
+        let step_ns = self.topic.stamps.median_step_ns?;
+        (step_ns > 0).then_some(step_ns as f64 * 1e-9)
+    }
+
+    /// Clouds with the times of their points.
+    pub(crate) fn timed(&self) -> impl Iterator<Item = (&'w CloudSample, &'w PointTimes)> {
+        let samples = self.evidence.samples.iter();
+        samples.filter_map(|sample| Some((sample, sample.times.as_ref()?)))
+    }
+
+    /// The unit in which the times of a cloud span a scan, seconds, and its name; the period must be known.
+    pub(crate) fn unit(&self, times: &PointTimes) -> Option<(f64, &'static str)> {
+        let period_s = self.period_s().filter(|period_s| *period_s <= LONGEST_S)?;
+        let [low, high] = times.quantiles;
+        let fits = |(unit_s, _): &(f64, &str)| (0.5..=1.1).contains(&((high - low) * unit_s / period_s));
+        UNITS_S.into_iter().find(fits)
+    }
+
+    /// The name of a unit.
+    pub(crate) fn unit_word(unit_s: f64) -> &'static str {
+        let near = |(known, _): &(f64, &str)| (known / unit_s - 1.0).abs() < 0.5;
+        UNITS_S.into_iter().find(near).map_or("another unit", |(_, word)| word)
+    }
+}

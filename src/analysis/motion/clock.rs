@@ -1,0 +1,71 @@
+//! Which clock a stream is put on, so that streams of different clocks can be compared.
+
+use crate::math::stats::median;
+use crate::world::motion::{Row, Series};
+
+/// The stamps of a stream are used where they run as fast as the log clock, to within this share.
+const MAX_RATE_ERROR: f64 = 0.02;
+/// Length over which the rate is taken, seconds; shorter streams are judged by the spread of `stamp - log` alone.
+const MIN_RATE_SPAN_S: f64 = 10.0;
+/// The spread of `stamp - log` up to which the stamps of a short stream are used, seconds.
+const MAX_SPREAD_S: f64 = 0.5;
+
+/// How the time of a row is made.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Clock {
+    /// Header stamp, shifted by the median of log time minus stamp, `-offset_s`: even, and comparable with other streams.
+    Stamp {
+        /// Median of stamp minus log time, seconds.
+        offset_s: f64,
+    },
+    /// Log time: the stamps are zero, stand still, or run at another rate.
+    Log,
+}
+
+impl Clock {
+    /// The clock of a stream.
+    pub(crate) fn of<R: Row>(series: &Series<R>) -> Self {
+        let all: Vec<(i64, i64)> = series.rows().map(|row| (row.stamp_ns(), row.log_ns())).collect();
+        let offsets: Vec<f64> = all.iter().map(|(stamp, log)| seconds(*stamp, *log)).collect();
+        let (Some(first), Some(last), Some(offset_s)) = (all.first(), all.last(), median(&offsets)) else {
+            return Self::Log;
+        };
+        let has_zero = all.iter().any(|(stamp, _)| *stamp == 0);
+        let stands = series.stretches.iter().any(|rows| {
+            rows.windows(2)
+                .any(|pair| matches!(pair, [a, b] if b.stamp_ns() <= a.stamp_ns()))
+        });
+        let (by_stamp, by_log) = (seconds(last.0, first.0), seconds(last.1, first.1));
+        let runs = if by_log >= MIN_RATE_SPAN_S {
+            (by_stamp / by_log - 1.0).abs() <= MAX_RATE_ERROR
+        } else {
+            offsets.iter().all(|offset| (offset - offset_s).abs() <= MAX_SPREAD_S)
+        };
+        if has_zero || stands || !runs {
+            Self::Log
+        } else {
+            Self::Stamp { offset_s }
+        }
+    }
+
+    /// Median of stamp minus log time, seconds; `None` of the log clock.
+    pub(crate) fn stamp_offset_s(self) -> Option<f64> {
+        match self {
+            Self::Stamp { offset_s } => Some(offset_s),
+            Self::Log => None,
+        }
+    }
+
+    /// The time of a row, seconds after `start_ns` of the log clock.
+    pub(crate) fn time_s<R: Row>(self, row: &R, start_ns: i64) -> f64 {
+        match self {
+            Self::Stamp { offset_s } => seconds(row.stamp_ns(), start_ns) - offset_s,
+            Self::Log => seconds(row.log_ns(), start_ns),
+        }
+    }
+}
+
+/// `ns - since_ns`, seconds.
+fn seconds(ns: i64, since_ns: i64) -> f64 {
+    ns.saturating_sub(since_ns) as f64 / 1e9
+}

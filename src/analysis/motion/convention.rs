@@ -1,0 +1,348 @@
+//! What the numbers of a stream are told in, by the configuration or by the names of its frames, and the way from there
+//! to the convention of ROS.
+//!
+//! Rows are converted before anything is measured: what follows its declared convention then looks healthy, and what does
+//! not shows as the fault that it is. Must not judge.
+//!
+//! Sources: REP-103 (ENU, FLU; suffix `_ned`), REP-145 (`imu_link_ned`).
+
+use nalgebra::{Matrix6, Quaternion, UnitQuaternion, Vector3};
+
+use crate::analysis::names;
+use crate::math::constants::AxisTurn;
+use crate::source::{Place, SourceId};
+use crate::world::conventions::{BodyAxes, Convention, Declared, QuaternionAlgebra, QuaternionOrder, WorldAxes};
+use crate::world::motion::{InertialRow, OrientationRow, PoseRow, Twist, TwistRow};
+use crate::world::{FrameId, World};
+
+/// What moves.
+#[derive(Clone, Copy, Debug)]
+pub(crate) enum Moving<'a> {
+    /// The frame that the header names: a sensor's.
+    Frame,
+    /// The child, where one is named; the header's frame is a world.
+    Child(Option<&'a FrameId>),
+}
+
+/// What a stream is told in, and who says so.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct ToldIn {
+    /// What was said; nothing where the stream is told as ROS has it.
+    pub(crate) convention: Convention,
+    /// Who says so: `` `frames-lint.yaml:4` declares `` or `` the name of `odom_ned` says ``.
+    pub(crate) says: String,
+    /// Whether the configuration says so.
+    pub(crate) is_declared: bool,
+    /// Where.
+    pub(crate) place: Option<Place>,
+}
+
+impl ToldIn {
+    /// What the stream of a topic, or of TF, is told in. The configuration speaks before names.
+    pub(crate) fn of(
+        world: &World,
+        source: SourceId,
+        topic: &str,
+        frame: Option<&FrameId>,
+        moving: Moving<'_>,
+    ) -> Self {
+        let child = match moving {
+            Moving::Frame => None,
+            Moving::Child(child) => child,
+        };
+        let frames: Vec<&FrameId> = frame.into_iter().chain(child).collect();
+        match world.declared(source, topic, &frames) {
+            Some(Declared {
+                convention,
+                origin,
+                place,
+            }) => Self {
+                convention,
+                says: format!("`{origin}` declares"),
+                is_declared: true,
+                place,
+            },
+            None => Self::by_names(frame, moving),
+        }
+    }
+
+    /// What names say.
+    fn by_names(frame: Option<&FrameId>, moving: Moving<'_>) -> Self {
+        let has = |frame: Option<&FrameId>, word: &str| frame.is_some_and(|frame| frame.has_token(word));
+        let is_frd = |frame: Option<&FrameId>| has(frame, "frd") || has(frame, "ned");
+        let world = (has(frame, "ned").then_some(WorldAxes::Ned)).or(has(frame, "nwu").then_some(WorldAxes::Nwu));
+        let moving = match moving {
+            Moving::Frame => frame,
+            Moving::Child(child) => child,
+        };
+        let body = is_frd(moving).then_some(BodyAxes::Frd);
+        let named = if world.is_some() { frame } else { moving };
+        match (world.is_some() || body.is_some(), named) {
+            (true, Some(named)) => Self {
+                convention: Convention {
+                    world,
+                    body,
+                    ..Convention::default()
+                },
+                says: format!("the name of `{named}` says"),
+                ..Self::default()
+            },
+            _ => Self::default(),
+        }
+    }
+
+    /// Leaves the body's axes to TF, which turns the frame itself.
+    pub(crate) fn without_body(mut self) -> Self {
+        self.convention.body = None;
+        self
+    }
+
+    /// Takes the world to be NED, where only the body is said to be FRD: the one goes with the other.
+    pub(crate) fn with_ned(mut self) -> Self {
+        self.convention.world = Some(WorldAxes::Ned);
+        self
+    }
+
+    /// Whether the body is said to be FRD, and nothing of the world.
+    pub(crate) fn is_of_body_alone(&self) -> bool {
+        self.convention.body == Some(BodyAxes::Frd) && self.convention.world.is_none()
+    }
+
+    /// Whether the numbers are converted.
+    pub(crate) fn converts(&self) -> bool {
+        let convention = &self.convention;
+        !self
+            .turn_of_world()
+            .is_none_or(|turn| turn == UnitQuaternion::identity())
+            || convention.body == Some(BodyAxes::Frd)
+            || convention.order == Some(QuaternionOrder::Wxyz)
+            || convention.algebra == Some(QuaternionAlgebra::Jpl)
+    }
+
+    /// Whether it is told in NED, which a fault of that name would turn back.
+    pub(crate) fn is_ned(&self) -> bool {
+        self.convention.world == Some(WorldAxes::Ned)
+    }
+
+    /// Whether the configuration itself says where yaw is zero.
+    pub(crate) fn declares_world(&self) -> bool {
+        self.is_declared && self.convention.world.is_some()
+    }
+
+    /// A covariance of position and orientation, of a pose or of a twist, in the axes of ROS: row-major 6x6, `M C Mᵀ` block by
+    /// block. Of another length it stays as it is.
+    pub(crate) fn covariance(&self, values: &[f64], is_twist: bool) -> Vec<f64> {
+        let turn = if is_twist {
+            self.turn_of_body()
+        } else {
+            self.turn_of_world()
+        };
+        let (Some(turn), 36) = (turn, values.len()) else {
+            return values.to_vec();
+        };
+        let m = *turn.to_rotation_matrix().matrix();
+        let mut both = Matrix6::zeros();
+        both.fixed_view_mut::<3, 3>(0, 0).copy_from(&m);
+        both.fixed_view_mut::<3, 3>(3, 3).copy_from(&m);
+        let turned = both * Matrix6::from_row_slice(values) * both.transpose();
+        turned.transpose().as_slice().to_vec()
+    }
+
+    /// `enu_from_world`.
+    fn turn_of_world(&self) -> Option<UnitQuaternion<f64>> {
+        Some(match self.convention.world? {
+            WorldAxes::Enu => UnitQuaternion::identity(),
+            WorldAxes::Ned => AxisTurn::NedEnu.quaternion(),
+            WorldAxes::Nwu => AxisTurn::Z90.quaternion(),
+        })
+    }
+
+    /// `flu_from_body`.
+    fn turn_of_body(&self) -> Option<UnitQuaternion<f64>> {
+        (self.convention.body == Some(BodyAxes::Frd)).then(|| AxisTurn::FluFrd.quaternion())
+    }
+
+    /// Slots `x y z w` of `enu_from_flu`; their length stays.
+    fn orientation(&self, slots: [f64; 4]) -> [f64; 4] {
+        let [a, b, c, d] = slots;
+        let mut q = match self.convention.order {
+            Some(QuaternionOrder::Wxyz) => Quaternion::new(a, b, c, d),
+            _ => Quaternion::new(d, a, b, c),
+        };
+        if self.convention.algebra == Some(QuaternionAlgebra::Jpl) {
+            q = q.conjugate();
+        }
+        if let Some(turn) = self.turn_of_world() {
+            q = *turn.quaternion() * q;
+        }
+        if let Some(turn) = self.turn_of_body() {
+            // `body_from_flu` and `flu_from_body` are one.
+            q *= *turn.quaternion();
+        }
+        [q.i, q.j, q.k, q.w]
+    }
+
+    fn in_world(&self, vector: [f64; 3]) -> [f64; 3] {
+        turned(self.turn_of_world(), vector)
+    }
+
+    fn in_body(&self, vector: [f64; 3]) -> [f64; 3] {
+        turned(self.turn_of_body(), vector)
+    }
+}
+
+fn turned(turn: Option<UnitQuaternion<f64>>, vector: [f64; 3]) -> [f64; 3] {
+    turn.map_or(vector, |turn| (turn * Vector3::from(vector)).into())
+}
+
+/// A row whose numbers can be told in another convention.
+pub(crate) trait Convert {
+    /// Whether the header's frame is that of what moves, not the world's.
+    const IS_SENSOR: bool;
+
+    /// The row in the convention of ROS. `frame` is the one that its header names.
+    fn convert(&mut self, told_in: &ToldIn, frame: Option<&FrameId>);
+}
+
+impl Convert for InertialRow {
+    const IS_SENSOR: bool = true;
+
+    fn convert(&mut self, told_in: &ToldIn, _: Option<&FrameId>) {
+        self.orientation = told_in.orientation(self.orientation);
+        self.angular_velocity = told_in.in_body(self.angular_velocity);
+        self.linear_acceleration = told_in.in_body(self.linear_acceleration);
+    }
+}
+
+impl Convert for OrientationRow {
+    const IS_SENSOR: bool = true;
+
+    fn convert(&mut self, told_in: &ToldIn, _: Option<&FrameId>) {
+        self.orientation = told_in.orientation(self.orientation);
+    }
+}
+
+impl Convert for PoseRow {
+    const IS_SENSOR: bool = false;
+
+    fn convert(&mut self, told_in: &ToldIn, _: Option<&FrameId>) {
+        self.position = told_in.in_world(self.position);
+        self.orientation = told_in.orientation(self.orientation);
+        self.twist = self.twist.map(|twist| Twist {
+            linear: told_in.in_body(twist.linear),
+            angular: told_in.in_body(twist.angular),
+        });
+    }
+}
+
+impl Convert for TwistRow {
+    const IS_SENSOR: bool = true;
+
+    fn convert(&mut self, told_in: &ToldIn, frame: Option<&FrameId>) {
+        // A velocity is told in the header's frame, whichever that is.
+        let is_of_world = frame.is_some_and(names::is_world) || told_in.turn_of_body().is_none();
+        let turn = if is_of_world {
+            told_in.turn_of_world()
+        } else {
+            told_in.turn_of_body()
+        };
+        self.twist = Twist {
+            linear: turned(turn, self.twist.linear),
+            angular: turned(turn, self.twist.angular),
+        };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
+    use super::*;
+    use crate::math::rotation::from_rpy;
+
+    fn told_in(world: Option<WorldAxes>, body: Option<BodyAxes>) -> ToldIn {
+        ToldIn {
+            convention: Convention {
+                world,
+                body,
+                ..Convention::default()
+            },
+            ..ToldIn::default()
+        }
+    }
+
+    fn slots(q: UnitQuaternion<f64>) -> [f64; 4] {
+        [q.i, q.j, q.k, q.w]
+    }
+
+    fn same(a: [f64; 4], b: [f64; 4]) -> bool {
+        let dot: f64 = a.iter().zip(b).map(|(a, b)| a * b).sum();
+        (dot.abs() - 1.0).abs() < 1e-12
+    }
+
+    /// FACTS of the field: of Euler angles ZYX, `yaw_enu = pi/2 - yaw_ned`, `pitch_enu = -pitch_ned`, `roll_enu = roll_ned`.
+    #[test]
+    fn angles_of_ned_and_frd_become_those_of_enu_and_flu() {
+        let (roll, pitch, yaw) = (0.2, -0.1, 0.7);
+        let ned = from_rpy(roll, pitch, yaw);
+        let enu = from_rpy(roll, -pitch, std::f64::consts::FRAC_PI_2 - yaw);
+        let both = told_in(Some(WorldAxes::Ned), Some(BodyAxes::Frd));
+        assert!(same(both.orientation(slots(ned)), slots(enu)));
+    }
+
+    #[test]
+    fn north_and_west_become_the_second_and_the_negative_first_axis() {
+        let nwu = told_in(Some(WorldAxes::Nwu), None);
+        let [east, north, up] = nwu.in_world([5.0, 2.0, 1.0]);
+        assert!((east + 2.0).abs() < 1e-12 && (north - 5.0).abs() < 1e-12 && (up - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_covariance_is_told_in_the_axes_of_ros() {
+        let mut values = vec![0.0; 36];
+        // North, east, down; roll, pitch, yaw; north with east.
+        for (at, value) in [
+            (0, 4.0),
+            (7, 1.0),
+            (14, 9.0),
+            (21, 0.1),
+            (28, 0.2),
+            (35, 0.3),
+            (1, 0.5),
+            (6, 0.5),
+            (2, 0.7),
+            (12, 0.7),
+        ] {
+            values[at] = value;
+        }
+        let ned = told_in(Some(WorldAxes::Ned), None);
+        let enu = ned.covariance(&values, false);
+        let near = |at: usize, value: f64| assert!((enu[at] - value).abs() < 1e-12, "{at}: {}", enu[at]);
+        for (at, value) in [
+            (0, 1.0),
+            (7, 4.0),
+            (14, 9.0),
+            (21, 0.2),
+            (28, 0.1),
+            (35, 0.3),
+            (1, 0.5),
+            (8, -0.7),
+        ] {
+            near(at, value);
+        }
+        assert_eq!(ned.covariance(&values, true), values);
+    }
+
+    #[test]
+    fn names_tell_of_the_world_and_of_the_body() {
+        let of = |frame: &str, child: Option<&str>| {
+            let child = child.map(FrameId::new);
+            let moving = child.as_ref().map_or(Moving::Frame, |child| Moving::Child(Some(child)));
+            ToldIn::by_names(Some(&FrameId::new(frame)), moving).convention.words()
+        };
+        assert_eq!(of("odom_ned", Some("base_link_frd")), "world NED, body FRD");
+        assert_eq!(of("odom_ned", Some("base_link")), "world NED");
+        assert_eq!(of("imu_link_ned", None), "world NED, body FRD");
+        assert_eq!(of("base_link_frd", None), "body FRD");
+        assert_eq!(of("odom_combined", Some("base_link")), "");
+    }
+}

@@ -1,0 +1,108 @@
+//! An inertial sensor: its rows, where it is mounted, and whether it gives an orientation at all.
+
+use std::sync::Arc;
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::math::readings::Reading;
+use crate::tables::InsDriver;
+use crate::world::bag::Said;
+use crate::world::content::ContentEvidence;
+use crate::world::motion::InertialRow;
+use crate::world::{BagEvidence, World};
+
+use crate::analysis::motion::inertial::Inertial;
+use crate::analysis::motion::mount::{Mount, mount};
+use crate::analysis::motion::stream::Stream;
+
+/// An inertial sensor.
+#[derive(Clone, Debug)]
+pub(crate) struct Imu {
+    /// Its measurements.
+    pub(crate) stream: Stream<InertialRow>,
+    /// Where it is mounted, by URDF and static TF; `None` where its frame has no rigid way to a base.
+    pub(crate) mount: Option<Mount>,
+    /// Why its orientation is none.
+    pub(crate) no_orientation: Option<&'static str>,
+    /// What its numbers measure.
+    pub(crate) inertial: Inertial,
+    /// The driver that publishes it, by the names around it.
+    pub(crate) driver: Option<Arc<InsDriver>>,
+}
+
+impl Imu {
+    /// The sensor of a topic, or of a member of its messages; `None` where it says nothing inertial.
+    pub(crate) fn of(world: &World, bag: &BagEvidence, said: &Said<'_>) -> Option<Self> {
+        let stream = Stream::of(bag, said, said.content.motion.inertial.as_ref())?;
+        let no_orientation = no_orientation(said.content);
+        let mount = stream.frame.as_ref().and_then(|frame| mount(world, frame));
+        let stream = in_ros(world, stream, mount.as_ref());
+        Some(Self {
+            mount,
+            inertial: Inertial::of(&stream, no_orientation.is_none()),
+            no_orientation,
+            driver: world.tables.ins_driver(&said.topic.words()),
+            stream,
+        })
+    }
+
+    /// `base_from_imu`, the identity where the mounting is not known.
+    pub(crate) fn base_from_imu(&self) -> UnitQuaternion<f64> {
+        self.mount
+            .as_ref()
+            .map_or_else(UnitQuaternion::identity, |mount| mount.base_from_sensor.rotation)
+    }
+
+    /// How the sensor sits on its base, for a message.
+    pub(crate) fn mounting(&self) -> String {
+        match (&self.mount, &self.stream.frame) {
+            (Some(mount), _) if mount.is_base => format!("its frame `{}` is the base", mount.base),
+            (Some(mount), Some(frame)) => {
+                let degrees = mount.base_from_sensor.rotation.angle().to_degrees();
+                format!("`{}_from_{frame}` turns by {degrees:.1} deg", mount.base)
+            }
+            (_, Some(frame)) => format!("`{frame}` is not tied to a base; it is taken to be mounted straight"),
+            _ => "it names no frame; it is taken to be mounted straight".to_owned(),
+        }
+    }
+}
+
+/// The stream in the convention of ROS.
+fn in_ros(world: &World, stream: Stream<InertialRow>, mount: Option<&Mount>) -> Stream<InertialRow> {
+    let told_in = stream.said(world);
+    // Where TF itself turns the frame, the numbers are told in it as it is.
+    let turns = |mount: &Mount| (mount.base_from_sensor.rotation * Vector3::z()).z < 0.0;
+    let told_in = if mount.is_some_and(turns) {
+        told_in.without_body()
+    } else {
+        told_in
+    };
+    if !told_in.is_of_body_alone() {
+        return stream.converted(told_in);
+    }
+    // Which world goes with a body in FRD is not said: gravity tells it.
+    let enu = stream.clone().converted(told_in.clone());
+    let is_down = Inertial::of(&enu, true)
+        .gravity
+        .and_then(|gravity| Some(gravity.mean(Reading::Xyzw)?.mean_m_s2.z < 0.0));
+    if is_down == Some(true) {
+        stream.converted(told_in.with_ned())
+    } else {
+        enu
+    }
+}
+
+/// Why a sensor's orientation is none: it says so, or never fills it in.
+fn no_orientation(content: &ContentEvidence) -> Option<&'static str> {
+    let imu = content.imu.as_ref()?;
+    let covariance = content.covariances.get("orientation_covariance");
+    if covariance.is_some_and(|covariance| covariance.minus_one == covariance.count) {
+        Some("it says that it has no orientation (orientation_covariance[0] is -1)")
+    } else if imu.zero == imu.count {
+        Some("its orientation is all zeros: it has none")
+    } else if imu.same_as_first == imu.count {
+        Some("its orientation is the same in every message: it has none")
+    } else {
+        None
+    }
+}

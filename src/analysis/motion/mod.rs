@@ -1,0 +1,140 @@
+//! The motion of a recording on one clock: inertial sensors, satellite tracks, poses and velocities, aligned.
+//!
+//! Made once for all rules that judge motion. Numbers are as published, or, where the configuration or a frame's name says
+//! that they are told in another convention, brought from there to that of ROS. Must not judge.
+
+mod along;
+mod clock;
+mod compass;
+mod convention;
+mod imu;
+mod inertial;
+pub(crate) mod mount;
+mod nmea;
+mod stream;
+mod track;
+mod tracks;
+mod turned;
+mod yaw;
+
+use crate::analysis::Estimates;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use crate::tables::Simulator;
+use crate::world::bag::TopicEvidence;
+use crate::world::motion::{FixRow, NmeaRow, OrientationRow, PoseRow, TwistRow};
+use crate::world::{BagEvidence, FrameId};
+
+pub(crate) use along::{Follower, around};
+pub(crate) use compass::Compass;
+pub(crate) use convention::ToldIn;
+pub(crate) use imu::Imu;
+
+pub(crate) use stream::{Stream, Timed};
+pub(crate) use track::{Course, Track};
+pub(crate) use tracks::Tracks;
+pub(crate) use turned::Turned;
+pub(crate) use yaw::Yaws;
+
+/// The streams of motion of each recording of a world, in its order.
+pub(crate) struct Motion {
+    /// One for each of the world's recordings.
+    pub(crate) bags: Vec<BagMotion>,
+}
+
+/// The streams of motion of one recording, by topic, and by field where they stand inside messages.
+pub(crate) struct BagMotion {
+    /// Inertial sensors.
+    pub(crate) imus: Vec<Imu>,
+    /// Satellite receivers, those included that say where they are in sentences of NMEA 0183.
+    pub(crate) fixes: Vec<Stream<FixRow>>,
+    /// Odometry, poses on topics, and moving transforms.
+    pub(crate) poses: Vec<Stream<PoseRow>>,
+    /// Velocities on topics of their own.
+    pub(crate) twists: Vec<Stream<TwistRow>>,
+    /// The simulator that names in the recording tell.
+    pub(crate) simulator: Option<Arc<Simulator>>,
+    /// Velocities of satellite receivers, east, north, up, without a turning velocity.
+    pub(crate) velocities: Vec<Stream<TwistRow>>,
+    /// Orientations on topics of their own.
+    pub(crate) orientations: Vec<Stream<OrientationRow>>,
+    /// Sentences of NMEA 0183.
+    pub(crate) nmea: Vec<Stream<NmeaRow>>,
+}
+
+impl Motion {
+    /// The motion of a world; worked out once.
+    pub(crate) fn of(world: &Estimates) -> Rc<Self> {
+        world.once(|world| Self {
+            bags: world.bags.iter().map(|bag| BagMotion::of(world, bag)).collect(),
+        })
+    }
+}
+
+impl BagMotion {
+    fn of(world: &Estimates, bag: &BagEvidence) -> Self {
+        let limits = world.limits::<crate::analysis::geo::kinds::Limits>();
+        let mut motion = Self {
+            imus: Vec::new(),
+            fixes: Vec::new(),
+            poses: Vec::new(),
+            twists: Vec::new(),
+            simulator: bag
+                .topics
+                .values()
+                .find_map(|topic| world.tables.simulator(&topic.words())),
+            velocities: Vec::new(),
+            orientations: Vec::new(),
+            nmea: Vec::new(),
+        };
+        for said in bag.topics.values().flat_map(TopicEvidence::said) {
+            let of = &said.content.motion;
+            motion.imus.extend(Imu::of(world, bag, &said));
+            motion.fixes.extend(Stream::of(bag, &said, of.fixes.as_ref()));
+            let poses = Stream::of(bag, &said, of.poses.as_ref());
+            motion
+                .poses
+                .extend(poses.map(|poses| poses.in_ros(world).on_earth(&limits)));
+            let twists = Stream::of(bag, &said, of.twists.as_ref());
+            // Beside fixes they are the receiver's: east, north, up whatever the frame.
+            if of.fixes.is_some() {
+                motion.velocities.extend(twists);
+            } else {
+                motion.twists.extend(twists.map(|twists| twists.in_ros(world)));
+            }
+            let orientations = Stream::of(bag, &said, of.orientations.as_ref());
+            motion
+                .orientations
+                .extend(orientations.map(|orientations| orientations.in_ros(world)));
+            let positions = of.nmea.as_ref().map(nmea::positions);
+            motion.fixes.extend(Stream::of(bag, &said, positions.as_ref()));
+            motion.nmea.extend(Stream::of(bag, &said, of.nmea.as_ref()));
+        }
+        let edges = bag.tf.iter().filter_map(|edge| Stream::of_edge(bag, edge));
+        motion
+            .poses
+            .extend(edges.map(|edge| edge.in_ros(world).on_earth(&limits)));
+        motion
+    }
+
+    /// Where the platform went: by satellite receivers first, those last that are guessed, then by odometry and poses, in
+    /// frames that are not left out.
+    pub(crate) fn tracks(&self, is_left_out: impl Fn(Option<&FrameId>) -> bool) -> Tracks {
+        let mut fixes: Vec<&Stream<FixRow>> = self.fixes.iter().collect();
+        fixes.sort_by_key(|fixes| fixes.guessed);
+        // Joints move, too, and say nothing of the platform's way.
+        let is_way = |poses: &&Stream<PoseRow>| {
+            poses.is_of_world() && !poses.is_earth_centred() && !is_left_out(poses.frame.as_ref())
+        };
+        let poses: Vec<&Stream<PoseRow>> = self.poses.iter().filter(is_way).collect();
+        Tracks::of(&fixes, &poses)
+    }
+
+    /// Angles clockwise from north that the recording states: headings first, then courses over ground.
+    pub(crate) fn compasses(&self) -> Vec<Compass> {
+        let mut all: Vec<Compass> = self.nmea.iter().flat_map(Compass::all).collect();
+        all.sort_by_key(|compass| compass.kind);
+        all
+    }
+}

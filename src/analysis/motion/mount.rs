@@ -1,0 +1,45 @@
+//! How a sensor is mounted: its pose on the platform's base, by URDF and static TF.
+
+use nalgebra::Isometry3;
+
+use crate::analysis::names;
+use crate::analysis::names::Standard;
+use crate::world::{FrameId, World};
+
+/// A sensor's place on its platform.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Mount {
+    /// The platform's base frame, canonical.
+    pub(crate) base: FrameId,
+    /// `base_from_sensor`.
+    pub(crate) base_from_sensor: Isometry3<f64>,
+    /// Whether the sensor's frame is the base itself.
+    pub(crate) is_base: bool,
+}
+
+/// Where a sensor with this frame is mounted: on `base_link` or `base_footprint` of its tree, else on a frame called like
+/// a base. `None` where no rigid chain leads there.
+pub(crate) fn mount(world: &World, sensor: &FrameId) -> Option<Mount> {
+    let is_standard = |frame: &FrameId| names::standard(frame).is_some_and(|(_, kind)| kind == Standard::Base);
+    let graph = world.graph();
+    if is_standard(sensor) {
+        return Some(Mount {
+            base: sensor.clone(),
+            base_from_sensor: Isometry3::identity(),
+            is_base: true,
+        });
+    }
+    let standard = graph.frames.iter().filter(|frame| is_standard(frame));
+    let named = graph
+        .frames
+        .iter()
+        .filter(|frame| !is_standard(frame) && names::is_base(frame) && !names::is_device(frame));
+    standard.chain(named).find_map(|base| {
+        let (base_from_sensor, _) = graph.chain(base, sensor, |edge| edge.is_rigid)?;
+        Some(Mount {
+            base: base.clone(),
+            base_from_sensor,
+            is_base: base == sensor,
+        })
+    })
+}

@@ -1,0 +1,258 @@
+//! One stream of motion on the common clock.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, OnceLock};
+
+use nalgebra::Vector3;
+
+use crate::analysis::geo::kinds::{Limits, is_earth_centred};
+use crate::analysis::names;
+use crate::source::{MessageRef, Place, SourceId};
+use crate::world::bag::{HeaderFrame, Said, TfEdge};
+use crate::world::motion::{FixRow, PoseRow, Row, Series};
+use crate::world::{BagEvidence, FrameId, World};
+
+use crate::analysis::motion::clock::Clock;
+use crate::analysis::motion::convention::{Convert, Moving, ToldIn};
+use crate::analysis::motion::track::Track;
+
+/// A row with its time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Timed<R> {
+    /// Seconds after the recording's start.
+    pub(crate) t_s: f64,
+    /// The row.
+    pub(crate) row: R,
+}
+
+/// A stream of rows.
+#[derive(Clone, Debug)]
+pub(crate) struct Stream<R> {
+    /// The recording.
+    pub(crate) source: SourceId,
+    /// Topic of the messages.
+    pub(crate) topic: String,
+    /// Type of the messages; empty where the stream is a member of them, or of TF.
+    pub(crate) message_type: String,
+    /// What reports call the stream: `topic /imu`, `topic /imu (field imu)`, `TF odom -> base_link on /tf`.
+    pub(crate) subject: String,
+    /// Whether only the names of plain fields say what it is.
+    pub(crate) guessed: bool,
+    /// The frame that the numbers are told in (header frame, or parent), canonical; `None` where the headers name none or
+    /// several.
+    pub(crate) frame: Option<FrameId>,
+    /// The frame that moves, canonical, where the stream says it.
+    pub(crate) child: Option<FrameId>,
+    /// Median of stamp minus log time, seconds, which was taken off the times; `None` where they are log times.
+    pub(crate) stamp_offset_s: Option<f64>,
+    /// First message.
+    first: Option<MessageRef>,
+    /// What the rows were told in; they stand here in the convention of ROS.
+    pub(crate) told_in: ToldIn,
+    /// Runs of rows without a hole, times growing inside each.
+    pub(crate) stretches: Vec<Vec<Timed<R>>>,
+    is_earth_centred: bool,
+    made: Made,
+}
+
+/// What follows from the rows of a stream, made by the first that asks. A copy, which may be altered, starts without.
+#[derive(Debug, Default)]
+struct Made {
+    track: OnceLock<Arc<Track>>,
+}
+
+impl Clone for Made {
+    fn clone(&self) -> Self {
+        Self::default()
+    }
+}
+
+impl<R: Row> Stream<R> {
+    /// The stream of a topic, or of a member of its messages; `None` where it has no rows.
+    pub(crate) fn of(bag: &BagEvidence, said: &Said<'_>, series: Option<&Series<R>>) -> Option<Self> {
+        let series = series?;
+        let (stretches, stamp_offset_s) = on_clock(bag, series)?;
+        Some(Self {
+            source: bag.source,
+            topic: said.topic.topic.clone(),
+            message_type: said
+                .field
+                .map_or_else(|| said.topic.message_type.clone(), |_| String::new()),
+            subject: said.subject(),
+            guessed: said.guessed,
+            frame: only(said.header_frames),
+            child: only(said.child_frames),
+            stamp_offset_s,
+            first: said.first.cloned(),
+            told_in: ToldIn::default(),
+            stretches,
+            is_earth_centred: false,
+            made: Made::default(),
+        })
+    }
+
+    /// Every row, whatever its stretch.
+    pub(crate) fn rows(&self) -> impl Iterator<Item = &Timed<R>> {
+        self.stretches.iter().flatten()
+    }
+
+    /// Length of all stretches together, seconds.
+    pub(crate) fn seconds(&self) -> f64 {
+        let length = |stretch: &Vec<Timed<R>>| Some(stretch.last()?.t_s - stretch.first()?.t_s);
+        self.stretches.iter().filter_map(length).sum()
+    }
+
+    /// Runs of neighbouring rows that last `seconds` each, one after the other, without a step longer than `max_step_s`.
+    pub(crate) fn windows(&self, seconds: f64, max_step_s: f64) -> Vec<&[Timed<R>]> {
+        let mut windows = Vec::new();
+        let apart = |a: &Timed<R>, b: &Timed<R>| b.t_s - a.t_s <= max_step_s;
+        for run in self.stretches.iter().flat_map(|stretch| stretch.chunk_by(apart)) {
+            let mut rest = run;
+            while let Some(first) = rest.first() {
+                let end = rest.partition_point(|row| row.t_s < first.t_s + seconds);
+                // The row that ends a window begins the next one.
+                let (Some(window), Some(next)) = (rest.get(..=end), rest.get(end..)) else {
+                    break;
+                };
+                windows.push(window);
+                rest = next;
+            }
+        }
+        windows
+    }
+
+    /// Whether it is told in a frame of the world, or in none that is named: joints move, too, and say nothing of the
+    /// platform's way.
+    pub(crate) fn is_of_world(&self) -> bool {
+        self.frame.as_ref().is_none_or(names::is_world)
+    }
+
+    /// Where the stream begins.
+    pub(crate) fn place(&self) -> Place {
+        Place::of(self.source, self.first.as_ref())
+    }
+}
+
+impl<R: Row + Convert> Stream<R> {
+    /// The stream in the convention of ROS, by what the configuration or names say of it.
+    pub(crate) fn in_ros(self, world: &World) -> Self {
+        let told_in = self.said(world);
+        self.converted(told_in)
+    }
+
+    /// What the configuration or names say that the stream is told in.
+    pub(crate) fn said(&self, world: &World) -> ToldIn {
+        let moving = if R::IS_SENSOR {
+            Moving::Frame
+        } else {
+            Moving::Child(self.child.as_ref())
+        };
+        ToldIn::of(world, self.source, &self.topic, self.frame.as_ref(), moving)
+    }
+
+    /// The stream in the convention of ROS.
+    pub(crate) fn converted(mut self, told_in: ToldIn) -> Self {
+        if told_in.converts() {
+            let frame = self.frame.clone();
+            for timed in self.stretches.iter_mut().flatten() {
+                timed.row.convert(&told_in, frame.as_ref());
+            }
+        }
+        self.told_in = told_in;
+        self
+    }
+}
+
+impl Stream<FixRow> {
+    /// Where the receiver went.
+    pub(crate) fn track(&self) -> Arc<Track> {
+        Arc::clone(self.made.track.get_or_init(|| Arc::new(Track::of_fixes(self))))
+    }
+}
+
+impl Stream<PoseRow> {
+    /// Whether it tells places from the Earth's centre: its x and y then lie in no level plane, its z is no height, and south of
+    /// the equator its way is mirrored.
+    pub(crate) fn is_earth_centred(&self) -> bool {
+        self.is_earth_centred
+    }
+
+    /// With [`Stream::is_earth_centred`] decided.
+    pub(crate) fn on_earth(mut self, limits: &Limits) -> Self {
+        let places = self.rows().map(|timed| Vector3::from(timed.row.position));
+        let mut places = places.filter(|place| place.norm().is_finite() && *place != Vector3::zeros());
+        let is_centred = places.next().is_some_and(|place| is_earth_centred(&place, limits));
+        drop(places);
+        self.is_earth_centred = is_centred;
+        self
+    }
+
+    /// Whether it tells the way of the platform: not where one frame of the world lies in another, nor where it should go.
+    pub(crate) fn is_way(&self) -> bool {
+        self.is_of_world()
+            && !self.is_earth_centred()
+            && !self.child.as_ref().is_some_and(names::is_world)
+            && !names::is_wish(&self.topic)
+    }
+
+    /// Where the poses went.
+    pub(crate) fn track(&self) -> Arc<Track> {
+        Arc::clone(self.made.track.get_or_init(|| Arc::new(Track::of_poses(self))))
+    }
+
+    /// The stream of a moving transform.
+    pub(crate) fn of_edge(bag: &BagEvidence, edge: &TfEdge) -> Option<Self> {
+        let series = edge.motion.as_ref()?;
+        let (stretches, stamp_offset_s) = on_clock(bag, series)?;
+        let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
+        Some(Self {
+            source: bag.source,
+            topic: edge.topic.clone(),
+            message_type: String::new(),
+            subject: edge_subject(edge),
+            guessed: false,
+            frame: Some(parent),
+            child: Some(child),
+            stamp_offset_s,
+            first: Some(edge.first_at.clone()),
+            told_in: ToldIn::default(),
+            stretches,
+            is_earth_centred: false,
+            made: Made::default(),
+        })
+    }
+}
+
+/// What reports call the stream of a moving transform.
+pub(crate) fn edge_subject(edge: &TfEdge) -> String {
+    let (parent, child) = (edge.parent.canonical(), edge.child.canonical());
+    format!("TF `{parent}` -> `{child}` on {}", edge.topic)
+}
+
+type Stretches<R> = Vec<Vec<Timed<R>>>;
+
+fn on_clock<R: Row>(bag: &BagEvidence, series: &Series<R>) -> Option<(Stretches<R>, Option<f64>)> {
+    let start_ns = bag.start_ns?;
+    let clock = Clock::of(series);
+    let mut stretches: Stretches<R> = Vec::new();
+    for rows in &series.stretches {
+        let mut kept: Vec<Timed<R>> = Vec::with_capacity(rows.len());
+        for row in rows {
+            let t_s = clock.time_s(row, start_ns);
+            // Two messages of one log time are one as far as a rate is concerned.
+            if kept.last().is_none_or(|last| t_s > last.t_s) {
+                kept.push(Timed { t_s, row: row.clone() });
+            }
+        }
+        stretches.push(kept);
+    }
+    stretches.retain(|stretch| !stretch.is_empty());
+    (!stretches.is_empty()).then_some((stretches, clock.stamp_offset_s()))
+}
+
+/// The one frame that is named, canonical; the empty name is none.
+fn only(frames: &BTreeMap<FrameId, HeaderFrame>) -> Option<FrameId> {
+    let mut names = frames.keys();
+    let first = names.next().filter(|_| names.next().is_none())?.canonical();
+    (!first.as_str().is_empty()).then_some(first)
+}

@@ -1,0 +1,33 @@
+//! The orientation of a stream at any time.
+
+use nalgebra::UnitQuaternion;
+
+use crate::math::readings::Reading;
+
+use crate::analysis::motion::along::near;
+use crate::analysis::motion::stream::Stream;
+use crate::analysis::motion::yaw::Oriented;
+
+/// `world_from_body` over time, as published.
+pub(crate) struct Turned {
+    /// Runs of `(seconds after the recording's start, orientation)`.
+    pub(crate) runs: Vec<Vec<(f64, UnitQuaternion<f64>)>>,
+}
+
+impl Turned {
+    /// Of each row; rows without an orientation are left out.
+    pub(crate) fn of<R: Oriented>(stream: &Stream<R>) -> Self {
+        let runs = stream.stretches.iter().map(|rows| {
+            let of = |slots| Reading::Xyzw.world_from_body(slots);
+            let pairs = rows.iter().map(|timed| (timed.t_s, of(timed.row.slots())));
+            pairs.filter_map(|(t_s, turned)| Some((t_s, turned?))).collect()
+        });
+        Self { runs: runs.collect() }
+    }
+
+    /// The orientation at a time, between two that are known and not farther apart than this.
+    pub(crate) fn at(&self, t_s: f64, max_step_s: f64) -> Option<UnitQuaternion<f64>> {
+        let ([from, to], share) = near(&self.runs, t_s, max_step_s)?;
+        Some(from.try_slerp(to, share, 1e-9).unwrap_or(*to))
+    }
+}

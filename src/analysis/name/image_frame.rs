@@ -1,0 +1,31 @@
+//! Frames of images that are no optical ones.
+
+use crate::analysis::Estimates;
+use crate::analysis::name::cameras::cameras;
+use crate::analysis::name::cameras::optical_beside;
+use crate::analysis::name::cameras::up;
+use crate::analysis::names::has_word;
+use crate::world::BagEvidence;
+use crate::world::FrameId;
+use serde::Deserialize;
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    /// Share of the vertical in the frame's z axis from which z is up.
+    pub min_up: f64,
+    /// Deviation up to which a frame beside it is its optical one, degrees.
+    pub optical_deg: f64,
+}
+
+/// Words of cameras that look straight up on purpose.
+pub(crate) const UPWARD_WORDS: &[&str] = &["up", "upward", "upwards", "ceiling", "sky", "zenith"];
+
+/// Whether this rule says of a camera's frame that it is no optical one.
+pub(crate) fn reports(world: &Estimates, bag: &BagEvidence, frame: &FrameId) -> bool {
+    let limits = world.limits::<crate::analysis::name::image_frame::Limits>();
+    let is_up = || up(world, frame).is_some_and(|(_, z_up)| z_up > limits.min_up && !has_word(frame, UPWARD_WORDS));
+    let of_camera = cameras(bag).get(frame).is_some_and(|camera| camera.is_camera(frame));
+    of_camera && !frame.has_token("optical") && (optical_beside(world, frame, limits.optical_deg).is_some() || is_up())
+}

@@ -1,0 +1,58 @@
+//! Frames that are called optical, and their axes.
+
+use crate::analysis::Estimates;
+use crate::analysis::names;
+use crate::analysis::optical::Mount;
+use crate::analysis::optical::mounts;
+use crate::math::constants::AxisTurn;
+use crate::math::rotation::rotation_angle_between;
+use crate::world::FrameId;
+use crate::world::graph::FrameGraph;
+use serde::Deserialize;
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    /// Deviation up to which a rotation is the optical one, degrees.
+    pub exact_deg: f64,
+    /// Deviation up to which it may be the optical one with a calibration in it, degrees.
+    pub calibrated_deg: f64,
+}
+
+/// `link_from_optical` as URDF text.
+pub(crate) const OPTICAL_RPY: &str = "-1.5707963267948966 0 -1.5707963267948966";
+
+/// How far a turn is from the optical one, degrees.
+pub(crate) fn off(mount: &Mount) -> f64 {
+    rotation_angle_between(&AxisTurn::Optical.quaternion(), &mount.parent_from_optical).to_degrees()
+}
+
+/// Whether a mount tells what its optical frame is turned from: the camera's own link, or a mistake wherever it hangs.
+pub(crate) fn tells(mount: &Mount, limits: &Limits) -> bool {
+    let not_turned = mount.parent_from_optical.angle().to_degrees() <= limits.exact_deg;
+    // No camera is rolled by a quarter turn and looks sideways at once: exactly the inverse is a mistake anywhere.
+    let inverse = AxisTurn::Optical.quaternion().inverse();
+    let is_inverse = rotation_angle_between(&inverse, &mount.parent_from_optical).to_degrees() <= limits.exact_deg;
+    mount.is_sibling || (not_turned || is_inverse) && names::optical_stem(mount.parent).is_none()
+}
+
+/// The mount of an optical frame that is off most.
+pub(crate) fn worst<'a>(graph: &'a FrameGraph, frame: &FrameId) -> Option<Mount<'a>> {
+    let stem = names::optical_stem(frame)?;
+    mounts(graph, frame, &stem)
+        .into_iter()
+        .max_by(|a, b| off(a).total_cmp(&off(b)))
+}
+
+/// Whether this rule finds more than a calibration in the turn of a frame.
+pub(crate) fn reports(world: &Estimates, frame: &FrameId) -> bool {
+    let limits = world.limits::<crate::analysis::name::optical::Limits>();
+    worst(world.graph(), frame).is_some_and(|worst| off(&worst) > limits.calibrated_deg && tells(&worst, &limits))
+}
+
+/// Whether a frame is turned from the camera's own link as optical frames are.
+pub(crate) fn is_turned_from_its_link(world: &Estimates, frame: &FrameId) -> bool {
+    let limits = world.limits::<crate::analysis::name::optical::Limits>();
+    worst(world.graph(), frame).is_some_and(|worst| worst.is_sibling && off(&worst) <= limits.calibrated_deg)
+}

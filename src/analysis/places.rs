@@ -1,0 +1,94 @@
+//! Where frames, transforms and their numbers stand.
+
+use crate::source::Place;
+use crate::source::SourceId;
+use crate::source::Span;
+use crate::world::Claim;
+use crate::world::FrameId;
+use crate::world::FrameRole;
+use crate::world::Literal;
+use crate::world::World;
+use crate::world::graph::Edge;
+use crate::world::graph::EdgeOrigin;
+use crate::world::robot::Joint;
+use std::collections::BTreeMap;
+
+/// The first use of a frame: roles in the order of [`crate::world::FrameRole`], then places. `frame` is canonical.
+pub(crate) fn first(world: &World, frame: &FrameId) -> Option<Place> {
+    world
+        .frames
+        .iter()
+        .filter(|used| used.frame.canonical() == *frame)
+        .min_by_key(|used| (used.role, &used.place))
+        .map(|used| used.place.clone())
+}
+
+/// The first use of every frame, as [`first`] finds it for one: for rules that ask for many.
+pub(crate) struct Firsts<'a>(BTreeMap<FrameId, (FrameRole, &'a Place)>);
+
+impl<'a> Firsts<'a> {
+    /// Looks through the frames of a world once.
+    pub(crate) fn new(world: &'a World) -> Self {
+        let mut firsts: BTreeMap<FrameId, (FrameRole, &'a Place)> = BTreeMap::new();
+        for used in &world.frames {
+            let use_here = (used.role, &used.place);
+            let first = firsts.entry(used.frame.canonical()).or_insert(use_here);
+            *first = (*first).min(use_here);
+        }
+        Self(firsts)
+    }
+
+    /// The first use of a canonical frame.
+    pub(crate) fn get(&self, frame: &FrameId) -> Option<Place> {
+        self.0.get(frame).map(|(_, place)| (*place).clone())
+    }
+}
+
+/// Where an edge is stated: the joint's start tag, or the first message that carries it.
+pub(crate) fn of_edge(world: &World, edge: &Edge) -> Option<Place> {
+    match edge.origin {
+        EdgeOrigin::Joint(index) => {
+            let claim = world.claims.get(index)?;
+            let joint = joint_of(world, claim);
+            Some(joint.map_or_else(|| claim.place.clone(), |joint| joint.place.clone()))
+        }
+        EdgeOrigin::Tf(bag, index) => {
+            let bag = world.bags.get(bag)?;
+            let tf = bag.tf.get(index)?;
+            Some(Place::message(bag.source, tf.first_at.clone()))
+        }
+    }
+}
+
+/// Where the numbers of an edge stand: a joint's `<origin>`, where it has one; else as [`of_edge`].
+pub(crate) fn of_numbers(world: &World, edge: &Edge) -> Option<Place> {
+    match edge.origin {
+        EdgeOrigin::Joint(index) => world.claims.get(index).map(|claim| claim.place.clone()),
+        EdgeOrigin::Tf(..) => of_edge(world, edge),
+    }
+}
+
+/// The joint whose origin a claim is.
+pub(crate) fn joint_of<'a>(world: &'a World, claim: &Claim) -> Option<&'a Joint> {
+    let child = claim.source_frame().map(FrameId::as_str);
+    world
+        .robots
+        .iter()
+        .filter(|robot| robot.source == claim.place.source)
+        .flat_map(|robot| &robot.joints)
+        .find(|joint| joint.name.value == claim.label && joint.child.as_ref().map(|link| link.value.as_str()) == child)
+}
+
+/// The source that states an edge.
+pub(crate) fn source_of_edge(world: &World, edge: &Edge) -> Option<SourceId> {
+    match edge.origin {
+        EdgeOrigin::Joint(index) => world.claims.get(index).map(|claim| claim.place.source),
+        EdgeOrigin::Tf(bag, _) => world.bags.get(bag).map(|bag| bag.source),
+    }
+}
+
+/// The place that covers all of the literals; `whole` where there are none.
+pub(crate) fn cover(literals: &[Literal], whole: &Place) -> Place {
+    let span = literals.iter().map(|literal| literal.span).reduce(Span::cover);
+    span.map_or_else(|| whole.clone(), |span| Place::text(whole.source, span))
+}

@@ -1,0 +1,75 @@
+//! Streams of orientations, and what two of them claim to have in common.
+//!
+//! Must not judge.
+
+use crate::analysis::Estimates;
+use nalgebra::UnitQuaternion;
+
+use crate::analysis::axes::causes::Aspect;
+use crate::analysis::axes::sensors::Sensors;
+use crate::analysis::motion::{BagMotion, Motion, Turned};
+use crate::source::Place;
+use crate::world::{FrameId, World};
+
+/// A stream of orientations.
+pub(crate) struct Oriented {
+    pub(crate) subject: String,
+    pub(crate) place: Place,
+    /// The frame that it is told in, where it has a name.
+    pub(crate) world: Option<FrameId>,
+    /// The frame that it is the orientation of.
+    pub(crate) body: Option<FrameId>,
+    /// The measurement that shows a fault of the sensor best, which would show here too.
+    pub(crate) shown_by: Option<Aspect>,
+    pub(crate) turned: Turned,
+}
+
+/// The streams of a recording: poses first.
+pub(crate) fn oriented(world: &Estimates, motion: &Motion, bag: &BagMotion) -> Vec<Oriented> {
+    let sensors = Sensors::of(world);
+    let poses = bag.poses.iter().filter(|stream| stream.is_way());
+    let poses = poses.map(|stream| Oriented {
+        subject: stream.subject.clone(),
+        place: stream.place(),
+        world: stream.frame.clone(),
+        body: stream.child.clone(),
+        shown_by: None,
+        turned: Turned::of(stream),
+    });
+    let imus = bag.imus.iter().filter(|imu| imu.no_orientation.is_none());
+    let imus = imus.map(|imu| Oriented {
+        subject: format!("orientation of {}", imu.stream.subject),
+        place: imu.stream.place(),
+        world: None,
+        body: imu.stream.frame.clone(),
+        shown_by: sensors
+            .each(motion)
+            .find(|(known, _)| std::ptr::eq(*known, imu))
+            .and_then(|(_, sensor)| sensor.diagnosis.shown_by),
+        turned: Turned::of(&imu.stream),
+    });
+    poses.chain(imus).collect()
+}
+
+/// What two streams claim to have in common.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Claim {
+    /// `a_from_b` of their bodies, where these are tied to each other: then only a change of the world is left.
+    /// Else both are told in a frame of one name, and only a change of the body is left.
+    pub(crate) bodies: Option<UnitQuaternion<f64>>,
+}
+
+impl Claim {
+    /// `None` where they claim nothing.
+    pub(crate) fn of(world: &World, a: &Oriented, b: &Oriented) -> Option<Self> {
+        let bodies = a.body.as_ref().zip(b.body.as_ref()).and_then(|(a, b)| {
+            if a == b {
+                return Some(UnitQuaternion::identity());
+            }
+            let (a_from_b, _) = world.graph().chain(a, b, |edge| edge.is_rigid)?;
+            Some(a_from_b.rotation)
+        });
+        let same_world = a.world.is_some() && a.world == b.world;
+        (bodies.is_some() || same_world).then_some(Self { bodies })
+    }
+}

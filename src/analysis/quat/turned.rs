@@ -1,0 +1,93 @@
+//! Whether an orientation turns as the integral of its gyro.
+
+use crate::analysis::axes::causes::Turn;
+use crate::analysis::look::Look;
+use crate::analysis::motion::Imu;
+use crate::analysis::quat::by_gyro::Margins;
+use crate::analysis::quat::by_gyro::Ordered;
+use crate::analysis::quat::by_gyro::ordered;
+use crate::analysis::quat::ways::Ways;
+use crate::analysis::quat::ways::{Limits, Turned};
+use crate::verdict::NotEvaluated;
+
+/// How the orientation turns against the gyro.
+pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
+    if let Some(why) = imu.no_orientation {
+        return Err((NotEvaluated::NotApplicable, why.to_owned()));
+    }
+    let little = |reason: String| Err((NotEvaluated::TooLittleEvidence, reason));
+    let Some(fast) = imu.inertial.turns.as_ref().and_then(Ways::of) else {
+        return little("no unbroken second of orientation and rate".to_owned());
+    };
+    if fast.turns.step_s > limits.max_step_s {
+        return little(format!(
+            "one message every {:.2} s: a gyro cannot be integrated at that rate, {} s are needed",
+            fast.turns.step_s, limits.max_step_s
+        ));
+    }
+    // A gyro in another unit is AXES02's: it hides whether the senses agree.
+    let gain = fast.as_published.gain.abs().max(fast.inverse.gain.abs());
+    if !(0.5..=2.0).contains(&gain) && fast.follows() > 0.9 {
+        return little(format!(
+            "the scale of the gyro is {gain:.3} of the orientation's turning: it is in another unit"
+        ));
+    }
+    let slow = imu.inertial.slow_turns.as_ref().and_then(Ways::of);
+    let turns_enough = |ways: &Ways| ways.rotation_deg() >= limits.min_rotation_deg;
+    let order = turns_enough(&fast).then(|| fast_order(imu, &fast, limits)).flatten();
+    if let Some(order) = order.as_ref().filter(|order| fast.are_worse(order.residual, limits)) {
+        return Ok(Turned {
+            ordered: Some(order.clone()),
+            ..fast.found(Turn::Ordered, None, limits)
+        });
+    }
+    let by_ratio = Some(&fast).filter(|ways| turns_enough(ways)).and_then(|ways| {
+        let class = ways.by_ratio(limits)?;
+        let axis = fast.axis(class, limits).ok()?;
+        Some(Turned {
+            // What a simpler fault explains is no matter of order.
+            ordered: order.filter(|_| matches!(class, Turn::Agree | Turn::Tilting)),
+            ..ways.found(class, axis, limits)
+        })
+    });
+    let by_gap = || {
+        let ways = slow.as_ref().filter(|ways| turns_enough(ways))?;
+        let class = ways.by_gap(limits)?;
+        // As much noise as turning in short windows: what two or three long ones make of it may be chance.
+        if ways.covers_little(limits) && fast.explains(class) > limits.slow_short {
+            return None;
+        }
+        // What noise hides in short windows is no proof against an axis.
+        let axis = fast.axis(class, limits).ok()?;
+        axis.is_none().then(|| ways.found(class, None, limits))
+    };
+    if let Some(turned) = by_ratio.or_else(by_gap) {
+        return Ok(turned);
+    }
+    if !turns_enough(&fast) && !slow.as_ref().is_some_and(turns_enough) {
+        return little(format!(
+            "it turns by {:.1} deg in windows with a rate, {} deg are needed",
+            fast.rotation_deg(),
+            limits.min_rotation_deg
+        ));
+    }
+    if fast.is_unrelated(limits) {
+        return Ok(fast.found(Turn::Unrelated, None, limits));
+    }
+    little(fast.unclear(limits))
+}
+
+/// The order of the angles behind the orientation, if it is another one. The search is dear, and its answer is sure: asked
+/// where anything speaks for it, at any rate.
+pub(crate) fn fast_order(imu: &Imu, fast: &Ways, limits: &Limits) -> Option<Ordered> {
+    let own = fast.as_published.residual;
+    let margins = Margins {
+        agrees: limits.agrees,
+        ratio: limits.ratio,
+        noise: limits.noise,
+    };
+    let is_odd = own > limits.unrelated || fast.has_odd_axis(limits);
+    (is_odd && !fast.is_simpler(limits))
+        .then(|| ordered(imu, own, &margins))
+        .flatten()
+}

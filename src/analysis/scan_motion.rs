@@ -1,0 +1,390 @@
+//! How lidars moved by their own clouds: neighbouring scans matched to each other, once for all rules.
+//!
+//! Owns which points are compared and the chains of steps. Motions are in the plane of the ground, and only sought where z of the cloud is
+//! about upright. Must not judge.
+
+use crate::analysis::Estimates;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
+use nalgebra::{Isometry2, Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
+
+use crate::analysis::ground::{Ground, Planes, SIDES, sensor_in_cloud};
+use crate::analysis::lidar::Clouds;
+use crate::analysis::motion::{Motion, mount::mount};
+use crate::math::stats::median;
+use crate::math::support::Support;
+use crate::world::World;
+use crate::world::cloud::CloudSlice;
+
+use crate::analysis::scan_motion::run::{Matching, Raw, Seen};
+
+mod run;
+
+/// Points lower than this over the ground are left out, metres: the rings of beams on it move with the sensor.
+const CLEAR_M: f64 = 0.3;
+/// Cosine of the tilt up to which a planar scanner is level: 5 degrees.
+const LEVEL: f64 = 0.996;
+/// Why it is not known which way z of a cloud points.
+const NO_GROUND: &str = "no ground shows that the plane of its x and y is level";
+/// Stamps of one clock differ from log times by less than this, seconds.
+const SAME_CLOCK_S: f64 = 1.0;
+
+/// How long a cloud takes at most, and at least, of the time to the next one.
+const LONGEST: f64 = 1.1;
+const SHORTEST: f64 = 0.02;
+
+/// When a cloud was made, seconds after the recording's start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Moment {
+    stamp_s: Option<f64>,
+    log_s: f64,
+}
+
+impl Moment {
+    /// Of a message with such a stamp, where it has one, and such a log time.
+    pub(crate) fn new(stamp_ns: Option<i64>, log_ns: i64, start_ns: i64) -> Self {
+        let seconds = |ns: i64| ns.saturating_sub(start_ns) as f64 * 1e-9;
+        Self {
+            stamp_s: stamp_ns.map(seconds),
+            log_s: seconds(log_ns),
+        }
+    }
+
+    /// How long after another, seconds: by stamps, where both have them.
+    fn since(&self, earlier: &Self) -> f64 {
+        match (self.stamp_s, earlier.stamp_s) {
+            (Some(to), Some(from)) => to - from,
+            _ => self.log_s - earlier.log_s,
+        }
+    }
+
+    /// The same moment on the clock of a stream whose stamps are so much later than its log times.
+    pub(crate) fn on(&self, stamp_offset_s: Option<f64>) -> f64 {
+        let by_stamps = self
+            .stamp_s
+            .zip(stamp_offset_s)
+            .map(|(stamp_s, offset_s)| stamp_s - offset_s);
+        by_stamps
+            .filter(|t_s| (t_s - self.log_s).abs() < SAME_CLOCK_S)
+            .unwrap_or(self.log_s)
+    }
+}
+
+/// The motion of a lidar between two of its clouds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Moved {
+    pub(crate) from: Moment,
+    pub(crate) to: Moment,
+    /// `from_level_from_to_level`: where the later sensor is in the level axes of the earlier one ([`Steps::level_from_cloud`]).
+    pub(crate) motion: Isometry2<f64>,
+    /// Standard errors of the angle and of the place, radians and metres.
+    pub(crate) sigma: [f64; 2],
+}
+
+impl Moved {
+    /// How far it went, metres.
+    pub(crate) fn way_m(&self) -> f64 {
+        self.motion.translation.vector.norm()
+    }
+
+    /// How far it turned about the level z, radians.
+    pub(crate) fn turned_rad(&self) -> f64 {
+        self.motion.rotation.angle()
+    }
+
+    /// How long it took, seconds.
+    pub(crate) fn lasted_s(&self) -> f64 {
+        self.to.since(&self.from)
+    }
+}
+
+/// The steps of one topic's clouds.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct Steps {
+    /// Whether the ground lies beneath z of the cloud; `None` where none shows, or z is not upright. A planar scanner sees no ground:
+    /// its transforms tell it.
+    pub(crate) is_up: Option<bool>,
+    /// Why that is not known.
+    pub(crate) why: &'static str,
+    /// Turns the cloud's axes so that its z stands upright on the ground, up or down as it does already.
+    level_from_cloud: UnitQuaternion<f64>,
+    runs: Vec<Vec<Seen>>,
+}
+
+impl Steps {
+    /// How many steps were matched.
+    pub(crate) fn count(&self) -> usize {
+        self.runs.iter().map(|run| run.len() - 1).sum()
+    }
+
+    /// `from_cloud_from_to_cloud`: where the later sensor is in the axes of the earlier one.
+    pub(crate) fn in_cloud(&self, moved: &Moved) -> Isometry3<f64> {
+        let place = moved.motion.translation.vector;
+        let flat = Isometry3::from_parts(
+            Translation3::new(place.x, place.y, 0.0),
+            UnitQuaternion::from_axis_angle(&Vector3::z_axis(), moved.turned_rad()),
+        );
+        self.level_from_cloud.inverse() * flat * self.level_from_cloud
+    }
+
+    /// Steps that follow each other put together until they are enough, one after the other.
+    pub(crate) fn chained(&self, is_enough: impl Fn(&Moved) -> bool) -> Vec<Moved> {
+        self.put_together(is_enough, false)
+    }
+
+    /// The same, with what is left at the end of each run.
+    pub(crate) fn chained_to_the_end(&self, is_enough: impl Fn(&Moved) -> bool) -> Vec<Moved> {
+        self.put_together(is_enough, true)
+    }
+
+    fn put_together(&self, is_enough: impl Fn(&Moved) -> bool, keeps_rest: bool) -> Vec<Moved> {
+        let mut chained = Vec::new();
+        for run in &self.runs {
+            let Some((mut from, rest)) = run.split_first() else {
+                continue;
+            };
+            let mut open = None;
+            for seen in rest {
+                let moved = from.moved_to(seen);
+                if is_enough(&moved) {
+                    chained.push(moved);
+                    (from, open) = (seen, None);
+                } else {
+                    open = Some(moved);
+                }
+            }
+            chained.extend(open.filter(|_| keeps_rest));
+        }
+        chained
+    }
+}
+
+/// The steps of every lidar.
+pub(crate) struct ScanMotion {
+    by_topic: BTreeMap<(usize, String), Steps>,
+}
+
+impl ScanMotion {
+    /// Those of a world; worked out once, for recordings in which something else moves as well.
+    pub(crate) fn of(world: &Estimates) -> Rc<Self> {
+        let (motion, planes) = (Motion::of(world), Planes::of(world));
+        world.once(|world| {
+            let moves = |clouds: &Clouds| {
+                let bag = motion.bags.get(clouds.index);
+                clouds.is_of_a_lidar() && bag.is_some_and(|bag| !bag.imus.is_empty() || !bag.poses.is_empty())
+            };
+            Self {
+                by_topic: Clouds::scanners(world)
+                    .filter(moves)
+                    .map(|clouds| {
+                        let key = (clouds.index, clouds.topic.topic.clone());
+                        (key, steps(world, &clouds, &planes))
+                    })
+                    .collect(),
+            }
+        })
+    }
+
+    /// The steps of a topic.
+    pub(crate) fn steps(&self, clouds: &Clouds) -> Option<&Steps> {
+        self.by_topic.get(&(clouds.index, clouds.topic.topic.clone()))
+    }
+}
+
+fn steps(world: &Estimates, clouds: &Clouds, planes: &Planes) -> Steps {
+    if clouds.laser.is_some() {
+        return match level(world, clouds) {
+            Ok(is_up) => Steps {
+                is_up: Some(is_up),
+                runs: runs(clouds, |point| Some(point.xy())),
+                ..Steps::default()
+            },
+            Err(why) => Steps {
+                why,
+                ..Steps::default()
+            },
+        };
+    }
+    let limits = world.limits::<crate::analysis::ground::Limits>();
+    let grounds = planes.grounds(clouds, &limits.is_ground());
+    let side = limits.agreed(clouds, &grounds).ok().and_then(|side| SIDES.get(side));
+    let is_up = match side.map(|(_, word)| *word) {
+        Some("z") => Some(true),
+        Some("-z") => Some(false),
+        // The plane that was cut stands upright.
+        Some(_) => {
+            return Steps {
+                why: NO_GROUND,
+                ..Steps::default()
+            };
+        }
+        None => None,
+    };
+    let Some(upright) = is_up.and_then(|is_up| Upright::of(&grounds, is_up)) else {
+        return Steps {
+            why: NO_GROUND,
+            runs: runs(clouds, |point| Some(point.xy())),
+            ..Steps::default()
+        };
+    };
+    let sensor = sensor_in_cloud(world, clouds).unwrap_or_else(Vector3::zeros);
+    Steps {
+        is_up,
+        level_from_cloud: upright.level_from_cloud,
+        runs: runs(clouds, |point| {
+            let is_clear = upright.height_m + upright.up.dot(&(point - sensor)) > CLEAR_M;
+            is_clear.then(|| (upright.level_from_cloud * point).xy())
+        }),
+        ..Steps::default()
+    }
+}
+
+/// How a lidar stands on the ground.
+struct Upright {
+    /// The normal of the ground, in the axes of the cloud.
+    up: Vector3<f64>,
+    /// Height of the sensor, metres.
+    height_m: f64,
+    level_from_cloud: UnitQuaternion<f64>,
+}
+
+impl Upright {
+    /// By the grounds of its clouds, which lie beneath z or above it.
+    fn of(grounds: &[Ground], is_up: bool) -> Option<Self> {
+        let sign = if is_up { 1.0 } else { -1.0 };
+        let of_that_side = || {
+            grounds
+                .iter()
+                .map(|ground| ground.plane)
+                .filter(|plane| sign * plane.normal.z > 0.0)
+        };
+        let middle = |of: fn(&Support) -> f64| median(&of_that_side().map(|plane| of(&plane)).collect::<Vec<_>>());
+        let [x, y, z]: [fn(&Support) -> f64; 3] =
+            [|plane| plane.normal.x, |plane| plane.normal.y, |plane| plane.normal.z];
+        let up = Vector3::new(middle(x)?, middle(y)?, middle(z)?).try_normalize(0.5)?;
+        Some(Self {
+            up,
+            height_m: middle(|plane| plane.height_m)?,
+            level_from_cloud: UnitQuaternion::rotation_between(&up, &(Vector3::z() * sign))?,
+        })
+    }
+}
+
+/// Whether z of a planar scanner points up, as the transforms say.
+fn level(world: &World, clouds: &Clouds) -> Result<bool, &'static str> {
+    let frame = clouds.frame().ok_or("the scans name no frame")?;
+    let mount =
+        mount(world, &frame).ok_or("nothing ties the scanner to a base, so that its plane may lie in any way")?;
+    let up = (mount.base_from_sensor.rotation * Vector3::z()).z;
+    if up.abs() < LEVEL {
+        return Err("by its transform the plane of the scanner is not level");
+    }
+    Ok(up > 0.0)
+}
+
+/// The clouds of each run, as far as they were matched; of each the points that count, laid flat.
+fn runs(clouds: &Clouds, flat: impl Fn(&Vector3<f64>) -> Option<Vector2<f64>>) -> Vec<Vec<Seen>> {
+    let start_ns = clouds.bag.start_ns.unwrap_or_default();
+    let moment = |slice: &CloudSlice| Moment::new(slice.stamp_ns, slice.log_ns, start_ns);
+    let second = unit_of_times(&clouds.evidence.runs, moment);
+    let mut runs = Vec::new();
+    for run in &clouds.evidence.runs {
+        let mut raw = run.iter().map(|slice| Raw::of(moment(slice), slice, second, &flat));
+        let Some(first) = raw.next() else { continue };
+        let mut matching = Matching::of(first);
+        for raw in raw {
+            if let Some(whole) = matching.take_in(raw) {
+                runs.push(whole);
+            }
+        }
+        runs.push(matching.seen);
+    }
+    runs.retain(|run| run.len() > 1);
+    runs
+}
+
+/// How long one unit of the times of points is, seconds: a cloud takes no longer than it is to the next one. `None` where they do not
+/// tell.
+fn unit_of_times(runs: &[Vec<CloudSlice>], moment: impl Fn(&CloudSlice) -> Moment) -> Option<f64> {
+    let neighbours = runs.iter().flat_map(|run| run.windows(2));
+    let apart_s: Vec<f64> = neighbours
+        .filter_map(|pair| {
+            let [from, to] = pair else { return None };
+            Some(moment(to).since(&moment(from)))
+        })
+        .collect();
+    let slices = runs.iter().flatten();
+    let spans: Vec<f64> = slices
+        .filter_map(|slice| slice.after.iter().copied().reduce(f64::max))
+        .collect();
+    let (apart_s, span) = (median(&apart_s)?, median(&spans)?);
+    let seconds = [1.0, 1e-3, 1e-6, 1e-9].map(|unit| (unit, span * unit));
+    let longest = seconds.into_iter().find(|(_, lasts_s)| *lasts_s <= LONGEST * apart_s);
+    longest
+        .filter(|(_, lasts_s)| *lasts_s >= SHORTEST * apart_s)
+        .map(|(unit, _)| unit)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn ground(up: Vector3<f64>) -> Ground {
+        let plane = Support {
+            normal: up,
+            height_m: 1.8,
+            points: 100,
+            on: 1.0,
+            below: 0.0,
+            above: 0.0,
+            cells: 40,
+            sectors: 36,
+            seen: 36,
+            far: 1.0,
+            at_horizon: 0.0,
+            spread_m: 0.0,
+        };
+        Ground {
+            side: 0,
+            score: 40.0,
+            next: 0.0,
+            plane,
+            ceiling_cells: 0.0,
+        }
+    }
+
+    /// A body that turns by 0.2 rad and goes a metre, seen by a lidar that is pitched by 12 degrees, upright and upside down.
+    #[test]
+    fn a_motion_on_the_ground_is_told_in_the_axes_of_a_tilted_cloud() {
+        let body = Isometry3::new(Vector3::new(1.0, 0.1, 0.0), Vector3::z() * 0.2);
+        for (roll, is_up) in [(0.0, true), (std::f64::consts::PI, false)] {
+            let body_from_lidar = UnitQuaternion::from_euler_angles(roll, 0.2, 0.0);
+            let up = body_from_lidar.inverse() * Vector3::z();
+            let upright = Upright::of(&[ground(up), ground(-up)], is_up).unwrap();
+            assert!((upright.up - up).norm() < 1e-12 && (upright.height_m - 1.8).abs() < 1e-12);
+            let steps = Steps {
+                is_up: Some(is_up),
+                level_from_cloud: upright.level_from_cloud,
+                ..Steps::default()
+            };
+            let level = upright.level_from_cloud * body_from_lidar.inverse();
+            let flat = level * body * level.inverse();
+            assert!(flat.translation.z.abs() < 1e-12, "{flat}");
+            let moment = Moment::new(None, 0, 0);
+            let moved = Moved {
+                from: moment,
+                to: moment,
+                motion: Isometry2::new(flat.translation.vector.xy(), flat.rotation.scaled_axis().z),
+                sigma: [0.0; 2],
+            };
+            let expected = body_from_lidar.inverse() * body * body_from_lidar;
+            let off = steps.in_cloud(&moved).inv_mul(&expected);
+            assert!(
+                off.translation.vector.norm() < 1e-9 && off.rotation.angle() < 1e-9,
+                "{off}"
+            );
+        }
+    }
+}

@@ -1,0 +1,61 @@
+//! Frames whose name promises axes by one word: the frame of the same name without it, and the turn between the two.
+//!
+//! Must not judge.
+
+use nalgebra::{Isometry3, UnitQuaternion};
+
+use crate::math::constants::AxisTurn;
+use crate::math::relation::Relation;
+use crate::math::rotation::rotation_angle_between;
+use crate::source::Place;
+use crate::world::{FrameId, World};
+
+/// Frames of the same name without `word`, or with `instead` in its place, by name.
+pub(crate) fn siblings<'a>(world: &'a World, frame: &FrameId, word: &str, instead: Option<&str>) -> Vec<&'a FrameId> {
+    let stem: Vec<String> = frame.tokens().into_iter().filter(|token| token != word).collect();
+    let of_stem = |other: &&FrameId| {
+        let mut tokens = other.tokens();
+        tokens.retain(|token| Some(token.as_str()) != instead);
+        *other != frame && tokens == stem
+    };
+    if stem.is_empty() {
+        Vec::new()
+    } else {
+        world.graph().frames.iter().filter(of_stem).collect()
+    }
+}
+
+/// `sibling_from_frame`: over rigid edges if possible, else at the first samples of moving ones.
+pub(crate) fn relation_to(world: &World, sibling: &FrameId, frame: &FrameId) -> Option<Isometry3<f64>> {
+    let graph = world.graph();
+    let chain = graph
+        .chain(sibling, frame, |edge| edge.is_rigid)
+        .or_else(|| graph.chain(sibling, frame, |_| true));
+    chain.map(|(sibling_from_frame, _)| sibling_from_frame)
+}
+
+/// The angle between a rotation and the turn that was expected (`None`: no turn at all), degrees.
+pub(crate) fn off_deg(expected: Option<AxisTurn>, seen: &UnitQuaternion<f64>) -> f64 {
+    let expected = expected.map_or_else(UnitQuaternion::identity, AxisTurn::quaternion);
+    rotation_angle_between(&expected, seen).to_degrees()
+}
+
+/// The constant turn that a rotation is, within `max_deg`, if it is one. Looking for mistakes in the numbers does not
+/// help here: from the identity, most of them give the same.
+pub(crate) fn known_turn(seen: &UnitQuaternion<f64>, max_deg: f64) -> Option<Relation> {
+    if off_deg(None, seen) <= max_deg {
+        return Some(Relation::Equal);
+    }
+    let turn = AxisTurn::all()
+        .iter()
+        .find(|turn| off_deg(Some(**turn), seen) <= max_deg)?;
+    Relation::from_word(turn.word())
+}
+
+/// Where the frame is stated in the tree, else where it is named first.
+pub(crate) fn place_of(world: &World, frame: &FrameId) -> Option<Place> {
+    let mut edges = world.graph().edges_to(frame);
+    edges
+        .find_map(|edge| crate::analysis::places::of_edge(world, edge))
+        .or_else(|| crate::analysis::places::first(world, frame))
+}

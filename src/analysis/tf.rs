@@ -1,0 +1,302 @@
+//! What a message's header frame is worth, and what a recording's TF holds: shared by the rules of the tree.
+//!
+//! Must not judge.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::analysis::names;
+use crate::analysis::names::Standard;
+use crate::source::MessageRef;
+use crate::world::bag::{HeaderFrame, TfEdge, TopicEvidence};
+use crate::world::robot::Joint;
+use crate::world::{BagEvidence, FrameId, World, qos};
+
+/// What the `frame_id` of a message type is for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum HeaderUse {
+    /// Nobody looks it up: diagnostics, joint states, commands.
+    Ignored,
+    /// It may be looked up.
+    Possible,
+    /// Data of a place: consumers look it up.
+    Spatial,
+    /// Data of a sensor mounted on the platform.
+    Sensor,
+}
+
+const SENSOR_TYPES: &[&str] = &[
+    "Imu",
+    "PointCloud",
+    "PointCloud2",
+    "LaserScan",
+    "MultiEchoLaserScan",
+    "LaserEcho",
+    "Image",
+    "CompressedImage",
+    "CameraInfo",
+    "NavSatFix",
+    "MagneticField",
+    "Range",
+    "DisparityImage",
+    "VelodyneScan",
+    "RadarScan",
+    "CustomMsg",
+    // Foxglove's.
+    "RawImage",
+    "CompressedVideo",
+    "CompressedPointCloud",
+    "CameraCalibration",
+];
+
+const SPATIAL_TYPES: &[&str] = &[
+    "Odometry",
+    "Path",
+    "OccupancyGrid",
+    "GridCells",
+    "PoseStamped",
+    "PoseWithCovarianceStamped",
+    "PoseArray",
+    "PointStamped",
+    "PolygonStamped",
+    "Vector3Stamped",
+    "QuaternionStamped",
+    "Marker",
+    "RadarTracks",
+    "Detection2DArray",
+    "Detection3DArray",
+    "Detection3D",
+    // Foxglove's. A fix is of use without a frame, and is often sent without.
+    "LocationFix",
+    "LocationFixes",
+    "PoseInFrame",
+    "PosesInFrame",
+    "Point3InFrame",
+    "Grid",
+    "VoxelGrid",
+    "SceneUpdate",
+];
+
+const IGNORED_PACKAGES: &[&str] = &[
+    "diagnostic_msgs",
+    "rosgraph_msgs",
+    "rcl_interfaces",
+    "actionlib_msgs",
+    "action_msgs",
+    "control_msgs",
+    "trajectory_msgs",
+    "ackermann_msgs",
+    "mavros_msgs",
+    "nmea_msgs",
+    "std_msgs",
+    "can_msgs",
+    "bond",
+    "gps_common",
+    "theora_image_transport",
+];
+
+const IGNORED_TYPES: &[&str] = &[
+    "JointState",
+    "MultiDOFJointState",
+    "Joy",
+    "TimeReference",
+    "BatteryState",
+    "Temperature",
+    "FluidPressure",
+    "RelativeHumidity",
+    "Illuminance",
+    "TwistStamped",
+    "TwistWithCovarianceStamped",
+    "AccelStamped",
+    "AccelWithCovarianceStamped",
+    "WrenchStamped",
+    "TFMessage",
+    "tfMessage",
+];
+
+/// What the header frame of a message type (`sensor_msgs/msg/Imu`, `sensor_msgs/Imu`, `foxglove.LaserScan`) is for.
+pub(crate) fn header_use(message_type: &str) -> HeaderUse {
+    let package = message_type.split(['/', '.']).next().unwrap_or_default();
+    let name = message_type.rsplit(['/', '.']).next().unwrap_or_default();
+    if IGNORED_PACKAGES.contains(&package) || IGNORED_TYPES.contains(&name) {
+        HeaderUse::Ignored
+    } else if SENSOR_TYPES.contains(&name) {
+        HeaderUse::Sensor
+    } else if SPATIAL_TYPES.contains(&name) {
+        HeaderUse::Spatial
+    } else {
+        HeaderUse::Possible
+    }
+}
+
+/// Whether a topic carries latched transforms, by its name.
+pub(crate) fn is_static_topic(topic: &str) -> bool {
+    topic == "tf_static" || topic.ends_with("/tf_static")
+}
+
+/// The frames of a recording's own TF, canonical.
+pub(crate) fn frames(bag: &BagEvidence) -> BTreeSet<FrameId> {
+    bag.tf
+        .iter()
+        .flat_map(|edge| [edge.parent.canonical(), edge.child.canonical()])
+        .collect()
+}
+
+/// The edges of a recording by child, canonical, in the order of the evidence.
+pub(crate) fn by_child(bag: &BagEvidence) -> BTreeMap<FrameId, Vec<&TfEdge>> {
+    let mut children: BTreeMap<FrameId, Vec<&TfEdge>> = BTreeMap::new();
+    for edge in &bag.tf {
+        children.entry(edge.child.canonical()).or_default().push(edge);
+    }
+    children
+}
+
+/// Where sensors of a recording say they are: canonical frame, topic, first message. Empty names and world-like names
+/// are left out, and so are topics that cannot be read.
+pub(crate) fn sensor_frames(bag: &BagEvidence) -> impl Iterator<Item = (FrameId, &TopicEvidence, &MessageRef)> {
+    bag.topics
+        .values()
+        .filter(|topic| header_use(&topic.message_type) == HeaderUse::Sensor)
+        .flat_map(|topic| {
+            topic
+                .header_frames
+                .iter()
+                .map(move |(frame, used)| (frame.canonical(), topic, &used.first))
+        })
+        .filter(|(frame, _, _)| !frame.as_str().is_empty() && !names::is_world(frame))
+}
+
+/// Sensor frames of a recording that has TF but no latched transforms, and whose TF knows none of them: the sign of a
+/// recording without `/tf_static`. Empty where that is not what happened.
+pub(crate) fn without_static(bag: &BagEvidence) -> BTreeMap<FrameId, &MessageRef> {
+    if bag.tf.is_empty() || bag.tf.iter().any(|edge| edge.is_static) {
+        return BTreeMap::new();
+    }
+    let known = frames(bag);
+    let mut unknown = BTreeMap::new();
+    let mounted = sensor_frames(bag).filter(|(frame, _, _)| names::standard(frame).is_none());
+    for (frame, _, first) in mounted {
+        if known.contains(&frame) {
+            return BTreeMap::new();
+        }
+        unknown.entry(frame).or_insert(first);
+    }
+    unknown
+}
+
+/// One use of a frame in a bag.
+pub(crate) struct Used<'a> {
+    /// The topic.
+    pub(crate) topic: &'a TopicEvidence,
+    /// What its header frame is for.
+    pub(crate) kind: HeaderUse,
+    /// The first message with this frame.
+    pub(crate) first: &'a MessageRef,
+    /// Messages with this frame.
+    pub(crate) count: u64,
+}
+
+/// Header and odometry child frames by name, canonical; those that nobody looks up are left out.
+pub(crate) fn header_frames(bag: &BagEvidence) -> BTreeMap<FrameId, Vec<Used<'_>>> {
+    let mut uses: BTreeMap<FrameId, Vec<Used>> = BTreeMap::new();
+    for topic in bag.topics.values() {
+        let kind = header_use(&topic.message_type);
+        // Only sensors owe a frame: an empty one is normal elsewhere.
+        let wanted = |frame: &FrameId| {
+            kind != HeaderUse::Ignored && (kind == HeaderUse::Sensor || !frame.canonical().as_str().is_empty())
+        };
+        let named = topic.header_frames.iter().chain(&topic.child_frames);
+        for (frame, HeaderFrame { count, first }) in named.filter(|(frame, _)| wanted(frame)) {
+            uses.entry(frame.canonical()).or_default().push(Used {
+                topic,
+                kind,
+                first,
+                count: *count,
+            });
+        }
+    }
+    uses
+}
+
+/// Fixed joints of robots that a recording shows, whose child is in none of its transforms, with the child's name. A
+/// robot that is described twice is listed twice.
+pub(crate) fn unpublished_joints<'a>(world: &'a World, bag: &BagEvidence) -> Vec<(FrameId, &'a Joint)> {
+    let known = frames(bag);
+    let canonical = |name: &str| FrameId::new(name).canonical();
+    let mut missing = Vec::new();
+    for robot in world.robots.iter().filter(|robot| robot.fragment.is_none()) {
+        if robot
+            .links
+            .iter()
+            .any(|link| known.contains(&canonical(&link.name.value)))
+        {
+            let fixed = robot.joints.iter().filter(|joint| joint.is_fixed());
+            let children = fixed.filter_map(|joint| Some((canonical(&joint.child.as_ref()?.value), joint)));
+            missing.extend(children.filter(|(child, _)| !child.as_str().is_empty() && !known.contains(child)));
+        }
+    }
+    missing
+}
+
+/// Whether a publisher of the topic offered durability volatile.
+pub(crate) fn is_volatile(topic: &TopicEvidence) -> bool {
+    topic.offered_qos_profiles.as_deref().is_some_and(qos::is_volatile)
+}
+
+/// The standard `odom` frames that a recording's TF moves something in, by name.
+pub(crate) fn moving_odoms(bag: &BagEvidence) -> BTreeSet<FrameId> {
+    let moving = bag.tf.iter().filter(|edge| !edge.is_static);
+    let parents = moving.map(|edge| edge.parent.canonical());
+    parents.filter(|frame| is_standard(frame, Standard::Odom)).collect()
+}
+
+/// Whether the last part of a name is the one of this frame of REP-105.
+pub(crate) fn is_standard(frame: &FrameId, kind: Standard) -> bool {
+    names::standard(frame).is_some_and(|(_, of)| of == kind)
+}
+
+/// The `map` frames that messages name, while TF moves `odom` and has nothing that ties a `map` to it; with their uses.
+pub(crate) fn without_correction<'a>(bag: &'a BagEvidence, odom: &FrameId) -> BTreeMap<FrameId, Vec<Used<'a>>> {
+    let space = |frame: &FrameId| names::standard(frame).map_or("", |(space, _)| space).to_owned();
+    let known = frames(bag);
+    let corrects =
+        |edge: &TfEdge| edge.child.canonical() == *odom && is_standard(&edge.parent.canonical(), Standard::Map);
+    if bag.tf.iter().any(corrects) {
+        return BTreeMap::new();
+    }
+    let mut named = header_frames(bag);
+    named.retain(|frame, _| {
+        let is_near = space(frame).is_empty() || space(frame) == space(odom);
+        is_near && is_standard(frame, Standard::Map) && !known.contains(frame)
+    });
+    named
+}
+
+/// A list of names for a message: the first few in backticks, then how many more.
+pub(crate) fn listed<'a>(names: impl IntoIterator<Item = &'a FrameId>) -> String {
+    const SHOWN: usize = 6;
+    let names: Vec<String> = names.into_iter().map(|name| format!("`{name}`")).collect();
+    let shown = names.iter().take(SHOWN).cloned().collect::<Vec<_>>().join(", ");
+    match names.len().saturating_sub(SHOWN) {
+        0 => shown,
+        more => format!("{shown} and {more} more"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn message_types_of_both_generations_are_told_apart() {
+        assert_eq!(header_use("sensor_msgs/msg/Imu"), HeaderUse::Sensor);
+        assert_eq!(header_use("sensor_msgs/PointCloud2"), HeaderUse::Sensor);
+        assert_eq!(header_use("nav_msgs/msg/Odometry"), HeaderUse::Spatial);
+        assert_eq!(header_use("sensor_msgs/msg/JointState"), HeaderUse::Ignored);
+        assert_eq!(header_use("diagnostic_msgs/msg/DiagnosticArray"), HeaderUse::Ignored);
+        assert_eq!(header_use("my_msgs/msg/Tracks"), HeaderUse::Possible);
+        assert_eq!(header_use("foxglove.PointCloud"), HeaderUse::Sensor);
+        assert_eq!(header_use("foxglove_msgs/msg/RawImage"), HeaderUse::Sensor);
+        assert_eq!(header_use("foxglove.PoseInFrame"), HeaderUse::Spatial);
+        assert_eq!(header_use("acme.Tracks"), HeaderUse::Possible);
+    }
+}

@@ -1,0 +1,71 @@
+//! The signal that others are held against: the first that any of them has to do with.
+//!
+//! Owns how many pairs are tried. Must not judge.
+
+use crate::analysis::time::turning::Kind;
+use crate::world::World;
+
+use crate::analysis::time::offsets::Limits;
+use crate::analysis::time::offsets::{Offset, Without, held};
+
+use crate::analysis::time::turning::Signal;
+
+/// A signal, and the offsets of those behind it.
+type Found<'s> = (&'s Signal, Vec<(&'s Signal, Result<Offset, Without>)>);
+
+/// Why two signals say nothing of each other, and how near they came.
+type Silence = (f64, String);
+
+/// The first that anything can be held against, or why each signal says nothing.
+pub(crate) fn reference<'s>(world: &World, signals: &'s [Signal], limits: &Limits) -> Result<Found<'s>, Vec<String>> {
+    let mut silent: Vec<Vec<Silence>> = Vec::new();
+    for (index, first) in signals.iter().enumerate() {
+        if silent.iter().map(Vec::len).sum::<usize>() >= limits.max_pairs {
+            break;
+        }
+        let others = signals.iter().skip(index + 1);
+        let others: Vec<_> = others
+            .map(|second| (second, held(world, first, second, limits)))
+            .collect();
+        let of = |(_, found): &(&Signal, Result<Offset, Without>)| match found {
+            Err(Without::Silent(rho, why)) => Some((*rho, why.clone())),
+            _ => None,
+        };
+        match others.iter().map(of).collect() {
+            Some(none) => silent.push(none),
+            None => return Ok((first, others)),
+        }
+    }
+    Err((0..signals.len())
+        .map(|index| why_silent(signals, index, &silent))
+        .collect())
+}
+
+/// Why a signal says nothing: `silent` has, for each that was tried, the signals behind it.
+fn why_silent(signals: &[Signal], index: usize, silent: &[Vec<Silence>]) -> String {
+    let between = |other: usize| {
+        let (first, second) = (index.min(other), index.max(other));
+        silent.get(first)?.get((second - first).checked_sub(1)?)
+    };
+    let others = signals.iter().enumerate();
+    let whys = others.filter_map(|(other, signal)| Some((between(other)?, signal)));
+    let best = whys.max_by(|a, b| a.0.0.total_cmp(&b.0.0));
+    let why = best.map_or_else(
+        || "nothing else in the recording shows its motion".to_owned(),
+        |((_, why), other)| format!("against {}, {why}", words(other)),
+    );
+    if silent.len() < signals.len() {
+        let (all, tried) = (signals.len(), silent.len());
+        format!("{why}; of {all} streams the first {tried} were held against all others")
+    } else {
+        why
+    }
+}
+
+/// The reference in words.
+pub(crate) fn words(signal: &Signal) -> String {
+    match signal.kind {
+        Kind::Gyro => format!("the gyro of {}", signal.subject),
+        _ => signal.subject.clone(),
+    }
+}

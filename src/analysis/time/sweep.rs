@@ -1,0 +1,57 @@
+//! The way that points of a scan sweep.
+
+use crate::analysis::lidar::Clouds;
+use crate::math::circular::circular_mean;
+use crate::tables::Sweep;
+use crate::world::cloud::CloudSample;
+use serde::Deserialize;
+use std::f64::consts::TAU;
+
+/// Limits of TIME07.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    pub(crate) min_clouds: usize,
+    pub(crate) min_points: usize,
+    pub(crate) min_resultant: f64,
+    pub(crate) min_ratio: f64,
+    pub(crate) upright: f64,
+    pub(crate) max_angle_steps: f64,
+}
+
+/// Whether clouds sweep to the other side than their lidar turns, as far as their times tell it.
+pub(crate) fn sweeps_the_other_way(clouds: &Clouds, limits: &Limits) -> bool {
+    let Some(expected) = clouds.driver.and_then(|driver| driver.sweep) else {
+        return false;
+    };
+    let samples = clouds.evidence.samples.iter();
+    let told: Vec<Sweep> = samples
+        .filter_map(|sample| Some(sweep(clouds, sample, limits)?.0))
+        .collect();
+    told.len() >= limits.min_clouds && told.iter().all(|seen| *seen != expected)
+}
+
+/// Which way a cloud sweeps, with the resultant of that way and of the other; `None` where it does not show.
+pub(crate) fn sweep(clouds: &Clouds, sample: &CloudSample, limits: &Limits) -> Option<(Sweep, f64, f64)> {
+    let times = sample.times.as_ref()?;
+    let (unit_s, _) = clouds.unit(times)?;
+    let period_s = clouds.period_s()?;
+    let with = |sign: f64| {
+        let angles = sample.points.iter().map(|point| {
+            let [x, y, _] = point.xyz;
+            let share = (point.time - times.range[0]) * unit_s / period_s;
+            (y.atan2(x) - sign * TAU * share, 1.0)
+        });
+        circular_mean(angles).map(|mean| mean.resultant)
+    };
+    let (left, right) = (with(1.0)?, with(-1.0)?);
+    let (best, other) = (left.max(right), left.min(right));
+    let is_told =
+        sample.points.len() >= limits.min_points && best >= limits.min_resultant && best >= limits.min_ratio * other;
+    let seen = if right > left {
+        Sweep::Clockwise
+    } else {
+        Sweep::CounterClockwise
+    };
+    is_told.then_some((seen, best, other))
+}

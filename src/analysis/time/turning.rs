@@ -1,0 +1,170 @@
+//! What the streams of a recording say of the turning and the speed of the platform over time, as plain signals.
+//!
+//! Every rate stands at the middle of the time that it is taken over, so no signal is late by its making. Must not compare.
+
+use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::analysis::motion::{BagMotion, Course, Imu, Stream, Timed, Track};
+use crate::analysis::names;
+use crate::math::circular::wrapped;
+use crate::math::readings::Reading;
+use crate::math::stats::median;
+use crate::source::Place;
+use crate::world::FrameId;
+use crate::world::motion::Row;
+
+/// Runs of `(seconds after the recording's start, value)` without a hole.
+pub(crate) type Runs = Vec<Vec<(f64, f64)>>;
+
+/// Shortest and longest step between two orientations that a rate is taken over, seconds.
+const STEP_S: std::ops::RangeInclusive<f64> = 0.005..=0.5;
+/// A faster turn is a jump of an estimate, rad/s.
+const MAX_RATE_RAD_S: f64 = 10.0;
+/// Slower, a course is noise, m/s.
+const MIN_COURSE_SPEED_M_S: f64 = 2.0;
+/// The mean force is gravity where it is at least this share of the median one: else the sensor gives none.
+const GRAVITY_SHARE: f64 = 0.5;
+
+/// What a signal is made from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Kind {
+    /// The gyro of an inertial sensor.
+    Gyro,
+    /// The orientation in the same messages.
+    Orientation,
+    /// Odometry, a pose or a transform.
+    Pose,
+    /// A velocity on a topic of its own.
+    Twist,
+    /// Satellite fixes.
+    Fix,
+}
+
+/// One signal.
+pub(crate) struct Signal {
+    pub(crate) kind: Kind,
+    /// `topic /odom`, `orientation of topic /imu`.
+    pub(crate) subject: String,
+    /// The stream it is made from, as [`Stream::subject`].
+    pub(crate) stream: String,
+    /// The frame that poses are of.
+    pub(crate) body: Option<FrameId>,
+    /// Yaw rate, rad/s.
+    pub(crate) yaw_rate: Runs,
+    /// Speed, m/s; of poses and fixes.
+    pub(crate) speed: Runs,
+    /// Median of stamp minus log time, seconds; `None` where its times are log times.
+    pub(crate) stamp_offset_s: Option<f64>,
+    /// Median step between two rows, seconds.
+    pub(crate) period_s: f64,
+    pub(crate) place: Place,
+}
+
+/// The signals of a recording: gyros first, then poses, orientations, velocities, fixes.
+pub(crate) fn signals(bag: &BagMotion) -> Vec<Signal> {
+    let gyros = bag
+        .imus
+        .iter()
+        .map(|imu| made(Kind::Gyro, &imu.stream, gyro(imu), None));
+    let poses = bag.poses.iter().filter(|stream| stream.is_way()).map(|stream| {
+        let turns = orientations(stream, |row| row.orientation);
+        Signal {
+            body: stream.child.clone(),
+            ..made(Kind::Pose, stream, turns, Some(&stream.track()))
+        }
+    });
+    let filtered = bag.imus.iter().filter(|imu| imu.no_orientation.is_none());
+    let filtered = filtered.map(|imu| Signal {
+        subject: format!("orientation of {}", imu.stream.subject),
+        ..made(
+            Kind::Orientation,
+            &imu.stream,
+            orientations(&imu.stream, |row| row.orientation),
+            None,
+        )
+    });
+    let twists = bag.twists.iter().filter(|stream| !names::is_wish(&stream.topic));
+    let twists = twists.map(|stream| {
+        let turns = runs(stream, |timed| timed.row.twist.angular[2]);
+        made(Kind::Twist, stream, turns, None)
+    });
+    let fixes = bag.fixes.iter().map(|stream| {
+        let track = stream.track();
+        let turns = turning(&track.courses(MIN_COURSE_SPEED_M_S));
+        made(Kind::Fix, stream, turns, Some(&track))
+    });
+    gyros.chain(poses).chain(filtered).chain(twists).chain(fixes).collect()
+}
+
+fn made<R: Row>(kind: Kind, stream: &Stream<R>, yaw_rate: Runs, track: Option<&Track>) -> Signal {
+    let steps = stream.stretches.iter().flat_map(|rows| rows.windows(2));
+    let steps: Vec<f64> = steps
+        .filter_map(|pair| match pair {
+            [a, b] => Some(b.t_s - a.t_s),
+            _ => None,
+        })
+        .collect();
+    let speeds = track.map(|track| track.courses(0.0)).unwrap_or_default();
+    let speed = |run: &Vec<Course>| run.iter().map(|course| (course.t_s, course.speed_m_s)).collect();
+    Signal {
+        kind,
+        subject: stream.subject.clone(),
+        stream: stream.subject.clone(),
+        body: None,
+        yaw_rate,
+        speed: speeds.iter().map(speed).collect(),
+        stamp_offset_s: stream.stamp_offset_s,
+        period_s: median(&steps).unwrap_or(f64::NAN),
+        place: stream.place(),
+    }
+}
+
+fn runs<R>(stream: &Stream<R>, value: impl Fn(&Timed<R>) -> f64) -> Runs {
+    let of = |rows: &Vec<Timed<R>>| rows.iter().map(|timed| (timed.t_s, value(timed))).collect();
+    stream.stretches.iter().map(of).collect()
+}
+
+/// The rate about the direction that the sensor's own acceleration says is up; about z of its base, where it gives none.
+fn gyro(imu: &Imu) -> Runs {
+    let rows = imu.stream.rows();
+    let forces = rows.map(|timed| Vector3::from(timed.row.linear_acceleration));
+    let forces: Vec<Vector3<f64>> = forces.filter(|force| force.norm().is_finite()).collect();
+    let lengths: Vec<f64> = forces.iter().map(Vector3::norm).collect();
+    let mean = forces.iter().sum::<Vector3<f64>>() / forces.len().max(1) as f64;
+    let is_gravity = median(&lengths).is_some_and(|length| length > 0.0 && mean.norm() > GRAVITY_SHARE * length);
+    let up = if is_gravity {
+        mean.normalize()
+    } else {
+        imu.base_from_imu().inverse() * Vector3::z()
+    };
+    runs(&imu.stream, |timed| Vector3::from(timed.row.angular_velocity).dot(&up))
+}
+
+/// The rate about z of the world from one orientation to the next.
+fn orientations<R: Row>(stream: &Stream<R>, slots: impl Fn(&R) -> [f64; 4]) -> Runs {
+    let turn = |pair: &[Timed<R>]| {
+        let [a, b] = pair else { return None };
+        let of = |timed: &Timed<R>| -> Option<UnitQuaternion<f64>> { Reading::Xyzw.world_from_body(slots(&timed.row)) };
+        let (from, to) = (of(a)?, of(b)?);
+        let step_s = b.t_s - a.t_s;
+        let rate = (to * from.inverse()).scaled_axis().z / step_s;
+        let is_sound = STEP_S.contains(&step_s) && rate.abs() <= MAX_RATE_RAD_S;
+        // Not a number: a cut.
+        Some((f64::midpoint(a.t_s, b.t_s), if is_sound { rate } else { f64::NAN }))
+    };
+    let of = |rows: &Vec<Timed<R>>| rows.windows(2).filter_map(turn).collect();
+    stream.stretches.iter().map(of).collect()
+}
+
+/// The turning of a course.
+fn turning(courses: &[Vec<Course>]) -> Runs {
+    let turn = |pair: &[Course]| {
+        let [a, b] = pair else { return None };
+        let rate = wrapped(b.angle_rad - a.angle_rad) / (b.t_s - a.t_s);
+        Some((f64::midpoint(a.t_s, b.t_s), rate))
+    };
+    courses
+        .iter()
+        .map(|run| run.windows(2).filter_map(turn).collect())
+        .collect()
+}

@@ -1,0 +1,215 @@
+//! How far odometry drifts from another track of the same platform, between the first and the last third of a drive.
+//!
+//! Each third is laid over the other track by a turn and a shift of its own; the drift is how far apart the two put the middle
+//! of the last third. Must not judge.
+
+use serde::Deserialize;
+use std::sync::Arc;
+
+use nalgebra::{Rotation2, Vector2, Vector3};
+
+use crate::analysis::motion::{BagMotion, Stream, Track};
+use crate::analysis::names;
+use crate::math::similarity2::{fit_similarities, path_length, spread};
+use crate::math::stats::median;
+use crate::verdict::Measured;
+use crate::world::FrameId;
+use crate::world::motion::PoseRow;
+
+/// A drift.
+pub(crate) struct Drift {
+    /// What it was held against.
+    pub(crate) against: String,
+    /// Metres.
+    pub(crate) by_m: f64,
+    /// Its standard deviation, metres.
+    pub(crate) sigma_m: f64,
+    /// Length of the odometry's way, metres.
+    pub(crate) way_m: f64,
+    /// Root mean square of what each third leaves, metres.
+    rms_m: [f64; 2],
+    points: usize,
+}
+
+impl Drift {
+    fn least_m(&self, limits: &Limits) -> f64 {
+        limits.drift_m.max(limits.drift_share * self.way_m)
+    }
+
+    /// Whether it is one; `None` where it is too uncertain to say.
+    pub(crate) fn is_told(&self, limits: &Limits) -> Option<bool> {
+        let (least_m, margin_m) = (self.least_m(limits), limits.margin * self.sigma_m);
+        if self.by_m + margin_m <= least_m {
+            Some(false)
+        } else {
+            (self.by_m > limits.sigmas * self.sigma_m && self.by_m - margin_m > least_m).then_some(true)
+        }
+    }
+
+    pub(crate) fn measured(&self, limits: &Limits) -> [Measured; 3] {
+        let [first, last] = self.rms_m;
+        [
+            Measured::new(format!("drift against {}", self.against), self.by_m, "m")
+                .limit(self.least_m(limits))
+                .spread(self.sigma_m)
+                .samples(self.points as u64),
+            Measured::new("way", self.way_m, "m"),
+            Measured::new("residual of the worse third", first.max(last), "m"),
+        ]
+    }
+}
+
+/// The drift of what moves in `odom` against fixes, or poses in `map`: the first that can tell; why none can, else.
+pub(crate) fn drift(motion: &BagMotion, odom: &FrameId, map: &FrameId, limits: &Limits) -> Result<Drift, String> {
+    let in_frame = |frame: &FrameId| {
+        let poses = motion
+            .poses
+            .iter()
+            .filter(move |stream| stream.frame.as_ref() == Some(frame));
+        let poses: Vec<_> = poses
+            .filter(|stream| stream.child.as_ref() != Some(odom) && !names::is_wish(&stream.topic))
+            .collect();
+        poses
+    };
+    let odometry: Vec<Arc<Track>> = in_frame(odom).into_iter().map(Stream::<PoseRow>::track).collect();
+    let by_poses = in_frame(map)
+        .into_iter()
+        .map(|stream| (stream.track(), limits.least_sigma_m));
+    let fixes = motion.fixes.iter().map(|stream| {
+        let sigmas: Vec<f64> = stream.rows().filter_map(|timed| timed.row.horizontal_sd_m()).collect();
+        (stream.track(), median(&sigmas).unwrap_or(0.0).max(limits.least_sigma_m))
+    });
+    let others: Vec<(Arc<Track>, f64)> = by_poses.chain(fixes).collect();
+    if others.is_empty() {
+        return Err(format!(
+            "whether a correction is missing takes a second source of the pose in `{map}`: fixes, or a localizer's pose"
+        ));
+    }
+    let pairs = odometry
+        .iter()
+        .flat_map(|odometry| others.iter().map(move |other| (odometry, other)));
+    let mut why = format!("no odometry in `{odom}` was recorded beside it");
+    for (odometry, (other, sigma_m)) in pairs {
+        match of(odometry, other, *sigma_m, limits) {
+            Ok(drift) => return Ok(drift),
+            Err(reason) => why = format!("against {}, {reason}", other.subject),
+        }
+    }
+    Err(why)
+}
+
+/// A third of both tracks, and the turn and shift that lays one over the other.
+struct Laid {
+    middle: Vector2<f64>,
+    turn: Rotation2<f64>,
+    image: Vector2<f64>,
+    /// What is left, root mean square, metres.
+    rms_m: f64,
+    /// What is left once the odometry's scale is taken off, too: the noise of both.
+    noise_m: f64,
+    /// How many metres of the other track one of the odometry is.
+    scale: f64,
+    /// Standard deviation of the turn, radians.
+    turn_sigma_rad: f64,
+}
+
+impl Laid {
+    fn of(both: &[(Vector2<f64>, Vector2<f64>)], sigma_m: f64) -> Option<Self> {
+        let (from, to): (Vec<_>, Vec<_>) = both.iter().copied().unzip();
+        let count = both.len() as f64;
+        let mean = |points: &[Vector2<f64>]| points.iter().sum::<Vector2<f64>>() / count;
+        let (middle, image) = (mean(&from), mean(&to));
+        // The best turn is that of the best similarity: the scale takes no part in it.
+        let best = fit_similarities(&from, &to)?.proper;
+        let turn = Rotation2::new(best.angle_rad);
+        let rest = |(from, to): &(Vector2<f64>, Vector2<f64>)| (turn * (from - middle) - (to - image)).norm_squared();
+        let rms_m = (both.iter().map(rest).sum::<f64>() / count).sqrt();
+        let spread = spread(&from)?;
+        // Errors of a receiver last for minutes: more points do not make them smaller.
+        let noise_m = best.rms_m;
+        let turn_sigma_rad = sigma_m.max(noise_m) / spread.major_sd_m.hypot(spread.minor_sd_m);
+        let is_finite = rms_m.is_finite() && noise_m.is_finite() && turn_sigma_rad.is_finite();
+        is_finite.then_some(Self {
+            middle,
+            turn,
+            image,
+            rms_m,
+            noise_m,
+            scale: best.scale,
+            turn_sigma_rad,
+        })
+    }
+
+    fn apply(&self, point: Vector2<f64>) -> Vector2<f64> {
+        self.image + self.turn * (point - self.middle)
+    }
+}
+
+fn of(odometry: &Track, other: &Track, sigma_m: f64, limits: &Limits) -> Result<Drift, String> {
+    let points = other.stretches.iter().flatten();
+    let both: Vec<(Vector2<f64>, Vector2<f64>)> = points
+        .filter_map(|(t_s, place)| Some((odometry.at(*t_s)?.xy(), Vector3::xy(place))))
+        .collect();
+    let third = both.len() / 3;
+    if third < limits.min_points {
+        return Err(format!(
+            "{} points in common, {} are needed",
+            both.len(),
+            3 * limits.min_points
+        ));
+    }
+    let part = |from: usize, to: usize| both.get(from..to).and_then(|part| Laid::of(part, sigma_m));
+    let way_m = path_length(&both.iter().map(|(odometry, _)| *odometry).collect::<Vec<_>>());
+    let (Some(first), Some(last)) = (part(0, third), part(both.len() - third, both.len())) else {
+        return Err("one third of the drive stands still".to_owned());
+    };
+    if first.rms_m.max(last.rms_m) > limits.max_residual * way_m {
+        return Err("the odometry cannot be laid over it even for a third of the drive".to_owned());
+    }
+    let strays = |laid: &Laid| (laid.scale - 1.0).abs() > limits.max_scale;
+    if let Some(part) = [&first, &last].into_iter().find(|part| strays(part)) {
+        return Err(format!(
+            "for a third of the drive it is {:.2} times as long as the odometry: that is no drift, they do not follow one way",
+            part.scale
+        ));
+    }
+    let by_m = (first.apply(last.middle) - last.image).norm();
+    let far_m = (last.middle - first.middle).norm();
+    // A wrong scale is part of the drift, and moves neither the turn nor the middle of a third: it is no noise of theirs.
+    let sigma_m = (sigma_m.max(first.noise_m))
+        .hypot(sigma_m.max(last.noise_m))
+        .hypot(first.turn_sigma_rad * far_m);
+    Ok(Drift {
+        against: other.subject.clone(),
+        by_m,
+        sigma_m,
+        way_m,
+        rms_m: [first.rms_m, last.rms_m],
+        points: both.len(),
+    })
+}
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    /// Change of the correction above which it is one, metres.
+    pub constant_m: f64,
+    /// Change of the correction above which it is one, degrees.
+    pub constant_deg: f64,
+    /// Drift of odometry that needs a correction, metres.
+    pub(crate) drift_m: f64,
+    /// The same, as a share of the way.
+    pub(crate) drift_share: f64,
+    /// Standard deviation that is taken for another source at least, metres.
+    pub(crate) least_sigma_m: f64,
+    /// Deviations that a drift must exceed.
+    pub(crate) sigmas: f64,
+    /// Deviations between the least drift that counts and one that is told.
+    pub(crate) margin: f64,
+    pub(crate) max_scale: f64,
+    /// Points of each third.
+    pub(crate) min_points: usize,
+    /// Residual of a third, over the way, above which the two tracks are not of one platform.
+    pub(crate) max_residual: f64,
+}

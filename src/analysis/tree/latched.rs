@@ -1,0 +1,99 @@
+//! Latched transforms by name, how far two of their values are apart, and those that keep their value.
+//!
+//! Must not know whether the values come from one recording or from several.
+
+use serde::Deserialize;
+use std::collections::BTreeMap;
+
+use crate::analysis::relate::{Difference, Same};
+use crate::verdict::Severity;
+use crate::world::bag::{TfEdge, TfSample};
+use crate::world::{BagEvidence, FrameId};
+
+/// Topic, parent and child, canonical.
+pub(crate) type Key = (String, FrameId, FrameId);
+
+/// The latched edges of a recording.
+pub(crate) fn latched(bag: &BagEvidence) -> BTreeMap<Key, Vec<&TfEdge>> {
+    let mut edges: BTreeMap<Key, Vec<&TfEdge>> = BTreeMap::new();
+    for edge in bag.tf.iter().filter(|edge| edge.is_static) {
+        let key = (edge.topic.clone(), edge.parent.canonical(), edge.child.canonical());
+        edges.entry(key).or_default().push(edge);
+    }
+    edges
+}
+
+/// By how much two values differ.
+#[derive(Clone, Copy)]
+pub(crate) struct Change {
+    deg: f64,
+    m: f64,
+}
+
+/// The change from one value to another.
+pub(crate) fn change(a: &TfSample, b: &TfSample) -> Change {
+    let difference = a.pose.isometry().inv_mul(&b.pose.isometry());
+    Change {
+        deg: difference.rotation.angle().to_degrees(),
+        m: difference.translation.vector.norm(),
+    }
+}
+
+impl Change {
+    /// How bad it is; `None` where the two values are one.
+    pub(crate) fn severity(self, limits: &Limits) -> Option<Severity> {
+        if self.deg >= limits.error_deg || self.m >= limits.error_m {
+            Some(Severity::Error)
+        } else if self.deg > limits.same_deg || self.m > limits.same_m {
+            Some(Severity::Warning)
+        } else {
+            None
+        }
+    }
+
+    /// Angle and distance weighed against each other as 0.1 degrees against 1 mm, as the evidence does.
+    pub(crate) fn order<T>(a: &(T, Self), b: &(T, Self)) -> std::cmp::Ordering {
+        let weight = |change: &Self| (change.deg / 0.1).max(change.m / 0.001);
+        weight(&a.1).total_cmp(&weight(&b.1))
+    }
+}
+
+/// Transforms that keep their value, for one row.
+#[derive(Default)]
+pub(crate) struct Calm {
+    pub(crate) count: u64,
+    pub(crate) deg: f64,
+    pub(crate) m: f64,
+}
+
+impl Calm {
+    /// One more that keeps its value.
+    pub(crate) fn add(&mut self, change: &Change) {
+        self.count += 1;
+        self.deg = self.deg.max(change.deg);
+        self.m = self.m.max(change.m);
+    }
+}
+
+/// The difference in words, and the convention error that explains it.
+pub(crate) fn difference(a: &TfSample, b: &TfSample, limits: &Limits) -> Difference {
+    let same = Same {
+        deg: limits.same_deg,
+        m: limits.same_m,
+    };
+    Difference::between(&a.pose.isometry(), &b.pose.isometry(), same)
+}
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    /// Rotation up to which two values are one, degrees.
+    pub same_deg: f64,
+    /// Translation up to which two values are one, metres.
+    pub same_m: f64,
+    /// Rotation from which the change is an error, degrees.
+    pub error_deg: f64,
+    /// Translation from which the change is an error, metres.
+    pub error_m: f64,
+}

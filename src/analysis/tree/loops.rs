@@ -1,0 +1,72 @@
+//! Loops of the frame tree.
+
+use crate::world::FrameId;
+use crate::world::World;
+use crate::world::graph::Edge;
+use crate::world::graph::EdgeOrigin;
+use crate::world::graph::FrameGraph;
+use std::collections::BTreeSet;
+
+/// The loops that this rule reports: their frames, each before its parent, and the edges from each frame up to the next.
+pub(crate) fn loops(world: &World) -> Vec<(Vec<FrameId>, Vec<&Edge>)> {
+    let graph = world.graph();
+    graph
+        .cycles()
+        .into_iter()
+        // A frame that is its own parent is TREE04's.
+        .filter(|cycle| cycle.len() > 1)
+        .filter_map(|cycle| {
+            let steps = steps(graph, &cycle)?;
+            all_at_once(world, &steps).then_some((cycle, steps))
+        })
+        .collect()
+}
+
+/// The edges from each frame of the cycle up to the next one. Where several sources state a step, one that is shared by
+/// most steps is taken, so that a loop inside one file is shown as one.
+pub(crate) fn steps<'a>(graph: &'a FrameGraph, cycle: &[FrameId]) -> Option<Vec<&'a Edge>> {
+    let step = |(child, parent): (&FrameId, &FrameId)| {
+        let edges: Vec<&Edge> = graph.edges_to(child).filter(|edge| edge.parent == *parent).collect();
+        (!edges.is_empty()).then_some(edges)
+    };
+    let choices: Vec<Vec<&Edge>> = cycle
+        .iter()
+        .zip(cycle.iter().cycle().skip(1))
+        .map(step)
+        .collect::<Option<_>>()?;
+    let kind = |edge: &Edge| match edge.origin {
+        EdgeOrigin::Joint(_) => (0, 0),
+        EdgeOrigin::Tf(bag, _) => (1, bag),
+    };
+    let kinds: BTreeSet<(u8, usize)> = choices.iter().flatten().map(|edge| kind(edge)).collect();
+    let covered = |wanted: &(u8, usize)| {
+        choices
+            .iter()
+            .filter(|edges| edges.iter().any(|edge| kind(edge) == *wanted))
+            .count()
+    };
+    let best = kinds.iter().max_by_key(|wanted| covered(wanted)).copied()?;
+    choices
+        .iter()
+        .map(|edges| edges.iter().find(|edge| kind(edge) == best).or(edges.first()).copied())
+        .collect()
+}
+
+/// Whether the edges hold at one time: TF edges must come from one recording (two may show two robots, or one robot
+/// before and after a change) and have been published over a common time. A latched edge holds from its first message on.
+pub(crate) fn all_at_once(world: &World, steps: &[&Edge]) -> bool {
+    let mut from = i64::MIN;
+    let mut until = i64::MAX;
+    let mut bags = BTreeSet::new();
+    for edge in steps {
+        if let EdgeOrigin::Tf(bag_index, index) = edge.origin
+            && let Some(bag) = world.bags.get(bag_index)
+            && let Some(tf) = bag.tf.get(index)
+        {
+            bags.insert(bag_index);
+            from = from.max(tf.first_at.log_ns);
+            until = until.min(if tf.is_static { i64::MAX } else { tf.last_at.log_ns });
+        }
+    }
+    bags.len() <= 1 && from <= until
+}

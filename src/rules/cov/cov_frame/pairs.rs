@@ -1,0 +1,175 @@
+//! One estimate in two frames: its covariance must turn with the frame.
+//!
+//! Owns which streams are one estimate. Judges for COV04.
+
+use crate::analysis::Estimates;
+use nalgebra::{Matrix2, Rotation2, Vector2};
+
+use crate::analysis::motion::Stream;
+use crate::math::circular::{circular_mean, difference};
+use crate::rules::Judge;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::motion::PoseRow;
+
+use crate::analysis::cov::declared::{Declared, each, horizontal};
+use crate::analysis::cov::noise::yaw;
+use crate::rules::cov::cov_frame::limits::Limits;
+
+/// Rows of two streams are of one time within this, nanoseconds.
+const TOGETHER_NS: u64 = 20_000_000;
+/// Pairs of poses that tell how the frames lie to each other.
+const MIN_POSES: usize = 50;
+/// Resultant from which two yaws differ by a constant.
+const CONSTANT: f64 = 0.9999;
+
+struct Told {
+    source: crate::source::SourceId,
+    stream: Stream<PoseRow>,
+    matrices: Vec<(i64, Matrix2<f64>)>,
+    is_constant: bool,
+}
+
+impl Told {
+    fn of(stream: &Stream<PoseRow>, declared: &Declared<'_>) -> Self {
+        let matrix = |sample: &crate::world::content::CovarianceAt| {
+            let [xx, xy, yy] = horizontal(sample)?;
+            Some((sample.at.stamp_ns?, Matrix2::new(xx, xy, xy, yy)))
+        };
+        Self {
+            source: stream.source,
+            stream: stream.clone(),
+            matrices: declared
+                .samples
+                .iter()
+                .filter_map(|(sample, _)| matrix(sample))
+                .collect(),
+            is_constant: declared.is_constant(),
+        }
+    }
+}
+
+pub(crate) fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
+    let mut all: Vec<Told> = Vec::new();
+    each(world, "pose.covariance", |_, stream, declared| {
+        all.push(Told::of(stream, declared));
+    });
+    for (index, a) in all.iter().enumerate() {
+        for b in all.iter().skip(index + 1).filter(|b| b.source == a.source) {
+            if a.stream.frame != b.stream.frame
+                && let Some(turn_rad) = one_estimate(&a.stream, &b.stream, limits)
+            {
+                judge_pair(a, b, turn_rad, limits, out);
+            }
+        }
+    }
+}
+
+/// `frame of b from frame of a`, about z: where the two are one track in two frames.
+fn one_estimate(a: &Stream<PoseRow>, b: &Stream<PoseRow>, limits: &Limits) -> Option<f64> {
+    let of_b: Vec<&PoseRow> = b.rows().map(|timed| &timed.row).collect();
+    let pairs: Vec<(&PoseRow, &PoseRow)> = a
+        .rows()
+        .filter_map(|timed| {
+            let row = &timed.row;
+            let at = of_b.partition_point(|other| other.stamp_ns.saturating_add(10_000_000) < row.stamp_ns);
+            let other = of_b
+                .get(at)
+                .filter(|other| other.stamp_ns.abs_diff(row.stamp_ns) <= TOGETHER_NS)?;
+            Some((row, *other))
+        })
+        .collect();
+    if pairs.len() < MIN_POSES {
+        return None;
+    }
+    let turns = pairs
+        .iter()
+        .filter_map(|(a, b)| Some((difference(yaw(b.orientation)?, yaw(a.orientation)?), 1.0)));
+    let turn = circular_mean(turns).filter(|mean| mean.resultant > CONSTANT)?;
+    // The ways between one pose and the next, in both frames.
+    let rotation = Rotation2::new(turn.mean_rad);
+    let (mut left, mut way) = (0.0, 0.0);
+    for (before, after) in pairs.iter().zip(pairs.iter().skip(1)) {
+        let step = |from: &PoseRow, to: &PoseRow| {
+            let ([x0, y0, _], [x1, y1, _]) = (from.position, to.position);
+            Vector2::new(x1 - x0, y1 - y0)
+        };
+        let (in_a, in_b) = (step(before.0, after.0), step(before.1, after.1));
+        left += (in_b - rotation * in_a).norm_squared();
+        way += in_b.norm_squared();
+    }
+    (way > 0.0 && left <= limits.rigid_share.powi(2) * way).then_some(turn.mean_rad)
+}
+
+fn judge_pair(a: &Told, b: &Told, turn_rad: f64, limits: &Limits, out: &mut Judge) {
+    let subject = format!("`pose.covariance` of {} and of {}", a.stream.subject, b.stream.subject);
+    let turn_deg = turn_rad.to_degrees();
+    if a.is_constant || b.is_constant {
+        let why = "one constant matrix in all messages: numbers that were typed in";
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    // Half a turn leaves a covariance as it is.
+    let quarter = turn_deg.abs().min(180.0 - turn_deg.abs());
+    if quarter < limits.min_turn_deg {
+        let why = format!("the frames are turned by {turn_deg:.1} deg: a covariance is the same in both");
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let rotation = *Rotation2::new(turn_rad).matrix();
+    let (mut same, mut turned, mut told, mut count) = (0.0, 0.0, 0.0, 0_usize);
+    for (stamp, of_a) in &a.matrices {
+        let found = b
+            .matrices
+            .iter()
+            .find(|(other, _)| other.abs_diff(*stamp) <= TOGETHER_NS);
+        let Some((_, of_b)) = found else { continue };
+        let weight = of_b.norm_squared();
+        if weight > 0.0 && weight.is_finite() {
+            same += (of_b - of_a).norm_squared() / weight;
+            turned += (of_b - rotation * of_a * rotation.transpose()).norm_squared() / weight;
+            told += (of_a - rotation * of_a * rotation.transpose()).norm_squared() / weight;
+            count += 1;
+        }
+    }
+    let [same, turned, told] = [same, turned, told].map(|sum| (sum / count as f64).sqrt());
+    if count < 5 || told < 4.0 * limits.same_share {
+        let why = format!(
+            "{count} matrices of one time, which the turn of {turn_deg:.0} deg changes by {:.0} %",
+            100.0 * told
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let measured = [
+        Measured::new("difference of the covariances as told", same, "1")
+            .limit(limits.same_share)
+            .samples(count as u64),
+        Measured::new("difference once turned", turned, "1")
+            .limit(limits.same_share)
+            .samples(count as u64),
+        Measured::new("turn between the frames", turn_deg, "deg"),
+    ];
+    if turned <= limits.same_share {
+        return out.pass(subject, measured);
+    }
+    if same > limits.same_share {
+        let why = format!(
+            "they differ by {:.0} % as told and by {:.0} % once turned: two different estimates of the error",
+            100.0 * same,
+            100.0 * turned
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let message = format!(
+        "`{}` and `{}` are one track in two frames turned by {turn_deg:.1} deg, and their covariances are the same to {:.1} %: that of one \
+         of them was not turned with the pose, which would change it by {:.0} %",
+        a.stream.topic,
+        b.stream.topic,
+        100.0 * same,
+        100.0 * told
+    );
+    let finding = Finding::warning(subject, message, b.stream.place())
+        .likely()
+        .relation("not-rotated")
+        .label("the other frame")
+        .related(a.stream.place(), "the same covariance in this frame")
+        .help("with the pose turn its covariance: `C_b = R C_a R^T`, `R` being the rotation of the frames, for both blocks of three");
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
+}

@@ -1,0 +1,128 @@
+//! What is wrong with an origin by itself: it moves, it was a first fix without corrections, or nothing says where it is.
+//!
+//! Owns these parts of GEO07.
+
+use crate::analysis::Estimates;
+use crate::analysis::motion::{Motion, Stream};
+use crate::math::geodesy::Geodetic;
+use crate::rules::Judge;
+use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::world::motion::FixRow;
+
+use crate::analysis::geo::apart::{direction, told};
+use crate::analysis::geo::origins::Limits;
+use crate::analysis::geo::origins::{By, Origin, tells_origin};
+use crate::analysis::geo::overlay::geodetic;
+
+/// `NavSatStatus.status` with corrections from a ground station.
+const CORRECTED: i8 = 2;
+
+/// Judges each origin alone.
+pub(crate) fn judge(world: &Estimates, all: &[Origin], limits: &Limits, out: &mut Judge) {
+    let motion = Motion::of(world);
+    for origin in all {
+        if let Some(later) = &origin.later {
+            judge_later(origin, later, limits, out);
+        }
+        let is_stated = matches!(origin.by, By::Transform | By::Topic);
+        let Some(bag) = origin.bag.filter(|_| is_stated).and_then(|bag| motion.bags.get(bag)) else {
+            continue;
+        };
+        let receivers = bag.fixes.iter().filter(|fixes| !tells_origin(&fixes.topic));
+        for fixes in receivers.filter(|fixes| !fixes.guessed) {
+            judge_first_fix(origin, fixes, limits, out);
+        }
+    }
+}
+
+/// Whether an origin stays where it is.
+fn judge_later(origin: &Origin, later: &Geodetic, limits: &Limits, out: &mut Judge) {
+    let subject = format!("first and last origin by {}", origin.who);
+    let apart = origin.at.enu_of(later);
+    let distance_m = apart.norm();
+    let measured = Measured::new("farthest from the first one", distance_m, "m").limit(limits.warning_m);
+    if distance_m <= limits.warning_m {
+        return out.pass(subject, [measured]);
+    }
+    let severity = if distance_m > limits.error_m {
+        Severity::Error
+    } else {
+        Severity::Warning
+    };
+    let message = format!(
+        "the origin moves while it is recorded: {} first has {}, and later one {distance_m:.2} m away{}",
+        origin.who,
+        told(origin),
+        direction(&apart)
+    );
+    out.fail(
+        Finding::new(severity, subject, message, origin.place.clone())
+            .likely()
+            .relation("origin-changed")
+            .help("what was mapped before lies elsewhere afterwards: set the origin once, and start a new map with a new one")
+            .measured(measured),
+    );
+}
+
+/// Whether an origin is a first fix, and of what quality.
+fn judge_first_fix(origin: &Origin, fixes: &Stream<FixRow>, limits: &Limits, out: &mut Judge) {
+    let subject = format!("first fix of {} as the origin by {}", fixes.subject, origin.who);
+    let valid = || fixes.rows().filter(|timed| timed.row.status >= 0);
+    let first = valid().find_map(|timed| Some((timed, geodetic(&timed.row)?)));
+    let Some((first, place)) = first else {
+        let why = "no message has a fix";
+        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+    };
+    let distance_m = origin.at.enu_of(&place).xy().norm();
+    let measured = Measured::new("distance, level", distance_m, "m").limit(limits.copied_m);
+    if distance_m > limits.copied_m || first.row.status >= CORRECTED {
+        return out.pass(subject, [measured]);
+    }
+    let better = valid().find(|timed| timed.row.status >= CORRECTED);
+    let head = format!(
+        "{} has the first fix of {} as its origin, which was made without corrections (status {})",
+        origin.who, fixes.subject, first.row.status
+    );
+    let (severity, message) = match better {
+        Some(better) => (
+            Severity::Warning,
+            format!(
+                "{head}; {:.0} s later the receiver has them (status {}): the map is off by what the first fix was",
+                better.t_s - first.t_s,
+                better.row.status
+            ),
+        ),
+        None => (
+            Severity::Note,
+            format!("{head}: the next drive gets another origin, metres away"),
+        ),
+    };
+    out.fail(
+        Finding::new(severity, subject, message, origin.place.clone())
+            .likely()
+            .relation("first-fix")
+            .related(fixes.place(), "the fixes")
+            .help("set the origin from a surveyed point or from a fix with corrections, and keep it with the map")
+            .measured(measured),
+    );
+}
+
+/// A finding, where poses in `map` are told in east and north, and nothing says about which origin.
+pub(crate) fn missing(track: &Origin, limits: &Limits) -> Option<Finding> {
+    let (turned_rad, within_rad) = track.turned_rad?;
+    let turned_deg = turned_rad.to_degrees();
+    if turned_deg.abs() > limits.aligned_deg || limits.sigmas * within_rad.to_degrees() > limits.aligned_deg {
+        return None;
+    }
+    let message = format!(
+        "the map is told in east and north (turned by {turned_deg:.2} deg), with its origin at {} within {:.1} m by {}; nothing here says so",
+        told(track),
+        track.within_m,
+        track.who
+    );
+    let finding = Finding::note("origin", message, track.place.clone()).likely();
+    let finding = finding
+        .relation("missing")
+        .help("record a transform from `earth` or the origin's topic, or keep its file beside the recording");
+    Some(finding.measured(Measured::new("turned from east", turned_deg, "deg").limit(limits.aligned_deg)))
+}

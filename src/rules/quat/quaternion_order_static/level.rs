@@ -1,0 +1,124 @@
+//! The order of the four numbers in recordings, by a platform that stays level while it turns.
+//!
+//! Owns the judgement of QUAT02 on streams. Where a gyro decides, this is not asked.
+
+use crate::analysis::Estimates;
+use crate::analysis::quat::level::{Order, Tilts, is_platform};
+use std::collections::BTreeMap;
+
+use crate::advice::diagnosis::defer;
+use crate::analysis::axes::sensors::{Sensor, Sensors};
+use crate::analysis::motion::{Imu, Motion};
+use crate::rules::Judge;
+use crate::source::{Place, SourceId};
+use crate::verdict::{Finding, NotEvaluated};
+use crate::world::FrameId;
+
+use crate::analysis::quat::level::Limits;
+
+/// Judges inertial sensors and poses.
+pub(crate) fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
+    let (motion, sensors) = (Motion::of(world), Sensors::of(world));
+    for (imu, sensor) in sensors.each(&motion) {
+        judge_sensor(imu, sensor, limits, out);
+    }
+    let mut told: BTreeMap<(SourceId, FrameId, FrameId), String> = BTreeMap::new();
+    for stream in motion
+        .bags
+        .iter()
+        .flat_map(|bag| &bag.poses)
+        .filter(|stream| is_platform(stream))
+    {
+        let subject = format!("order of the orientation of {}", stream.subject);
+        let Some(tilts) = Tilts::of_poses(stream) else {
+            out.not_evaluated(
+                subject,
+                NotEvaluated::InputBroken,
+                "none of its orientations is a rotation",
+            );
+            continue;
+        };
+        let pair = stream.frame.clone().zip(stream.child.clone());
+        let pair = pair.map(|(frame, child)| (stream.source, frame, child));
+        let known = pair.as_ref().and_then(|pair| told.get(pair));
+        if let (Order::Wrong, Some(known)) = (tilts.order(limits), known) {
+            let same = |finding: Finding| finding.same_cause_as(known);
+            judge_tilts(subject, &stream.topic, stream.place(), &tilts, same, limits, out);
+            continue;
+        }
+        if let (Order::Wrong, Some(pair)) = (tilts.order(limits), pair) {
+            told.insert(pair, subject.clone());
+        }
+        judge_tilts(
+            subject,
+            &stream.topic,
+            stream.place(),
+            &tilts,
+            |finding| finding,
+            limits,
+            out,
+        );
+    }
+}
+
+fn judge_sensor(imu: &Imu, sensor: &Sensor, limits: &Limits, out: &mut Judge) {
+    let subject = format!("order of the orientation of {}", imu.stream.subject);
+    if let Some(why) = imu.no_orientation {
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    if sensor.turn.is_ok() {
+        let why = "its gyro decides: level or not, it turns as the gyro has it or not";
+        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    }
+    let slots = || imu.stream.rows().map(|timed| timed.row.orientation);
+    let Some(tilts) = Tilts::of(slots, &imu.base_from_imu()) else {
+        return out.not_evaluated(
+            subject,
+            NotEvaluated::InputBroken,
+            "none of its orientations is a rotation",
+        );
+    };
+    let better = |finding| defer(&sensor.diagnosis, imu, None, finding);
+    judge_tilts(
+        subject,
+        &imu.stream.topic,
+        imu.stream.place(),
+        &tilts,
+        better,
+        limits,
+        out,
+    );
+}
+
+fn judge_tilts(
+    subject: String,
+    topic: &str,
+    place: Place,
+    tilts: &Tilts,
+    better: impl FnOnce(Finding) -> Finding,
+    limits: &Limits,
+    out: &mut Judge,
+) {
+    match tilts.order(limits) {
+        Order::Right => out.pass(subject, tilts.measured(limits)),
+        Order::Unknown(why) => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+        Order::Wrong => {
+            let message = format!(
+                "the {subject} is w, x, y, z: so read it stays within {:.0} deg of level while it turns by {:.0} deg, as published \
+                 it is tilted by up to {:.0} deg (the inverse would be as level)",
+                tilts.reordered.tilt_rad.to_degrees(),
+                tilts.reordered.turned_rad.to_degrees(),
+                tilts.published.tilt_rad.to_degrees(),
+            );
+            let finding = Finding::warning(subject, message, place)
+                .likely()
+                .relation("wxyz")
+                .help(format!(
+                    "write the four numbers on `{topic}` as x, y, z, w: the last one is the scalar"
+                ));
+            out.fail(better(
+                tilts.measured(limits).into_iter().fold(finding, Finding::measured),
+            ));
+        }
+    }
+}

@@ -1,0 +1,216 @@
+//! What a rule is: its page, its needs, its limits and a judgement. And how the registry lists one.
+
+use std::any::Any;
+use std::collections::BTreeMap;
+
+use serde::de::DeserializeOwned;
+use serde_yaml::Value;
+
+use crate::analysis::{Estimates, Settings};
+use crate::page::{Front, PageError};
+use crate::verdict::waiver::{Applied, Misspelt};
+use crate::verdict::{Finding, Row, RuleCode};
+
+use super::judge::{Judge, Need};
+
+/// A rule that judges worlds.
+pub(crate) trait Rule {
+    /// The rule's page, front matter and all.
+    const PAGE: &'static str;
+    /// What must be there before the rule is asked; the engine answers `not-evaluated` where it is not.
+    const NEEDS: &'static [Need];
+    /// How much of a recording the rule needs at first.
+    const EVIDENCE: Evidence = Evidence::USUAL;
+    /// The limits of the page, typed.
+    type Limits: Limits;
+
+    /// Judges every subject of a world: one `pass`, `fail` or `not_evaluated` for each. Saying nothing at all means
+    /// that the world holds no subject.
+    fn judge(world: &Estimates, limits: &Self::Limits, out: &mut Judge);
+}
+
+/// A rule on what the other rules found.
+pub(crate) trait Review {
+    /// The rule's page.
+    const PAGE: &'static str;
+    /// The limits of the page, typed.
+    type Limits: Limits;
+
+    /// Asked last. Findings and outcomes in, judgements out; it may add to what the findings measured.
+    fn review(found: &mut [Finding], rows: &[Row], limits: &Self::Limits, out: &mut Judge);
+}
+
+/// A rule on what the user accepts.
+pub(crate) trait OfGate {
+    /// The rule's page.
+    const PAGE: &'static str;
+
+    /// Asked once for a run.
+    fn judge(applied: &[Applied], misspelt: &[Misspelt], out: &mut Judge);
+}
+
+/// Typed limits.
+pub(crate) trait Limits: DeserializeOwned + Any + Send + Sync {}
+
+impl<L: DeserializeOwned + Any + Send + Sync> Limits for L {}
+
+/// For rules without limits.
+#[derive(Debug, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct NoLimits {}
+
+/// How a recording is sampled for a rule, before anything is known of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Evidence {
+    /// Windows spread over the recording.
+    pub windows: u32,
+    /// Length of a window, seconds of log time.
+    pub seconds: f64,
+    /// Whether more is read where that does not suffice, though nobody gave a time for it.
+    pub widens: bool,
+}
+
+impl Evidence {
+    /// Next to nothing.
+    pub const LEAST: Self = Self {
+        windows: 2,
+        seconds: 0.5,
+        widens: true,
+    };
+    /// What rules on names, trees and stamps need.
+    pub const USUAL: Self = Self {
+        windows: 10,
+        seconds: 2.0,
+        widens: true,
+    };
+    /// What rules on motion need: a drive with turns. Of recordings with images or clouds that would be a large part, which
+    /// is read where the user gives a time for it.
+    pub const MOTION: Self = Self {
+        widens: false,
+        ..Self::USUAL
+    };
+
+    /// What suffices for both.
+    #[must_use]
+    pub fn max(self, other: Self) -> Self {
+        Self {
+            windows: self.windows.max(other.windows),
+            seconds: self.seconds.max(other.seconds),
+            widens: self.widens || other.widens,
+        }
+    }
+}
+
+/// What a rule is asked, and how.
+#[derive(Clone, Copy)]
+pub enum Kind {
+    /// It judges each world.
+    World(fn(&Estimates, &mut Judge)),
+    /// It compares the recordings of one platform: it judges the world of each, and once more that of all together.
+    Across(fn(&Estimates, &mut Judge)),
+    /// It speaks of what the others found.
+    Review(fn(&Settings, &mut [Finding], &[Row], &mut Judge)),
+    /// It speaks of what the user accepts.
+    Gate(fn(&[Applied], &[Misspelt], &mut Judge)),
+}
+
+/// A registered rule.
+#[derive(Clone, Copy)]
+pub struct Entry {
+    /// Its code.
+    pub code: RuleCode,
+    /// Its page.
+    pub page: &'static str,
+    /// Its needs.
+    pub needs: &'static [Need],
+    /// How much of a recording it needs at first.
+    pub evidence: Evidence,
+    /// What it is asked.
+    pub kind: Kind,
+    /// Adds its limits to the settings of a run: those of the page, and over them these.
+    pub add_limits: fn(&mut Settings, &'static str, BTreeMap<String, Value>),
+    /// Whether its limits load.
+    pub check_limits: fn(&Front) -> Result<(), PageError>,
+}
+
+impl Entry {
+    /// A rule that judges each world.
+    pub(super) const fn world<R: Rule>(code: RuleCode) -> Self {
+        Self {
+            needs: R::NEEDS,
+            evidence: R::EVIDENCE,
+            kind: Kind::World(judge::<R>),
+            ..Self::with::<R::Limits>(code, R::PAGE)
+        }
+    }
+
+    /// A rule that judges each recording, and all of a platform together.
+    pub(super) const fn across<R: Rule>(code: RuleCode) -> Self {
+        Self {
+            kind: Kind::Across(judge::<R>),
+            ..Self::world::<R>(code)
+        }
+    }
+
+    /// A rule on what the others found.
+    pub(super) const fn review<R: Review>(code: RuleCode) -> Self {
+        Self {
+            kind: Kind::Review(|settings, found, rows, out| {
+                R::review(found, rows, &settings.limits::<R::Limits>(), out);
+            }),
+            ..Self::with::<R::Limits>(code, R::PAGE)
+        }
+    }
+
+    /// A rule on what the user accepts.
+    pub(super) const fn gate<R: OfGate>(code: RuleCode) -> Self {
+        Self {
+            kind: Kind::Gate(R::judge),
+            ..Self::with::<NoLimits>(code, R::PAGE)
+        }
+    }
+
+    const fn with<L: Limits>(code: RuleCode, page: &'static str) -> Self {
+        Self {
+            code,
+            page,
+            needs: &[],
+            evidence: Evidence::USUAL,
+            kind: Kind::Gate(|_, _, _| {}),
+            add_limits: |settings, page, overrides| {
+                settings.add::<L>(move || {
+                    let mut front = Front::parse_limits(page).ok()?;
+                    for (name, value) in &overrides {
+                        if let Some(limit) = front.limits.get_mut(name) {
+                            limit.value = value.clone();
+                        }
+                    }
+                    front.limits().ok()
+                });
+            },
+            check_limits: |front| front.limits::<L>().map(|_| ()),
+        }
+    }
+}
+
+fn judge<R: Rule>(world: &Estimates, out: &mut Judge) {
+    R::judge(world, &world.limits::<R::Limits>(), out);
+}
+
+#[cfg(test)]
+impl Entry {
+    /// A rule for a test.
+    pub(crate) fn of_test(
+        page: &'static str,
+        needs: &'static [Need],
+        evidence: Evidence,
+        asked: fn(&Estimates, &mut Judge),
+    ) -> &'static Self {
+        Box::leak(Box::new(Self {
+            needs,
+            evidence,
+            kind: Kind::World(asked),
+            ..Self::with::<NoLimits>(RuleCode::new("TEST01"), page)
+        }))
+    }
+}

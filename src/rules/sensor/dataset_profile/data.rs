@@ -1,0 +1,118 @@
+//! What the data of a dataset show of up, against its conventions: accelerometers and the ground under lidars. Part of SENSOR10.
+
+use crate::analysis::Estimates;
+use nalgebra::Vector3;
+
+use crate::analysis::ground::{Planes, SIDES};
+use crate::analysis::lidar::Clouds;
+use crate::analysis::motion::{Imu, Motion};
+use crate::rules::{Judge, codes};
+use crate::tables::DatasetFrame;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::NamedDataset;
+
+use crate::analysis::sensor::dataset::{Limits, rotation};
+
+/// Judges what the profile knows; how many streams that are.
+pub(crate) fn judge(world: &Estimates, dataset: &NamedDataset, limits: &Limits, out: &mut Judge) -> usize {
+    let mut count = 0;
+    for bag in &Motion::of(world).bags {
+        for imu in &bag.imus {
+            let frame = imu.stream.frame.as_ref();
+            if let Some(frame) = frame.and_then(|frame| dataset.row.frame(frame.as_str())) {
+                count += 1;
+                judge_imu(dataset, imu, frame, limits, out);
+            }
+        }
+    }
+    let planes = Planes::of(world);
+    for clouds in Clouds::all(world).filter(Clouds::is_of_a_lidar) {
+        let frame = clouds.frame();
+        if let Some(frame) = frame.as_ref().and_then(|frame| dataset.row.frame(frame.as_str())) {
+            count += 1;
+            judge_cloud(world, dataset, &clouds, (frame, &planes), out);
+        }
+    }
+    count
+}
+
+/// Up in the axes of a frame.
+fn up(frame: &DatasetFrame) -> Vector3<f64> {
+    rotation(&frame.axes).inverse() * Vector3::z()
+}
+
+fn judge_imu(dataset: &NamedDataset, imu: &Imu, frame: &DatasetFrame, limits: &Limits, out: &mut Judge) {
+    let subject = format!("up of {}", imu.stream.subject);
+    let forces: Vec<Vector3<f64>> = imu
+        .stream
+        .rows()
+        .map(|timed| Vector3::from(timed.row.linear_acceleration))
+        .filter(|force| force.iter().all(|value| value.is_finite()))
+        .collect();
+    let mean = forces.iter().sum::<Vector3<f64>>() / forces.len().max(1) as f64;
+    if !(limits.min_force_m_s2..=limits.max_force_m_s2).contains(&mean.norm()) {
+        let why = format!(
+            "the mean acceleration is {:.1} m/s², which is not gravity alone",
+            mean.norm()
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let off = mean.angle(&up(frame)).to_degrees();
+    let measured = Measured::new(
+        format!("acceleration from up as {} has it", dataset.row.name),
+        off,
+        "deg",
+    )
+    .limit(limits.max_up_deg)
+    .samples(forces.len() as u64);
+    if off <= limits.max_up_deg {
+        return out.pass(subject, [measured]);
+    }
+    let message = format!(
+        "the acceleration on `{}` at rest is {off:.0} deg from up: {} has its axes as {}",
+        imu.stream.topic, dataset.row.name, frame.axes.word
+    );
+    let finding = Finding::error(subject, message, imu.stream.place())
+        .likely()
+        .relation("axes")
+        .help("play the recording as it was published; a conversion of axes was applied, or the frame has another one's name")
+        .measured(measured);
+    out.fail(match &dataset.place {
+        Some(place) => finding.related(place.clone(), "named here"),
+        None => finding,
+    });
+}
+
+fn judge_cloud(
+    world: &Estimates,
+    dataset: &NamedDataset,
+    clouds: &Clouds,
+    (frame, planes): (&DatasetFrame, &Planes),
+    out: &mut Judge,
+) {
+    let subject = clouds.subject("up");
+    let of_up = world.limits::<crate::analysis::ground::Limits>();
+    let side = match of_up.agreed(clouds, &planes.grounds(clouds, &of_up.is_ground())) {
+        Ok(side) => side,
+        Err(why) => return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+    };
+    let Some((axis, word)) = SIDES.get(side) else { return };
+    let off = Vector3::from(*axis).angle(&up(frame)).to_degrees();
+    if off < 1.0 {
+        let what = format!(
+            "angle of {word}, which is up by the ground, from up as {} has it",
+            dataset.row.name
+        );
+        return out.pass(subject, [Measured::new(what, off, "deg").limit(45.0)]);
+    }
+    let message = format!(
+        "the ground on `{}` lies opposite to {word}, {off:.0} deg from where {} has it: its axes are {}",
+        clouds.topic.topic, dataset.row.name, frame.axes.word
+    );
+    let finding = Finding::warning(subject, message, clouds.place())
+        .likely()
+        .unless(codes::AXES10)
+        .help("convert the clouds to the axes of the dataset, or name another frame")
+        .measured(Measured::new("angle of up from the dataset's", off, "deg").limit(45.0));
+    out.fail(finding);
+}

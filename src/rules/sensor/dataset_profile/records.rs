@@ -1,0 +1,92 @@
+//! Records of a dataset that name no frames: their quaternions against the sensors that the dataset has. Part of SENSOR10.
+
+use nalgebra::{Quaternion, UnitQuaternion, Vector3};
+
+use crate::rules::Judge;
+use crate::tables::{Dataset, QuaternionWord};
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::{Claim, ClaimKind, NamedDataset, Spelling, World};
+
+use crate::analysis::sensor::dataset::{Limits, rotation};
+
+/// Judges the records of tables such as `calibrated_sensor.json`; how many there are.
+pub(crate) fn judge(world: &World, dataset: &NamedDataset, limits: &Limits, out: &mut Judge) -> usize {
+    // Such tables are read as w, x, y, z.
+    if dataset.row.quaternion != Some(QuaternionWord::Wxyz) {
+        return 0;
+    }
+    let is_record = |claim: &&Claim| matches!(&claim.kind, ClaimKind::File { dialect, .. } if dialect == "nuscenes");
+    let mut count = 0;
+    for claim in world.claims.iter().filter(is_record) {
+        let Spelling::Quaternion { xyzw, .. } = &claim.spelling else {
+            continue;
+        };
+        count += 1;
+        judge_record(world, dataset, (claim, *xyzw), limits, out);
+    }
+    count
+}
+
+fn judge_record(
+    world: &World,
+    dataset: &NamedDataset,
+    (claim, xyzw): (&Claim, [f64; 4]),
+    limits: &Limits,
+    out: &mut Judge,
+) {
+    let row = &*dataset.row;
+    let subject = format!("`{}` in {}", claim.label, world.path(claim.place.source));
+    let [x, y, z, w] = xyzw;
+    let unit = |w: f64, x: f64, y: f64, z: f64| UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 1e-9);
+    // As read; and with the four slots of the file taken in the other order.
+    let (Some(read), Some(other)) = (unit(w, x, y, z), unit(z, w, x, y)) else {
+        return out.not_evaluated(subject, NotEvaluated::InputBroken, "its quaternion is none");
+    };
+    let [off, other_off] = [read, other].map(|turn| tilt_deg(&turn, row));
+    let word = "w, x, y, z";
+    let measured = [
+        Measured::new(
+            format!("tilt against the nearest sensor of {}, read as {word}", row.name),
+            off,
+            "deg",
+        )
+        .limit(limits.max_off_deg),
+        Measured::new("the same in the other order", other_off, "deg"),
+    ];
+    if off <= limits.max_off_deg && other_off <= limits.max_off_deg {
+        let why = format!(
+            "it stands as a sensor of {} does in either order of its quaternion",
+            row.name
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    if off <= limits.max_off_deg {
+        return out.pass(subject, measured);
+    }
+    if other_off > limits.max_off_deg {
+        let why = format!(
+            "it stands as no sensor of {} does, in either order of its quaternion",
+            row.name
+        );
+        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    }
+    let message = format!(
+        "{subject}: {} tells quaternions as {word}, and read so it is {off:.0} deg from any of its sensors; in the other order it is {other_off:.0} deg from one",
+        row.name
+    );
+    let finding = Finding::error(subject, message, claim.place.clone())
+        .likely()
+        .relation("quaternion-order")
+        .help(format!("write quaternions as {word}"));
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
+}
+
+/// The angle between what is upright in the vehicle and what is upright in the sensor of the dataset that stands most like it.
+fn tilt_deg(vehicle_from_sensor: &UnitQuaternion<f64>, row: &Dataset) -> f64 {
+    let up = vehicle_from_sensor.inverse() * Vector3::z();
+    let tilts = row.frames.iter().map(|frame| {
+        let of_frame = rotation(&frame.axes).inverse() * Vector3::z();
+        up.angle(&of_frame).to_degrees()
+    });
+    tilts.fold(180.0, f64::min)
+}

@@ -1,0 +1,108 @@
+//! The beams of an Ouster as its metadata have them: where they begin, and how many there are. Part of SENSOR02.
+
+use crate::analysis::ouster::Part;
+use crate::rules::Judge;
+use crate::tables::OusterPart;
+use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::world::{OusterMetadata, World};
+use serde::Deserialize;
+
+/// Judges the beams of every metadata.
+pub(crate) fn judge(world: &World, parts: &[Part<'_>], limits: &Limits, out: &mut Judge) {
+    for metadata in &world.ousters {
+        judge_origin(world, metadata, parts, limits, out);
+        judge_angles(world, metadata, out);
+    }
+}
+
+/// `lidar_origin_to_beam_origin_mm` against `beam_to_lidar_transform`, else against what sensors of the model have.
+fn judge_origin(world: &World, metadata: &OusterMetadata, parts: &[Part<'_>], limits: &Limits, out: &mut Judge) {
+    let subject = format!(
+        "`lidar_origin_to_beam_origin_mm` in {}",
+        world.path(metadata.place.source)
+    );
+    let Some(stated) = &metadata.beam_origin_mm else {
+        let why = "the metadata do not say how far from the axis the beams begin, as firmware before 2.0 does not";
+        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+    };
+    let is_beside =
+        |part: &&Part<'_>| part.kind == OusterPart::Beam && part.statement.place.source == metadata.place.source;
+    let beside = parts.iter().find(is_beside);
+    let (known, relation): (Vec<(f64, String)>, _) = if let Some(part) = beside {
+        let x_mm = part.pose.translation.vector.x * 1e3;
+        (vec![(x_mm, "`beam_to_lidar_transform`".to_owned())], "beam-origin")
+    } else {
+        let rows = world.tables.ouster_places(OusterPart::Beam);
+        let rows = rows.filter(|row| row.may_be_of(metadata.product.as_deref(), metadata.image.as_deref()));
+        (rows.map(|row| (row.xyz_mm[0], row.models.clone())).collect(), "place")
+    };
+    let off = |known: &(f64, String)| (known.0 - stated.value).abs();
+    let Some(nearest) = known.iter().min_by(|a, b| off(a).total_cmp(&off(b))) else {
+        let why = "no metadata of this model are in the table, and no `beam_to_lidar_transform` stands beside it";
+        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+    };
+    let measured = Measured::new("difference", off(nearest), "mm").limit(limits.max_beam_mm);
+    if off(nearest) <= limits.max_beam_mm {
+        return out.pass(subject, [measured]);
+    }
+    let message = format!(
+        "{subject} is {:.3} mm, and {} has {:.3} mm",
+        stated.value, nearest.1, nearest.0
+    );
+    let finding = if relation == "place" {
+        Finding::warning(subject, message, stated.place.clone()).hint()
+    } else {
+        Finding::error(subject, message, stated.place.clone()).likely()
+    };
+    let help = "take the metadata from the sensor again: points are off by that much towards the axis";
+    out.fail(finding.relation(relation).help(help).measured(measured));
+}
+
+/// Each beam has an azimuth and an altitude.
+fn judge_angles(world: &World, metadata: &OusterMetadata, out: &mut Judge) {
+    let subject = format!("angles of the beams in {}", world.path(metadata.place.source));
+    let (Some(azimuths), Some(altitudes)) = (&metadata.azimuths, &metadata.altitudes) else {
+        let why = "`beam_azimuth_angles` and `beam_altitude_angles` do not both stand there";
+        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+    };
+    let rows = metadata.rows.unwrap_or(azimuths.count);
+    let [a, b] = [azimuths.count, altitudes.count];
+    let counts = [("`beam_azimuth_angles`", a), ("`beam_altitude_angles`", b)];
+    let measured = [
+        Measured::count("azimuths of beams", a as usize),
+        Measured::count("altitudes of beams", b as usize).limit(f64::from(rows)),
+    ];
+    let broken = azimuths.broken + altitudes.broken;
+    // A tilt of more than a quarter turn is no tilt.
+    let is_tilt = altitudes.range_deg.iter().all(|angle| angle.abs() <= 90.0);
+    if a == rows && b == rows && broken == 0 && is_tilt {
+        return out.pass(subject, measured);
+    }
+    let (what, place) = if broken > 0 {
+        (format!("{broken} of them are no numbers"), azimuths)
+    } else if let Some((key, count)) = counts.into_iter().find(|(_, count)| *count != rows) {
+        let place = if a == rows { altitudes } else { azimuths };
+        (format!("{key} holds {count}, where the sensor has {rows} rows"), place)
+    } else {
+        let [low, high] = altitudes.range_deg;
+        (
+            format!("altitudes reach from {low} to {high} deg: of radians or other units"),
+            altitudes,
+        )
+    };
+    let finding = Finding::error(subject.clone(), format!("{subject}: {what}"), place.place.clone())
+        .likely()
+        .relation("beam-angles")
+        .help("take the metadata from the sensor again: a consumer turns every column by these angles");
+    out.fail(measured.into_iter().fold(finding, Finding::measured));
+}
+
+/// Limits of SENSOR02.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    pub(crate) max_off_mm: f64,
+    pub(crate) max_beam_mm: f64,
+    pub(crate) max_turn_deg: f64,
+    pub(crate) known_deg: f64,
+}

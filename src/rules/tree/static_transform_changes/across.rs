@@ -1,0 +1,74 @@
+//! Latched transforms that several recordings of one platform share.
+//!
+//! From one recording to another a mount may have been calibrated anew: only a convention error is an error.
+
+use crate::verdict::Measured;
+use std::collections::BTreeMap;
+
+use crate::analysis::names;
+use crate::rules::Judge;
+use crate::source::Place;
+use crate::verdict::{Finding, Severity};
+use crate::world::bag::TfSample;
+use crate::world::{BagEvidence, World};
+
+use crate::analysis::tree::latched::Limits;
+use crate::analysis::tree::latched::{Calm, Change, Key, change, difference};
+
+/// The first value of each latched transform in each recording, in the order of time.
+pub(crate) type Across<'a> = BTreeMap<Key, Vec<(&'a BagEvidence, &'a TfSample)>>;
+
+/// Compares the values of all recordings with the earliest one's.
+pub(crate) fn judge_across(world: &World, across: &Across, limits: &Limits, out: &mut Judge) {
+    let mut calm = Calm::default();
+    for ((topic, parent, child), values) in across {
+        let Some(((bag, first), rest)) = values.split_first() else {
+            continue;
+        };
+        // Where the world's frames lie is another matter in every drive, and so is how an arm stood.
+        if rest.is_empty() || names::is_world(parent) || names::is_moving_part(child) {
+            continue;
+        }
+        let others = rest.iter().map(|(bag, other)| ((bag, *other), change(first, other)));
+        let Some(((other_bag, other), change)) = others.max_by(Change::order) else {
+            continue;
+        };
+        let Some(severity) = change.severity(limits) else {
+            calm.add(&change);
+            continue;
+        };
+        let difference = difference(first, other, limits);
+        let severity = match (difference.relation, severity) {
+            (Some(_), _) => Severity::Error,
+            (None, Severity::Error) => Severity::Warning,
+            (None, _) => Severity::Note,
+        };
+        let subject = format!("latched `{parent}` -> `{child}` across recordings");
+        let message = format!(
+            "latched `{parent}` -> `{child}` on {topic} is not the same in {} and {}{}",
+            world.path(bag.source),
+            world.path(other_bag.source),
+            difference.words
+        );
+        let mut finding = Finding::new(severity, subject, message, Place::message(other_bag.source, other.at.clone()))
+            .likely()
+            .label("another value")
+            .help("if the mount was not changed or calibrated between the two, find out which value is right; else keep each drive's calibration with it")
+            .related(Place::message(bag.source, first.at.clone()), "value of the earlier recording");
+        finding.measured = difference.measured;
+        finding.relation = difference.relation.map(str::to_owned);
+        out.fail(finding);
+    }
+    calm.report("latched transforms across recordings".to_owned(), limits, out);
+}
+
+impl Calm {
+    /// Writes the row, if there is anything in it.
+    pub(crate) fn report(self, subject: String, limits: &Limits, out: &mut Judge) {
+        if self.count > 0 {
+            let turn = Measured::new("largest turn", self.deg, "deg").limit(limits.same_deg);
+            let shift = Measured::new("largest shift", self.m, "m").limit(limits.same_m);
+            out.pass(subject, [turn.samples(self.count), shift.samples(self.count)]);
+        }
+    }
+}

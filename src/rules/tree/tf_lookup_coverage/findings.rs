@@ -1,0 +1,272 @@
+//! What TREE09 says of the look-ups of one topic.
+
+use crate::source::Place;
+use crate::verdict::{Finding, Measured};
+use crate::world::bag::{TfEdge, TopicEvidence};
+use crate::world::{BagEvidence, FrameId};
+use serde::Deserialize;
+
+use crate::analysis::tree::lookups::{Asked, Culprit, Failures, Heard};
+
+/// When look-ups fail, and at what: topics that share it share their finding.
+pub(crate) type Cause = (When, Culprit);
+
+/// Which look-ups of a topic fail.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) enum When {
+    Always,
+    Between,
+    AtTheEnd,
+    Late,
+    AtTheStart,
+}
+
+/// One topic with what was asked and answered.
+pub(crate) struct Case<'a> {
+    pub(crate) bag: &'a BagEvidence,
+    pub(crate) topic: &'a TopicEvidence,
+    pub(crate) frame: &'a FrameId,
+    pub(crate) target: &'a FrameId,
+    pub(crate) heard: &'a Heard<'a>,
+    pub(crate) asked: &'a Asked,
+    pub(crate) limits: &'a Limits,
+}
+
+impl Case<'_> {
+    /// Look-ups that fail although there is TF before and after.
+    pub(crate) fn measured(&self) -> Measured {
+        Measured::new("failing look-ups", share(self.asked.inside.count, self.answered()), "1")
+            .limit(self.limits.max_failing)
+            .samples(self.asked.count)
+    }
+
+    /// The worst that is to be said.
+    pub(crate) fn finding(&self) -> Option<(Cause, Finding)> {
+        let asked = self.asked;
+        // A stamp may meet the one transform of an edge by chance.
+        let most = if asked.leading.count > asked.trailing.count {
+            &asked.leading
+        } else {
+            &asked.trailing
+        };
+        let once = most
+            .main
+            .as_ref()
+            .and_then(|(culprit, is_past)| self.edge(culprit, *is_past));
+        let sent_once = once.is_some_and(|edge| edge.count == 1) && share(most.count, asked.count) > 0.5;
+        let parts = [
+            (When::Always, most, most.count == asked.count || sent_once),
+            (When::Between, &asked.inside, asked.inside.count > 0),
+            (When::AtTheEnd, &asked.trailing, asked.trailing.seconds > self.end_s()),
+        ];
+        for (when, failures, fails) in parts {
+            if let (true, Some((culprit, is_past))) = (fails, &failures.main) {
+                let finding = self.failed(when, failures, culprit, *is_past);
+                return Some(((when, culprit.clone()), finding));
+            }
+        }
+        if share(asked.forgotten, asked.count) > self.limits.max_failing {
+            return Some(((When::Late, Culprit::Way), self.late()));
+        }
+        let (culprit, is_past) = asked.leading.main.as_ref()?;
+        let is_slow = asked.leading.seconds > self.limits.max_start_s;
+        is_slow.then(|| {
+            let finding = self.failed(When::AtTheStart, &asked.leading, culprit, *is_past);
+            ((When::AtTheStart, culprit.clone()), finding)
+        })
+    }
+
+    /// Look-ups from the first to the last that succeeded.
+    fn answered(&self) -> u64 {
+        let asked = &self.asked;
+        asked
+            .count
+            .saturating_sub(asked.leading.count)
+            .saturating_sub(asked.trailing.count)
+    }
+
+    /// How long look-ups may fail at the end: a slow edge cannot cover the last part of its own period.
+    fn end_s(&self) -> f64 {
+        let slowest = match &self.asked.trailing.main {
+            Some((Culprit::Edge(child), _)) => self
+                .heard
+                .edges_to(child)
+                .filter_map(|edge| edge.stamps.median_step_ns)
+                .max(),
+            _ => None,
+        };
+        self.limits.max_end_s.max(slowest.unwrap_or(0) as f64 / 1e9 * 3.0)
+    }
+
+    fn failed(&self, when: When, failures: &Failures, culprit: &Culprit, is_past: bool) -> Finding {
+        let Self {
+            topic,
+            frame,
+            target,
+            limits,
+            ..
+        } = self;
+        let (limit, part) = match when {
+            When::Always => (limits.max_failing, share(failures.count, self.asked.count)),
+            When::Between => (limits.max_failing, share(failures.count, self.answered())),
+            _ => (0.0, share(failures.count, self.asked.count)),
+        };
+        let exception = match culprit {
+            Culprit::Edge(_) => "ExtrapolationException",
+            _ => "ConnectivityException",
+        };
+        let edge = self.edge(culprit, is_past);
+        let why = self.why(culprit, edge, is_past);
+        let where_ = format!("`{target}` from `{frame}`");
+        let message = match when {
+            When::Always => format!(
+                "{:.0} % of the messages on {} cannot be looked up in TF: {where_} throws {exception}; {why}",
+                part * 100.0,
+                topic.topic
+            ),
+            When::AtTheEnd => format!(
+                "the last {:.1} s of {} cannot be looked up in TF: {where_} throws {exception}; {why}",
+                failures.seconds, topic.topic
+            ),
+            When::AtTheStart => format!(
+                "the first {:.1} s of {} cannot be looked up in TF: {where_}; {why}",
+                failures.seconds, topic.topic
+            ),
+            _ => format!(
+                "{:.1} % of the messages on {} cannot be looked up in TF: {where_} throws {exception}; {why}",
+                part * 100.0,
+                topic.topic
+            ),
+        };
+        let place = self.place(edge, when == When::AtTheEnd);
+        let subject = subject_of(topic);
+        let finding = match when {
+            When::Always => Finding::error(subject, message, place),
+            When::Between if part > limits.max_failing => Finding::error(subject, message, place),
+            When::AtTheStart => Finding::note(subject, message, place),
+            When::AtTheEnd => Finding::warning(subject, message, place).likely(),
+            _ => Finding::warning(subject, message, place),
+        };
+        let finding = match edge {
+            Some(edge) if edge.count == 1 => finding.label("its only transform"),
+            Some(_) if when == When::AtTheEnd => finding.label("its last transform"),
+            _ => finding,
+        };
+        let seconds = Measured::new("time without an answer", failures.seconds, "s");
+        finding
+            .help(help(when, edge))
+            .measured(
+                Measured::new("failing look-ups", part, "1")
+                    .limit(limit)
+                    .samples(failures.count),
+            )
+            .measured(match when {
+                When::AtTheStart => seconds.limit(limits.max_start_s),
+                When::AtTheEnd => seconds.limit(self.end_s()),
+                _ => seconds,
+            })
+    }
+
+    fn late(&self) -> Finding {
+        let Self {
+            topic, asked, limits, ..
+        } = self;
+        let part = share(asked.forgotten, asked.count);
+        let message = format!(
+            "{:.1} % of the messages on {} are recorded more than {} s after their stamp, the oldest {:.1} s: a tf2 buffer \
+             of the default length has forgotten their transforms",
+            part * 100.0,
+            topic.topic,
+            limits.cache_s,
+            asked.oldest_s
+        );
+        Finding::warning(subject_of(topic), message, self.place(None, false))
+            .likely()
+            .help("shorten what delays the data, or give the listener's buffer a longer cache (tf2::durationFromSec)")
+            .measured(
+                Measured::new("messages older than the cache", part, "1")
+                    .limit(limits.max_failing)
+                    .samples(asked.count),
+            )
+            .measured(Measured::new("largest age", asked.oldest_s, "s").limit(limits.cache_s))
+    }
+
+    /// The edge that has no value: for the past the one that begins first.
+    fn edge(&self, culprit: &Culprit, is_past: bool) -> Option<&TfEdge> {
+        let Culprit::Edge(child) = culprit else { return None };
+        if is_past {
+            self.heard.edges_to(child).min_by_key(|edge| edge.first_at.log_ns)
+        } else {
+            self.heard.edges_to(child).max_by_key(|edge| edge.last_at.log_ns)
+        }
+    }
+
+    fn why(&self, culprit: &Culprit, edge: Option<&TfEdge>, is_past: bool) -> String {
+        let Some(edge) = edge else {
+            return match culprit {
+                Culprit::Loop => "the tree is a loop".to_owned(),
+                _ => "the two are not connected then, for a parent changes".to_owned(),
+            };
+        };
+        let name = format!("`{}` from `{}`", edge.parent, edge.child);
+        let after_start = |log_ns: i64| log_ns.saturating_sub(self.bag.start_ns.unwrap_or(log_ns)) as f64 / 1e9;
+        match edge.count {
+            1 => format!("{name} was sent once on {}, and holds at that instant only", edge.topic),
+            _ if is_past => format!(
+                "{name} begins {:.1} s into the recording",
+                after_start(edge.first_at.log_ns)
+            ),
+            _ => format!(
+                "{name} ends {:.1} s into the recording",
+                after_start(edge.last_at.log_ns)
+            ),
+        }
+    }
+
+    fn place(&self, edge: Option<&TfEdge>, at_end: bool) -> Place {
+        let of_edge = edge.map(|edge| if at_end { &edge.last_at } else { &edge.first_at });
+        let message = of_edge.or(self.topic.stamps.first.as_ref());
+        Place::of(self.bag.source, message)
+    }
+}
+
+fn help(when: When, edge: Option<&TfEdge>) -> String {
+    match (when, edge) {
+        (_, Some(edge)) if edge.count == 1 => {
+            format!(
+                "publish `{}` from `{}` on /tf_static (StaticTransformBroadcaster)",
+                edge.parent, edge.child
+            )
+        }
+        (When::AtTheStart, _) => "normal while a robot starts: leave these messages out of offline work".to_owned(),
+        (When::AtTheEnd, Some(edge)) => format!(
+            "find out why the publisher of `{}` from `{}` fell silent",
+            edge.parent, edge.child
+        ),
+        (_, Some(edge)) => format!(
+            "publish `{}` from `{}` for as long as the sensor runs, stamped with the same clock",
+            edge.parent, edge.child
+        ),
+        (_, None) => "let one node alone publish the parent of each frame".to_owned(),
+    }
+}
+
+fn share(part: u64, of: u64) -> f64 {
+    if of == 0 { 0.0 } else { part as f64 / of as f64 }
+}
+
+/// Limits of the page.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    pub(crate) min_messages: u64,
+    pub(crate) max_failing: f64,
+    pub(crate) max_start_s: f64,
+    pub(crate) max_end_s: f64,
+    pub(crate) same_clock_s: f64,
+    pub(crate) cache_s: f64,
+}
+
+pub(crate) fn subject_of(topic: &TopicEvidence) -> String {
+    format!("look-ups for topic `{}`", topic.topic)
+}

@@ -1,0 +1,79 @@
+//! Names that joints use and no link has: one cause each, however many joints name it.
+
+use std::collections::BTreeMap;
+
+use crate::analysis::near::{Reach, nearest};
+use crate::analysis::spelling::loose;
+use crate::source::Placed;
+use crate::verdict::{Finding, Measured};
+use crate::world::robot::{Joint, Link};
+use crate::world::{FrameId, Robot};
+
+/// Places that are shown beside the first one.
+const MOST_SHOWN: usize = 5;
+
+/// A name that joints use and no link has.
+#[derive(Debug)]
+pub(crate) struct Undefined<'a> {
+    /// The first joint that names it, its end there, and the name.
+    pub first: (&'a Joint, &'static str, &'a Placed<String>),
+    /// Other places that name it.
+    others: Vec<&'a Placed<String>>,
+    /// Whether any joint names it as its child.
+    pub is_child: bool,
+}
+
+/// The names without a link, in file order. Empty names are TREE04's.
+pub(crate) fn undefined<'a>(robot: &'a Robot, links: &BTreeMap<String, &Link>) -> Vec<Undefined<'a>> {
+    let mut missing: Vec<Undefined> = Vec::new();
+    for joint in &robot.joints {
+        for (end, role) in [(&joint.parent, "parent"), (&joint.child, "child")] {
+            let Some(link) = end else { continue };
+            if link.value.is_empty() || links.contains_key(&loose(&link.value)) {
+                continue;
+            }
+            match missing.iter_mut().find(|known| known.name() == link.value) {
+                Some(known) => {
+                    known.others.push(link);
+                    known.is_child |= role == "child";
+                }
+                None => missing.push(Undefined {
+                    first: (joint, role, link),
+                    others: Vec::new(),
+                    is_child: role == "child",
+                }),
+            }
+        }
+    }
+    missing
+}
+
+impl Undefined<'_> {
+    /// The name.
+    pub(crate) fn name(&self) -> &str {
+        &self.first.2.value
+    }
+
+    /// The finding of the name, at its first place.
+    pub(crate) fn finding(&self, subject: &str, robot: &Robot) -> Finding {
+        let (joint, role, link) = self.first;
+        let names: Vec<FrameId> = robot.links.iter().map(|link| link.name.value.as_str().into()).collect();
+        let near = nearest(&FrameId::new(self.name()), &names, Reach::SUGGESTION);
+        let help = match near {
+            Some(near) => format!("define the link, or was `{}` meant?", near.frame),
+            None => "define the link, or name one that exists".to_owned(),
+        };
+        let message = format!(
+            "joint `{}` names `{}` as its {role}, and there is no such link",
+            joint.name.value,
+            self.name()
+        );
+        let finding = Finding::error(subject, message, link.place.clone())
+            .label("no link of this name")
+            .help(help)
+            .measured(Measured::count("joints that name it", 1 + self.others.len()).limit(0.0));
+        self.others.iter().take(MOST_SHOWN).fold(finding, |finding, other| {
+            finding.related(other.place.clone(), "named here too")
+        })
+    }
+}
