@@ -89,7 +89,14 @@ fn is_stale(ran: &Ran) -> bool {
 fn rows<'a>(rows: impl IntoIterator<Item = &'a Row>, platforms: &[String]) -> BTreeSet<String> {
     let words = |row: &Row| {
         let subject = plain_subject(&row.subject, platforms);
-        let (outcome, reason, measured) = (row.outcome.word(), &row.reason, &row.measured);
+        let (outcome, measured) = (row.outcome.word(), &row.measured);
+        // "explained by RULE of SUBJECT" names a subject too.
+        let reason = row.reason.as_deref().map(|reason| match reason.split_once(" of ") {
+            Some((rule, of)) if row.outcome == Outcome::Explained => {
+                format!("{rule} of {}", plain_subject(of, platforms))
+            }
+            _ => reason.to_owned(),
+        });
         format!("{} {subject}: {outcome} {reason:?} {measured:?}", row.rule)
     };
     rows.into_iter().map(words).collect()

@@ -73,16 +73,3 @@ pub(crate) fn holds_radians_twice(pair: &Pair) -> bool {
         .class
         .contains(&Relation::Radians)
 }
-
-/// The rule that may tell the same fault from one source alone.
-pub(crate) fn same_cause(relation: Relation) -> &'static str {
-    match relation {
-        Relation::Degrees | Relation::Millimetres => {
-            " Where the unit of the same numbers is reported too, it is the same fault."
-        }
-        Relation::RotationLost | Relation::Optical | Relation::OpticalInverse => {
-            " Where the name of the same frame is reported too, it is the same fault."
-        }
-        _ => "",
-    }
-}

@@ -13,7 +13,7 @@ use crate::source::Confidence;
 use crate::verdict::{Edit, Finding, Measured, NotEvaluated, Safety};
 use crate::world::World;
 
-use crate::analysis::cross::blame::{blame, holds_radians_twice, same_cause};
+use crate::analysis::cross::blame::{blame, holds_radians_twice};
 use crate::analysis::cross::statements::{Direction, Pair, pairs};
 
 /// CROSS02.
@@ -136,6 +136,17 @@ fn finding(
             "m",
         ))
         .measured(Measured::count("relations that fit alike", found.class.len()))
+}
+
+/// The rule that may report the same fault from one source alone.
+fn same_cause(relation: Relation) -> String {
+    let (rule, what) = match relation {
+        Relation::Degrees => (codes::ROT08, "the same numbers"),
+        Relation::Millimetres => (codes::ROT06, "the same numbers"),
+        Relation::RotationLost | Relation::Optical | Relation::OpticalInverse => (codes::NAME06, "the same frame"),
+        _ => return String::new(),
+    };
+    format!(" Where {rule} reports {what}, it is the same fault.")
 }
 
 /// The edits that take the error out of the numbers that hold it: their own digits stay, for a calibration is finer than a drawing. `None`
