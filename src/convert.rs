@@ -102,7 +102,7 @@ pub fn convert(run: &Run, dialects: &Rows<Dialect>, wish: &Wish) -> Result<Conve
             &item.target,
             &item.source,
             wish.key.as_deref(),
-            links.first_camera(),
+            kinds::Camera::first_of(&links),
         )?],
         None => kinds::cast_all(writing, dialects, &links, wish.key.as_deref()),
     };

@@ -64,6 +64,8 @@ pub struct Front {
     pub confidence: Confidence,
     /// What is judged: one outcome row for each.
     pub subject: String,
+    /// What there is to be seen of it: a row of `rules/tables/views.yaml`.
+    pub view: String,
     /// What must be at hand, in kinds of `rules/tables/recordings.yaml`.
     #[serde(default)]
     pub evidence: Vec<String>,
@@ -129,6 +131,7 @@ impl Front {
             severity: word(line("severity")?)?,
             confidence: word(line("confidence")?)?,
             subject: text("subject")?,
+            view: text("view")?,
             evidence: Vec::new(),
             limits: BTreeMap::new(),
             references: Vec::new(),

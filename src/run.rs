@@ -157,6 +157,8 @@ pub struct RuleInfo {
     pub status: Status,
     /// What is judged: one outcome row for each.
     pub subject: String,
+    /// What there is to be seen of it: a row of `rules/tables/views.yaml`.
+    pub view: String,
     /// Version the rule came with.
     pub since: String,
     /// Its page, with front matter.
@@ -175,6 +177,7 @@ impl RuleInfo {
             confidence: front.confidence,
             status: front.status,
             subject: front.subject.clone(),
+            view: front.view.clone(),
             since: front.since.clone(),
             page,
         }

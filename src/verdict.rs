@@ -3,6 +3,7 @@
 //! Must not know how a verdict is shown, nor which rules exist.
 
 pub mod deference;
+pub mod judge;
 pub mod plot;
 pub mod waiver;
 
@@ -12,6 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::source::{Confidence, Place};
 
 pub use deference::{Explainer, RuleCode, Unless};
+pub use judge::{Judge, Judged};
 pub use plot::Plot;
 pub use waiver::Waived;
 

@@ -3,7 +3,8 @@
 #![no_main]
 
 use frames_lint::read::messages::content::{Body, MAX_PATH};
-use frames_lint::read::messages::decoder::{Decoder, Format};
+use frames_lint::read::messages::decoder::Decoder;
+use frames_lint::read::messages::format::Format;
 use frames_lint::read::messages::definition::Definitions;
 use frames_lint::read::messages::header::Header;
 use frames_lint::read::messages::radar::{Columns, MAX_ECHOES};

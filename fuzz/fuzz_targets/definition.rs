@@ -5,7 +5,8 @@
 
 use frames_lint::read::messages::MAX_NAME;
 use frames_lint::read::messages::content::Body;
-use frames_lint::read::messages::decoder::{Decoder, Format};
+use frames_lint::read::messages::decoder::Decoder;
+use frames_lint::read::messages::format::Format;
 use frames_lint::read::messages::definition::{Carried, Definitions, Schema};
 use frames_lint::read::messages::radar::{Form, MAX_ECHOES};
 use libfuzzer_sys::fuzz_target;

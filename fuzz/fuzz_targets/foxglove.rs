@@ -5,7 +5,7 @@ use std::sync::LazyLock;
 
 use frames_lint::read::messages::MAX_NAME;
 use frames_lint::read::messages::content::{Body, Content};
-use frames_lint::read::messages::decoder::Format;
+use frames_lint::read::messages::format::Format;
 use frames_lint::read::messages::foxglove::Reader;
 use libfuzzer_sys::fuzz_target;
 

@@ -1,8 +1,8 @@
 //! What is said of recordings that hold packets of lidars, and no clouds of theirs.
 
 use crate::analysis::lidar::Clouds;
-use crate::rules::Judge;
 use crate::tables::Lidar;
+use crate::verdict::Judge;
 use crate::verdict::NotEvaluated;
 use crate::world::World;
 use crate::world::bag::TopicEvidence;

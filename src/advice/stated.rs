@@ -1,6 +1,6 @@
 //! Who states the two sides of a finding on a pair of statements.
 
-use crate::analysis::cross::statements::{Pair, Statement};
+use crate::analysis::cross::pair::{Pair, Statement};
 use crate::verdict::Finding;
 
 impl Pair {

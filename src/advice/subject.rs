@@ -1,7 +1,7 @@
 //! How robots, joints and links are called in rows, and which robots can be judged as a whole.
 
 use crate::analysis::urdf::called::robot;
-use crate::rules::Judge;
+use crate::verdict::Judge;
 use crate::verdict::NotEvaluated;
 use crate::world::World;
 use crate::world::robot::Robot;

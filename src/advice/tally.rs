@@ -2,8 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use crate::rules::Judge;
 use crate::source::SourceId;
+use crate::verdict::Judge;
 use crate::verdict::Measured;
 use crate::world::World;
 

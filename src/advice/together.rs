@@ -2,7 +2,7 @@
 //!
 //! Must not know what is wrong with the streams.
 
-use crate::rules::Judge;
+use crate::verdict::Judge;
 use crate::verdict::{Finding, Label, PlaceRole};
 
 /// How many of the other streams a finding names and points at.

@@ -1,7 +1,7 @@
 //! What is said of calibrations that cannot be used.
 
 use crate::analysis::camera::published::Published;
-use crate::rules::Judge;
+use crate::verdict::Judge;
 use crate::verdict::NotEvaluated;
 
 impl Published<'_> {

@@ -7,7 +7,8 @@ use nalgebra::{Isometry2, Isometry3, Translation3, UnitQuaternion, Vector2, Vect
 
 use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::{Motion, Stream, Turned};
-use crate::analysis::scan_motion::{Moment, Moved, ScanMotion, Steps};
+use crate::analysis::scan_motion::moved::{Moment, Moved};
+use crate::analysis::scan_motion::{ScanMotion, Steps};
 use crate::analysis::time::sweep::sweeps_the_other_way;
 use crate::source::Place;
 use crate::verdict::NotEvaluated;

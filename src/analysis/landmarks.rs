@@ -8,7 +8,7 @@ use nalgebra::{Isometry3, Point3};
 use crate::analysis::hand_eye::{is_by_scans, pose_at, tied};
 use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::{Motion, Turned};
-use crate::analysis::scan_motion::Moment;
+use crate::analysis::scan_motion::moved::Moment;
 use crate::math::crispness::occupied_cells;
 use crate::verdict::NotEvaluated;
 use crate::world::FrameId;

@@ -6,7 +6,8 @@ use std::f64::consts::PI;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use crate::analysis::cross::statements::{Statement, statements};
+use crate::analysis::cross::pair::Statement;
+use crate::analysis::cross::statements::statements;
 use crate::analysis::lidar::Clouds;
 use crate::source::SourceId;
 use crate::tables::OusterPart;

@@ -4,7 +4,7 @@ use crate::analysis::Estimates;
 use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
 
 use crate::analysis::motion::{Course, Motion, Stream, Track, Turned, mount::mount};
-use crate::analysis::scan_motion::Moment;
+use crate::analysis::scan_motion::moved::Moment;
 use crate::math::circular::wrapped;
 use crate::math::doppler::{Near, Sight, agreeing, ego, found};
 use crate::source::Place;

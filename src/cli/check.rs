@@ -7,6 +7,7 @@ use std::mem::ManuallyDrop;
 
 use crate::engine;
 use crate::report::{self, Format, Style, plural, terminal};
+use crate::rules::codes;
 use crate::run::Run;
 
 use super::args::{Chain, Check, Color, Reporting};
@@ -109,7 +110,7 @@ pub(super) fn chain(
     let mut run = engine::check(&engine::Options {
         paths: paths(chain.paths, stdin)?,
         wanted: engine::Wanted::Code,
-        select: vec!["NAME08".to_owned()],
+        select: vec![codes::NAME08.to_string()],
         progress: surroundings.progress,
         ..engine::Options::default()
     })?;

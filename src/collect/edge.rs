@@ -3,7 +3,7 @@
 use crate::world::bag::{Contradictions, Faults, TfEdge, TfFault, TfSample};
 use crate::world::{FrameId, Pose};
 
-use super::content::motion::{Poses, finish_poses, push_pose};
+use super::content::poses::{Poses, finish_poses, push_pose};
 use super::content::steps::Steps;
 use super::point::Point;
 use super::series::Room;

@@ -70,9 +70,12 @@ fn kind(name: &str) -> Option<(Kind, u32)> {
 pub(super) struct Camera(u32);
 
 impl Camera {
-    /// The smallest number of a camera among names.
-    pub(super) fn first_of<'n>(names: impl Iterator<Item = &'n str>) -> Self {
-        let cameras = names.filter_map(|name| kind(name).filter(|(kind, _)| *kind == Kind::Camera));
+    /// The smallest number of a camera among the frames of links.
+    pub(super) fn first_of(links: &Links) -> Self {
+        let frames = links.frames();
+        let cameras = frames
+            .iter()
+            .filter_map(|name| kind(name).filter(|(kind, _)| *kind == Kind::Camera));
         Self(cameras.map(|(_, number)| number).min().unwrap_or(0).min(1))
     }
 }
@@ -270,7 +273,7 @@ pub(super) fn cast_all<'t>(
     links: &Links,
     key: Option<&str>,
 ) -> Vec<Cast<'t>> {
-    let first = links.first_camera();
+    let first = Camera::first_of(links);
     let frames = links.frames();
     let mut casts: Vec<Cast<'t>> = Vec::new();
     // What was stated comes before what chains make of it.

@@ -10,7 +10,6 @@ use crate::source::{At, Confidence, LineIndex, Place};
 use crate::world::{Claim, World};
 
 use super::Wish;
-use super::kinds::Camera;
 
 /// One transform with its two frames.
 #[derive(Clone, Debug)]
@@ -81,11 +80,6 @@ impl Links {
     pub(super) fn frames(&self) -> Vec<String> {
         let names: BTreeSet<&String> = self.all.iter().flat_map(|link| [&link.target, &link.source]).collect();
         names.into_iter().cloned().collect()
-    }
-
-    /// The number of the first camera.
-    pub(super) fn first_camera(&self) -> Camera {
-        Camera::first_of(self.frames().iter().map(String::as_str))
     }
 
     /// A shortest chain `target_from_source`: links, and whether each is taken as it is. Of several between two frames the first counts.

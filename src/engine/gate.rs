@@ -16,7 +16,7 @@ use crate::source::{LineIndex, Place, Source, SourceId, SourceKind, Span};
 use crate::verdict::waiver::Day;
 use crate::verdict::{Row, Verdict};
 
-use super::plan::Enabled;
+use super::enabled::Enabled;
 use super::{Options, UsageError, judge};
 
 /// What the user asks of the gate, for every verdict of a run.

@@ -4,14 +4,13 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::analysis::{Estimates, Settings};
 use crate::page::Status;
-use crate::rules::{Judge, Kind};
+use crate::rules::Kind;
 use crate::source::{Confidence, ReadStatus};
-use crate::verdict::deference;
 use crate::verdict::waiver::{Applied, Misspelt};
-use crate::verdict::{Finding, Measured, NotEvaluated, Outcome, Row, Verdict};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Outcome, Row, Verdict, deference};
 use crate::world::{BagEvidence, World};
 
-use super::plan::Enabled;
+use super::enabled::Enabled;
 
 /// Judges one world with every enabled rule. `label` is put before each subject when the run has several platforms.
 pub(super) fn judge<'r>(

@@ -6,7 +6,7 @@ use crate::config::LimitOverride;
 use crate::page::{Front, names_rule};
 
 use super::UsageError;
-use super::plan::Enabled;
+use super::enabled::Enabled;
 
 /// Units that can stand for one another, each with its size.
 const KINDS: [&[(&str, f64)]; 6] = [

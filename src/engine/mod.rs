@@ -1,5 +1,6 @@
 //! The engine: plan, read, judge. Ties the rooms of the house together and knows no format and no rule by name.
 
+mod enabled;
 pub mod evidence;
 mod gate;
 mod gather;
@@ -272,6 +273,12 @@ impl Rules {
     pub fn select(select: &[&str]) -> Result<Self, UsageError> {
         let select: Vec<String> = select.iter().map(|word| (*word).to_owned()).collect();
         Ok(Self(plan::enabled(&select, &[], None)?))
+    }
+
+    /// The rules that run with these options, with the limits of their configuration.
+    pub fn of(options: &Options) -> Result<Self, UsageError> {
+        let config = configuration(options)?;
+        Ok(Self(plan::enabled(&options.select, &options.ignore, config.as_ref())?))
     }
 
     /// What the rules say of a world. Nothing is read, and nothing is asked for again.

@@ -1,37 +1,12 @@
 //! Which rules run: selection by code, name and family.
 
-use std::collections::BTreeMap;
-
 use crate::analysis::Settings;
 use crate::config::Config;
-use crate::page::{Front, PageError, names_rule};
-use crate::rules::{Entry, RULES};
+use crate::page::{Front, names_rule};
+use crate::rules::RULES;
 
+use super::enabled::Enabled;
 use super::{UsageError, limits};
-
-/// A rule that runs, with its page's front matter.
-pub(super) struct Enabled {
-    /// The front matter of its page, without limits and references.
-    pub(super) front: Front,
-    /// The rule.
-    pub(super) entry: &'static Entry,
-    /// Whether it makes plots.
-    pub(super) plots: bool,
-    /// Limits of the user's own.
-    pub(super) overrides: BTreeMap<String, serde_yaml::Value>,
-}
-
-impl Enabled {
-    /// A rule by its entry.
-    pub(super) fn new(entry: &'static Entry) -> Result<Self, PageError> {
-        Ok(Self {
-            front: Front::parse_head(entry.page)?,
-            entry,
-            plots: false,
-            overrides: BTreeMap::new(),
-        })
-    }
-}
 
 /// Every rule of the tool, in code order of the catalogue.
 pub(super) fn all() -> Result<Vec<Enabled>, UsageError> {

@@ -8,7 +8,8 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use crate::read::discover::{Input, Inputs};
+use crate::read::discover::Inputs;
+use crate::read::input::Input;
 use crate::source::{Derived, Source, SourceId};
 use crate::world::{Facts, FrameId, FrameRole, World};
 

@@ -11,7 +11,7 @@ use crate::verdict::{NotEvaluated, Outcome, Row, Verdict};
 use crate::world::World;
 use crate::world::bag::TopicEvidence;
 
-use super::plan::Enabled;
+use super::enabled::Enabled;
 
 /// Bytes of messages that a recording is sampled with at first. A recording that holds less is read wholly. Zstandard
 /// gives about a gigabyte a second: a tenth of a second for every recording, whatever its length.

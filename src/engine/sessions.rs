@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use crate::read::bag::{self, Recording};
-use crate::read::discover::{Input, Inputs};
+use crate::read::discover::Inputs;
+use crate::read::input::Input;
 use crate::source::{Source, SourceKind};
 use crate::world::World;
 

@@ -81,7 +81,7 @@ pub(crate) fn is_code(ending: &str) -> bool {
 
 /// Reads a file of source code (`source.text`). Sets status and detail.
 pub fn read(source: &mut Source) -> Facts {
-    let ending = super::discover::ending(std::path::Path::new(&source.path));
+    let ending = super::input::ending(std::path::Path::new(&source.path));
     let Some(language) = language(&ending) else {
         let place = Place::whole(source.id);
         source.problem(ReadStatus::Unreadable, place, "not C++, Python or Rust");

@@ -8,7 +8,7 @@ use std::path::PathBuf;
 use crate::source::SourceKind;
 
 use super::bag::{rosbag2, split};
-use super::discover::Input;
+use super::input::Input;
 
 /// Makes one input of the files of each recording.
 pub(super) fn join(files: &mut Vec<Input>) {

@@ -29,7 +29,7 @@ pub fn render(page: &str, style: Style) -> Result<String, PageError> {
     if limits_due {
         limits(&front, style, &mut out);
     }
-    if let Some(sight) = sight(&front.code) {
+    if let Some(sight) = sight(&front.view) {
         let _ = writeln!(out, "\n{}", style.paint(Ink::Strong, "To see it"));
         paragraph(&sight, style, &mut out);
     }
@@ -43,16 +43,15 @@ pub fn render(page: &str, style: Style) -> Result<String, PageError> {
 }
 
 /// Where the views show what a rule judges.
-fn sight(code: &str) -> Option<String> {
-    match (views::of(code), views::nothing(code)) {
-        (Some(view), _) => Some(format!(
-            "`frames-lint view PATH... -o views.rrd`, entity `{}`: {}.",
-            view.words(),
+fn sight(view: &str) -> Option<String> {
+    let view = views::of(view)?;
+    Some(match view.words() {
+        Some(entity) => format!(
+            "`frames-lint view PATH... -o views.rrd`, entity `{entity}`: {}.",
             view.what
-        )),
-        (None, Some(why)) => Some(format!("There is nothing to be seen: {why}.")),
-        (None, None) => None,
-    }
+        ),
+        None => format!("There is nothing to be seen: {}.", view.what),
+    })
 }
 
 fn head(front: &Front, style: Style, out: &mut String) {

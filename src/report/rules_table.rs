@@ -127,6 +127,7 @@ mod tests {
             confidence: Confidence::Certain,
             status: Status::Stable,
             subject: "a tree".into(),
+            view: "frames".into(),
             since: "0.1.0".into(),
         }
     }

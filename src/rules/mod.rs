@@ -4,13 +4,13 @@
 //! collecting, configuration or reports, nor of each other.
 
 pub mod codes;
-mod judge;
 mod list;
+mod need;
 mod registry;
 mod rule;
 
-pub use judge::{Judge, Judged, Need};
 pub use list::RULES;
+pub use need::Need;
 pub use rule::{Entry, Evidence, Kind};
 pub(crate) use rule::{NoLimits, OfGate, Review, Rule};
 

@@ -9,9 +9,9 @@ use serde_yaml::Value;
 use crate::analysis::{Estimates, Settings};
 use crate::page::{Front, PageError};
 use crate::verdict::waiver::{Applied, Misspelt};
-use crate::verdict::{Finding, Row, RuleCode};
+use crate::verdict::{Finding, Judge, Row, RuleCode};
 
-use super::judge::{Judge, Need};
+use super::need::Need;
 
 /// A rule that judges worlds.
 pub(crate) trait Rule {

@@ -5,11 +5,12 @@ use std::fmt::Write;
 
 use crate::run::Run;
 use crate::source::At;
-use crate::tables::views;
+use crate::tables::views::{self, View};
 use crate::verdict::{Finding, Measured, Outcome, Severity};
 use crate::world::{BagEvidence, FrameId};
 
 use super::Labels;
+use super::look::{TRACK, Worst};
 use super::placed::Placed;
 use super::scene::{Color, Level, Path, Points, Scene, What};
 
@@ -19,12 +20,10 @@ pub(super) const FINDINGS: &str = "findings";
 /// Findings that are shown; more are only counted.
 const MAX_FINDINGS: usize = 500;
 
-/// Where and when the worst finding is, where that is known.
-pub(super) struct Worst {
-    pub(super) at_ns: Option<i64>,
-    pub(super) frame: Option<Path>,
-    /// Whether it is to be seen of a track, and not where one frame stands.
-    pub(super) is_of_a_track: bool,
+/// Where to look for what the rule of a finding judges.
+pub(super) fn view_of(run: &Run, finding: &Finding) -> Option<&'static View> {
+    let rule = run.rules.iter().find(|rule| rule.code == finding.rule)?;
+    views::of(&rule.view)
 }
 
 /// Tells every finding.
@@ -53,7 +52,7 @@ pub(super) fn findings(run: &Run, placed: &[Placed], labels: &Labels, scene: &mu
             worst = Worst {
                 at_ns: stamp_ns,
                 frame: frame.clone(),
-                is_of_a_track: views::of(&finding.rule).is_some_and(|view| view.named == super::look::TRACK),
+                is_of_a_track: view_of(run, finding).is_some_and(|view| view.named == TRACK),
             };
         }
         let path = top.then("log").then(format!("{} {}", number + 1, finding.rule));

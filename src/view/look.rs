@@ -4,8 +4,15 @@ use std::collections::BTreeMap;
 
 use nalgebra::{Point3, Vector3};
 
-use super::findings::Worst;
 use super::scene::{Eye, Path, Places, Scene, View, What, narrow};
+
+/// Where and when the worst finding is, where that is known.
+pub(super) struct Worst {
+    pub(super) at_ns: Option<i64>,
+    pub(super) frame: Option<Path>,
+    /// Whether it is to be seen of a track, and not where one frame stands.
+    pub(super) is_of_a_track: bool,
+}
 
 /// From where the spaces are seen at first: that of the worst finding before the others, with what is around its frame; of others, what
 /// stands in them.

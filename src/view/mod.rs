@@ -21,7 +21,6 @@ mod upright;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::run::Run;
-use crate::tables;
 use crate::verdict::Finding;
 use crate::world::World;
 
@@ -119,7 +118,9 @@ fn views(run: &Run, spaces: Vec<View>, images: Vec<Path>, scene: &Scene, drawn: 
     let is_of_worst = |path: &Path| {
         worst.is_some_and(|worst| {
             path.names().get(1..3) == Some(&[worst.rule.clone(), worst.subject.clone()])
-                || tables::views::of(&worst.rule).is_some_and(|view| path.words().starts_with(&view.see))
+                || findings::view_of(run, worst)
+                    .and_then(|view| view.see.as_ref())
+                    .is_some_and(|see| path.words().starts_with(see))
         })
     };
     let plotted = drawn.iter().map(|drawn| {

@@ -44,16 +44,13 @@ pub(super) fn upright(world: &World, root: &FrameId, findings: &[&Finding]) -> U
         }
     }
     let subject = format!("z of `{root}`");
-    let of_root = |finding: &&&Finding| finding.rule == "AXES14" && finding.subject.contains(&subject);
-    match findings
-        .iter()
-        .find(of_root)
-        .and_then(|finding| finding.relation.as_deref())
-    {
-        Some("z-down") => turned(AxisTurn::FluFrd, "z points down, as AXES14 measured"),
-        Some("optical") => turned(AxisTurn::Optical, "optical axes, as AXES14 measured"),
-        _ => none(),
-    }
+    let measured = findings.iter().filter(|finding| finding.subject.contains(&subject));
+    let mut measured = measured.filter_map(|finding| match finding.relation.as_deref()? {
+        "z-down" => Some((AxisTurn::FluFrd, format!("z points down, as {} measured", finding.rule))),
+        "optical" => Some((AxisTurn::Optical, format!("optical axes, as {} measured", finding.rule))),
+        _ => None,
+    });
+    measured.next().map_or_else(none, |(turn, why)| turned(turn, &why))
 }
 
 fn none() -> Upright {

@@ -7,11 +7,13 @@ use std::fs;
 use std::path::Path;
 
 use crate::support;
+use frames_lint::engine::{self, Options, Sights, Verdicts};
 use frames_lint::page::{self, Block, Front};
 use frames_lint::rules::RULES;
 use frames_lint::run::Run;
 use frames_lint::source::{At, LineIndex};
 use frames_lint::verdict::{Finding, Outcome, PlaceRole, Severity};
+use frames_lint::world::World;
 use rayon::prelude::*;
 
 /// One case of a page: the blocks under a section, or under one of its `### ` headings.
@@ -73,6 +75,18 @@ pub(crate) fn laid_out(case: &Case<'_>) -> tempfile::TempDir {
         }
     }
     folder
+}
+
+/// The platforms of a case.
+pub(crate) fn worlds(case: &Case<'_>) -> Vec<World> {
+    let folder = laid_out(case);
+    let options = Options {
+        paths: vec![folder.path().to_path_buf()],
+        verdicts: Verdicts::One,
+        sights: Sights::Everything,
+        ..Options::default()
+    };
+    engine::check(&options).unwrap().seen
 }
 
 fn run_case(case: &Case<'_>) -> (tempfile::TempDir, Run) {

@@ -79,11 +79,10 @@ fn every_rule_has_something_to_be_seen_or_says_why_not() {
         .flat_map_iter(|entry| {
             let front = Front::parse(entry.page).unwrap();
             let code = front.code.as_str();
-            let row = match (views::of(code), views::nothing(code)) {
-                (Some(row), None) => row,
-                (None, Some(_)) => return Vec::new(),
-                (row, why) => return vec![format!("{code}: {} and {}", row.is_some(), why.is_some())],
+            let Some(row) = views::of(&front.view) else {
+                return vec![format!("{code}: `{}` is no row of the table of views", front.view)];
             };
+            let Some(see) = &row.see else { return Vec::new() };
             let (_, body) = page::split(entry.page).unwrap();
             let bad = page::sections(body)
                 .into_iter()
@@ -96,13 +95,16 @@ fn every_rule_has_something_to_be_seen_or_says_why_not() {
                     let is_log = item.path.is_in(&path("findings/log"));
                     is_log && item.path.names().last().is_some_and(|name| name.ends_with(code))
                 });
-                let see = path(&row.see);
+                let entity = path(see);
                 let is_named = |item: &Item| item.path.names().iter().any(|name| name.contains(&row.named));
-                let is_there = scene.items.iter().any(|item| item.path.is_in(&see) && is_named(item));
+                let is_there = scene
+                    .items
+                    .iter()
+                    .any(|item| item.path.is_in(&entity) && is_named(item));
                 if !is_there || !told {
                     faults.push(format!(
                         "{code}: {}: nothing beneath `{}` named `{}`, or no word of it ({told})",
-                        case.title, row.see, row.named
+                        case.title, see, row.named
                     ));
                 }
             }

@@ -5,7 +5,8 @@ use std::path::Path;
 
 use frames_lint::collect::{Collected, How, collect};
 use frames_lint::read::bag::{self, Channel, Extent, Recording, Sampling, Visit, Wanted};
-use frames_lint::read::discover::{Input, discover};
+use frames_lint::read::discover::discover;
+use frames_lint::read::input::Input;
 use frames_lint::source::{Source, SourceId, SourceKind};
 
 /// An empty folder.

@@ -1,5 +1,7 @@
 //! Whether two tracks of one drive are mirror images.
 
+use std::sync::Arc;
+
 use crate::analysis::axes::handedness::Limits;
 use crate::analysis::axes::handedness::Votes;
 use crate::analysis::motion::Stream;
@@ -26,13 +28,13 @@ pub(crate) fn hand(fixes: &Stream<FixRow>, track: &Track, limits: &Limits) -> Op
 }
 
 /// The track of a receiver with latitude and longitude exchanged; `None` where that is no place on the Earth.
-pub(crate) fn exchanged_track(fixes: &Stream<FixRow>) -> Option<Track> {
+pub(crate) fn exchanged_track(fixes: &Stream<FixRow>) -> Option<Arc<Track>> {
     let mut exchanged = fixes.clone();
     for fix in exchanged.stretches.iter_mut().flatten() {
         std::mem::swap(&mut fix.row.latitude_deg, &mut fix.row.longitude_deg);
     }
     let is_place = exchanged.rows().all(|fix| fix.row.latitude_deg.abs() <= 90.0);
-    is_place.then(|| Track::of_fixes(&exchanged))
+    is_place.then(|| exchanged.track())
 }
 
 /// How far odometry must spread to be told from its mirror image under this receiver's noise.

@@ -10,7 +10,7 @@ use crate::math::relation::{Relation, Tolerance};
 use crate::math::rotation::rotation_angle_between;
 
 use crate::analysis::cross::blame::either_way;
-use crate::analysis::cross::statements::{Direction, Pair, Statement};
+use crate::analysis::cross::pair::{Direction, Pair, Statement};
 
 /// The limits of the search; they stand on QUAT03's page.
 #[derive(Clone, Copy, Debug, Deserialize)]

@@ -6,7 +6,7 @@ use crate::analysis::hand_eye::Pair;
 use crate::analysis::hand_eye::half_turn;
 use crate::analysis::hand_eye::in_plane;
 use crate::analysis::lidar::Clouds;
-use crate::analysis::scan_motion::Moved;
+use crate::analysis::scan_motion::moved::Moved;
 use crate::math::circular::difference;
 use crate::math::stats::median;
 use crate::verdict::NotEvaluated;

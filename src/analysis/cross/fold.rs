@@ -4,7 +4,7 @@
 
 use crate::world::World;
 
-use crate::analysis::cross::statements::{Pair, Statement};
+use crate::analysis::cross::pair::{Pair, Statement};
 
 /// An odd source differs from each of those that agree: only the first of such pairs speaks, and the others second it.
 /// `earlier` are the pairs before this one about the same two frames.

@@ -2,7 +2,7 @@
 
 use crate::math::rotation;
 
-use crate::analysis::cross::statements::Statement;
+use crate::analysis::cross::pair::Statement;
 
 /// A rotation and a translation of one pair that a source states apart, perhaps one of them the other way round, speak as one statement.
 pub(crate) fn join_halves(statements: &mut Vec<Statement>) {

@@ -6,5 +6,6 @@ pub(crate) mod direction;
 pub(crate) mod fold;
 pub(crate) mod halves;
 pub(crate) mod hand_eye;
+pub(crate) mod pair;
 pub(crate) mod roles;
 pub(crate) mod statements;

@@ -2,8 +2,6 @@
 //!
 //! Owns the way from the body of a pose to the antenna, where it is known. Must not judge.
 
-use std::sync::Arc;
-
 use nalgebra::{Quaternion, UnitQuaternion, Vector2, Vector3};
 
 use crate::analysis::motion::{Stream, Track};
@@ -49,7 +47,7 @@ impl Overlay {
     /// Puts poses beside fixes; `None` where they have fewer than two moments in common.
     pub(crate) fn of(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>) -> Option<Self> {
         let arm = arm(world, poses, fixes).filter(|arm| *arm != Vector3::zeros());
-        let track = arm.map_or_else(|| poses.track(), |arm| Arc::new(Track::of_poses(&moved(poses, arm))));
+        let track = arm.map_or_else(|| poses.track(), |arm| moved(poses, arm).track());
         let by_arrival = Self::at(&track, fixes, 0.0);
         // Streams are put side by side by when they arrived. A receiver's messages come late, and its stamps say by how
         // much, if they are of the poses' clock: the better fit tells.

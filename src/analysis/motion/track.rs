@@ -6,13 +6,9 @@ use std::sync::OnceLock;
 
 use nalgebra::{Vector2, Vector3};
 
-use crate::math::circular::wrapped;
-use crate::math::geodesy::Geodetic;
 use crate::source::Place;
-use crate::world::motion::{FixRow, PoseRow};
 
 use crate::analysis::motion::along::{Follower, around};
-use crate::analysis::motion::stream::{Stream, Timed};
 
 /// A course is taken over this long, seconds: noise of a position weighs less over a longer way, turns blur.
 const COURSE_OVER_S: f64 = 2.0;
@@ -48,36 +44,19 @@ pub(crate) struct Course {
 }
 
 impl Track {
-    /// The track of a receiver, in a plane that touches the ellipsoid at its first fix.
-    pub(crate) fn of_fixes(stream: &Stream<FixRow>) -> Self {
-        let origin = stream.rows().next().map(|timed| timed.row);
-        let place = |timed: &Timed<FixRow>| {
-            let origin = origin?;
-            Some((timed.t_s, local(&origin, &timed.row))).filter(|(_, p)| p.iter().all(|value| value.is_finite()))
-        };
+    /// Of positions without a hole longer than a course may bridge; what is not finite is left out.
+    pub(crate) fn of(
+        subject: String,
+        place: Place,
+        is_geodetic: bool,
+        stretches: impl Iterator<Item = impl Iterator<Item = (f64, Vector3<f64>)>>,
+    ) -> Self {
+        let finite = |position: &(f64, Vector3<f64>)| position.1.iter().all(|value| value.is_finite());
         Self {
-            subject: stream.subject.clone(),
-            place: stream.place(),
-            is_geodetic: true,
-            stretches: runs(stream.stretches.iter().map(|rows| rows.iter().filter_map(place))),
-            every_course: OnceLock::new(),
-        }
-    }
-
-    /// The track of odometry or poses, in their own frame.
-    pub(crate) fn of_poses(stream: &Stream<PoseRow>) -> Self {
-        let place = |timed: &Timed<PoseRow>| {
-            let position = Vector3::from(timed.row.position);
-            position
-                .iter()
-                .all(|value| value.is_finite())
-                .then_some((timed.t_s, position))
-        };
-        Self {
-            subject: stream.subject.clone(),
-            place: stream.place(),
-            is_geodetic: false,
-            stretches: runs(stream.stretches.iter().map(|rows| rows.iter().filter_map(place))),
+            subject,
+            place,
+            is_geodetic,
+            stretches: runs(stretches.map(|stretch| stretch.filter(finite))),
             every_course: OnceLock::new(),
         }
     }
@@ -128,33 +107,6 @@ fn courses(run: &[(f64, Vector3<f64>)]) -> Vec<Course> {
         t_s += COURSE_EVERY_S;
     }
     all
-}
-
-/// East and north of a fix about another, along the ellipsoid, and its altitude over the other's, metres.
-///
-/// The radius of the parallel is that of the origin: at latitude φ a place d east and d north stands d² tan φ / R aside,
-/// 0.2 m for a kilometre at 48 degrees. [`Geodetic::enu_of`] is exact, but knows no places beyond the poles, which wrong
-/// numbers may be.
-fn local(origin: &FixRow, fix: &FixRow) -> Vector3<f64> {
-    let [east, north] = [
-        wrapped((fix.longitude_deg - origin.longitude_deg).to_radians()),
-        (fix.latitude_deg - origin.latitude_deg).to_radians(),
-    ];
-    let place = Geodetic {
-        latitude_rad: origin.latitude_deg.to_radians(),
-        longitude_rad: origin.longitude_deg.to_radians(),
-        height_m: if origin.altitude_m.is_finite() {
-            origin.altitude_m
-        } else {
-            0.0
-        },
-    };
-    let up = fix.altitude_m - origin.altitude_m;
-    Vector3::new(
-        east * (place.prime_vertical_radius_m() + place.height_m) * place.latitude_rad.cos(),
-        north * (place.meridian_radius_m() + place.height_m),
-        if up.is_finite() { up } else { 0.0 },
-    )
 }
 
 /// Splits at steps that are too long.

@@ -8,7 +8,7 @@ use nalgebra::{Isometry2, Vector2, Vector3};
 use crate::math::scan_match::{Matched, Scan, matched};
 use crate::world::cloud::CloudSlice;
 
-use crate::analysis::scan_motion::{Moment, Moved};
+use crate::analysis::scan_motion::moved::{Moment, Moved};
 
 /// Where a first scan may have come from, metres in x and y.
 const GUESSES: [[f64; 2]; 5] = [[0.0, 0.0], [0.8, 0.0], [-0.8, 0.0], [0.0, 0.8], [0.0, -0.8]];

@@ -184,7 +184,7 @@ fn told(first: &Runs, second: &Runs, by: By, is_fix: bool, limits: &Limits) -> R
             .fold((f64::MAX, f64::MIN), |(low, high), lag| (low.min(*lag), high.max(*lag)));
         return Err(Without::Varies(format!(
             "by {} the lag is {low:+.3} s in one third of the recording and {high:+.3} s in another: that is no offset but a clock \
-             that drifts, or stamps that jitter (TIME02, TIME03)",
+             that drifts, or stamps that jitter",
             by.words()
         )));
     }

@@ -12,20 +12,7 @@ use crate::world::cloud::{
 use super::super::point::{On, Point};
 use super::super::thin::Share;
 use super::slices::Slices;
-
-/// Names of the times of points, as drivers write them.
-const TIMES: &[&str] = &[
-    "t",
-    "time",
-    "timestamp",
-    "time_stamp",
-    "offset_time",
-    "time_offset",
-    "t_us",
-    "timeoffset",
-    "stamp",
-    "ts",
-];
+use super::times::time_of;
 
 /// A cloud that is kept.
 struct Kept {
@@ -209,12 +196,6 @@ fn prime(from: u32) -> u32 {
         factors.all(|factor| !number.is_multiple_of(factor))
     };
     (from..=u32::MAX).find(is_prime).unwrap_or(from)
-}
-
-/// The field that holds the times of the points.
-pub(super) fn time_of<'f>(cloud: &Cloud<'_>, time_fields: &'f [String]) -> Option<(&'f str, Column)> {
-    let mut names = time_fields.iter().map(String::as_str).chain(TIMES.iter().copied());
-    names.find_map(|name| Some((name, cloud.column(name)?)))
 }
 
 /// What is kept of a cloud; `None` where its points have no coordinates.

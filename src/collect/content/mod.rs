@@ -10,10 +10,12 @@ mod laser;
 pub(super) mod motion;
 mod odometry;
 mod path;
+pub(super) mod poses;
 mod radar;
 mod runs;
 mod slices;
 pub(super) mod steps;
+mod times;
 
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -8,9 +8,7 @@ use crate::world::motion::{
 use super::super::point::Point;
 use super::super::series::{Room, Rows, Sample};
 use super::path::Path;
-
-/// Poses without a velocity: position, orientation.
-pub(in super::super) type Poses = Rows<7, 3>;
+use super::poses::{joined, pose_row};
 
 /// What one topic says of motion; nothing is set aside for what it does not.
 pub(super) struct Motion {
@@ -49,15 +47,6 @@ impl<const N: usize, const Q: usize> Lazy<N, Q> {
     fn finish<T>(self, row: impl Fn(Sample<N>) -> T) -> Option<Series<T>> {
         self.0.and_then(|rows| rows.finish(row))
     }
-}
-
-/// The numbers that follow each other in `parts`.
-pub(super) fn joined<const N: usize>(parts: &[&[f64]]) -> [f64; N] {
-    let mut values = [0.0; N];
-    for (slot, value) in values.iter_mut().zip(parts.iter().copied().flatten()) {
-        *slot = *value;
-    }
-    values
 }
 
 impl Motion {
@@ -205,26 +194,6 @@ impl Motion {
             }),
             nmea: self.nmea.finish(nmea_row),
         }
-    }
-}
-
-/// Takes in a valid pose.
-pub(in super::super) fn push_pose(poses: &mut Poses, point: Point, pose: &crate::world::Pose) {
-    poses.push(point, joined(&[&pose.translation_m, &pose.rotation_xyzw]));
-}
-
-/// The rows of poses without a velocity.
-pub(in super::super) fn finish_poses(poses: Poses) -> Option<Series<PoseRow>> {
-    poses.finish(|row| pose_row(&row))
-}
-
-fn pose_row<const N: usize>(row: &Sample<N>) -> PoseRow {
-    PoseRow {
-        stamp_ns: row.stamp_ns,
-        log_ns: row.log_ns,
-        position: row.part(0),
-        orientation: row.part(3),
-        twist: None,
     }
 }
 

@@ -7,7 +7,7 @@ use crate::world::motion::{PoseRow, Series};
 
 use super::super::point::Point;
 use super::super::series::Room;
-use super::motion::{Poses, finish_poses, joined};
+use super::poses::{Poses, finish_poses, joined};
 
 /// How far the last pose may be ahead of the message, nanoseconds: clocks of two programs on one computer agree better.
 const MAX_AHEAD_NS: i64 = 1_000_000_000;

@@ -6,8 +6,8 @@ use crate::read::messages::cloud::{Cloud, Column};
 use crate::world::cloud::{CloudSlice, RUN_CLOUDS, SLICE_BINS, SLICE_SLOPE};
 
 use super::super::point::Point;
-use super::cloud::time_of;
 use super::runs::Runs;
+use super::times::time_of;
 
 /// Takes in clouds in recording order.
 pub(super) struct Slices(Runs<CloudSlice>);

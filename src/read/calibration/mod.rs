@@ -27,7 +27,7 @@ use crate::source::{LineIndex, Place, Placed, ReadStatus, Source};
 use crate::tables::{Dialect, Rows};
 use crate::world::Facts;
 
-use super::discover::ending;
+use super::input::ending;
 use super::launch;
 use document::{Documents, Fault};
 use repair::OffsetMap;

@@ -18,7 +18,7 @@ use std::path::Path;
 use crate::source::{Place, ReadStatus, Source, SourceId, Span};
 use crate::world::{Facts, FrameRole, FrameUse};
 
-use super::discover::ending;
+use super::input::ending;
 
 pub(crate) use yaml::collect as collect_yaml;
 

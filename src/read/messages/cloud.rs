@@ -5,7 +5,6 @@
 
 use std::borrow::Cow;
 
-use super::content::Body;
 use super::{Cursor, DecodeError, Wire};
 
 /// Most fields of a point that are read; drivers have a dozen.
@@ -178,7 +177,7 @@ impl Cloud<'_> {
 }
 
 /// Reads the rest of a `sensor_msgs/PointCloud2` behind its header.
-pub(super) fn point_cloud<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
+pub(super) fn point_cloud<'m>(cursor: &mut Cursor<'m>) -> Result<Cloud<'m>, DecodeError> {
     let [height, width] = [cursor.u32()?, cursor.u32()?];
     let (start, count) = (cursor.position(), cursor.sequence()?);
     if count > MAX_FIELDS {
@@ -195,7 +194,7 @@ pub(super) fn point_cloud<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, Decod
         })
     });
     let fields = fields.collect::<Result<_, DecodeError>>()?;
-    Ok(Body::Cloud(Box::new(Cloud {
+    Ok(Cloud {
         height,
         width,
         fields,
@@ -204,7 +203,7 @@ pub(super) fn point_cloud<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, Decod
         row_step: cursor.u32()?,
         data: cursor.bytes()?,
         timebase_ns: None,
-    })))
+    })
 }
 
 /// The fields of a `livox_ros_driver2/CustomPoint`, in its order.
@@ -219,7 +218,7 @@ const LIVOX_FIELDS: [(&str, u32, u8); 7] = [
 ];
 
 /// Reads the rest of a `livox_ros_driver2/CustomMsg`, or `livox_ros_driver/CustomMsg`, behind its header.
-pub(super) fn livox<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
+pub(super) fn livox<'m>(cursor: &mut Cursor<'m>) -> Result<Cloud<'m>, DecodeError> {
     let timebase_ns = cursor.u64()?;
     let _said = cursor.u32()?;
     cursor.skip_numbers(1, 4)?;
@@ -235,7 +234,7 @@ pub(super) fn livox<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError
         datatype,
         count: 1,
     });
-    Ok(Body::Cloud(Box::new(Cloud {
+    Ok(Cloud {
         height: 1,
         width: count,
         fields: fields.into(),
@@ -244,15 +243,16 @@ pub(super) fn livox<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError
         row_step: count.saturating_mul(point_step),
         data: cursor.rest(4),
         timebase_ns: Some(timebase_ns),
-    })))
+    })
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, clippy::panic)]
-    use super::super::decoder::{Decoder, Format};
+    use super::super::content::Body;
+    use super::super::decoder::Decoder;
     use super::super::definition::Definitions;
-    use super::*;
+    use super::super::format::Format;
 
     /// Two points of a Livox, as `ros1` or `cdr` has them: offset_time, x, y, z, reflectivity, tag, line.
     fn custom_msg(encoding: &str) -> Vec<u8> {

@@ -5,8 +5,9 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::decoder::{Decoder, Format};
+use super::decoder::Decoder;
 use super::definition::Definitions;
+use super::format::Format;
 use super::standard::TopicWord;
 
 /// Bound on the fields that all decoders of a recording keep, each some hundred bytes. A decoder keeps only what stands

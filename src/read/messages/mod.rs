@@ -9,6 +9,7 @@ mod cursor;
 pub mod decoder;
 pub mod decoders;
 pub mod definition;
+pub mod format;
 pub mod foxglove;
 mod guess;
 pub mod header;
@@ -21,6 +22,7 @@ mod standard;
 mod tests;
 pub mod tf;
 mod walk;
+mod words;
 
 use std::fmt;
 

@@ -8,10 +8,9 @@
 use std::sync::Arc;
 
 use super::cloud::{Cloud, Column};
-use super::content::Body;
 use super::definition::{Count, Field, Kind, Number, Schema, Struct};
-use super::guess::words;
 use super::walk::Walk;
+use super::words::words;
 use super::{Cursor, DecodeError};
 
 /// Detections of a message that are kept: of more, every second, third, ... one. Radars have some hundred.
@@ -164,7 +163,7 @@ pub fn is_of_a_radar(name: &str) -> bool {
 }
 
 /// Reads the rest of a `radar_msgs/RadarScan` behind its header.
-pub(super) fn scan<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
+pub(super) fn scan(cursor: &mut Cursor<'_>) -> Result<Radar, DecodeError> {
     let total = cursor.sequence()?;
     let every = total.div_ceil(MAX_ECHOES).max(1);
     let mut echoes = Vec::new();
@@ -179,7 +178,7 @@ pub(super) fn scan<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError>
             });
         }
     }
-    Ok(body(
+    Ok(radar(
         Form::Scan,
         "doppler_velocity".into(),
         Speeds::Radial,
@@ -189,7 +188,7 @@ pub(super) fn scan<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError>
 }
 
 /// Reads the rest of a `radar_msgs/RadarTracks` behind its header.
-pub(super) fn tracks<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
+pub(super) fn tracks(cursor: &mut Cursor<'_>) -> Result<Radar, DecodeError> {
     let total = cursor.sequence()?;
     let every = total.div_ceil(MAX_ECHOES).max(1);
     let mut echoes = Vec::new();
@@ -207,17 +206,23 @@ pub(super) fn tracks<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeErro
             });
         }
     }
-    Ok(body(Form::Tracks, "velocity".into(), Speeds::Components, total, echoes))
+    Ok(radar(
+        Form::Tracks,
+        "velocity".into(),
+        Speeds::Components,
+        total,
+        echoes,
+    ))
 }
 
-fn body<'m>(form: Form, field: Arc<str>, speeds: Speeds, total: u32, echoes: Vec<Echo>) -> Body<'m> {
-    Body::Radar(Box::new(Radar {
+fn radar(form: Form, field: Arc<str>, speeds: Speeds, total: u32, echoes: Vec<Echo>) -> Radar {
+    Radar {
         form,
         field,
         speeds,
         total,
         echoes,
-    }))
+    }
 }
 
 /// x forward, y left, z up of a range with an azimuth from x towards y and an elevation from there up, radians.
@@ -391,12 +396,12 @@ impl Detection {
     }
 
     /// Reads a list of them, whose type is `one`.
-    pub(super) fn list<'m>(
+    pub(super) fn list(
         &self,
-        cursor: &mut Cursor<'m>,
+        cursor: &mut Cursor<'_>,
         walk: &mut Walk<'_>,
         fields: &[Field],
-    ) -> Result<Body<'m>, DecodeError> {
+    ) -> Result<Radar, DecodeError> {
         let total = cursor.sequence()?;
         let every = total.div_ceil(MAX_ECHOES).max(1);
         let mut echoes = Vec::new();
@@ -413,7 +418,7 @@ impl Detection {
                 echoes.push(self.echo(&numbers));
             }
         }
-        Ok(body(Form::Scan, Arc::clone(&self.field), self.speeds, total, echoes))
+        Ok(radar(Form::Scan, Arc::clone(&self.field), self.speeds, total, echoes))
     }
 
     /// Nothing read yet: what a type does not have is zero, but for its number.
@@ -426,11 +431,11 @@ impl Detection {
     }
 
     /// The one detection of a message.
-    pub(super) fn single(&self, numbers: &Numbers) -> Body<'static> {
+    pub(super) fn single(&self, numbers: &Numbers) -> Radar {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)] // whole and not negative
         let id = numbers.last().filter(|id| **id >= 0.0).map(|id| *id as u64);
         let echoes = vec![self.echo(numbers)];
-        body(Form::Single(id), Arc::clone(&self.field), self.speeds, 1, echoes)
+        radar(Form::Single(id), Arc::clone(&self.field), self.speeds, 1, echoes)
     }
 
     fn echo(&self, [a, b, c, x, y, z, _]: &Numbers) -> Echo {

@@ -160,7 +160,7 @@ impl Route {
                 Item::Detections(field, list) => content.members.push(Member {
                     field: Arc::clone(field),
                     header: None,
-                    body: list.0.list(&mut cursor, &mut walk, &list.1)?,
+                    body: Body::Radar(Box::new(list.0.list(&mut cursor, &mut walk, &list.1)?)),
                     guessed: true,
                 }),
             }
@@ -176,7 +176,7 @@ impl Route {
             content.members.push(Member {
                 field: Arc::clone(detection.field()),
                 header: None,
-                body: detection.single(&detected),
+                body: Body::Radar(Box::new(detection.single(&detected))),
                 guessed: true,
             });
         }

@@ -173,11 +173,11 @@ impl Standard {
             Self::Image => sensing::image(cursor),
             Self::OccupancyGrid => sensing::occupancy_grid(cursor),
             Self::GridMap => sensing::grid_map(cursor),
-            Self::Cloud => cloud::point_cloud(cursor),
-            Self::LivoxCloud => cloud::livox(cursor),
+            Self::Cloud => cloud::point_cloud(cursor).map(Box::new).map(Body::Cloud),
+            Self::LivoxCloud => cloud::livox(cursor).map(Box::new).map(Body::Cloud),
             Self::LaserScan => sensing::laser_scan(cursor),
-            Self::RadarScan => radar::scan(cursor),
-            Self::RadarTracks => radar::tracks(cursor),
+            Self::RadarScan => radar::scan(cursor).map(Box::new).map(Body::Radar),
+            Self::RadarTracks => radar::tracks(cursor).map(Box::new).map(Body::Radar),
             Self::Tf | Self::Transform | Self::NmeaText | Self::Description | Self::Metadata | Self::Clock => {
                 Ok(Body::Nothing)
             }

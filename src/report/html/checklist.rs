@@ -15,8 +15,9 @@ use crate::verdict::{Measured, Outcome, Row};
 
 use super::super::terminal::Spelled;
 use super::super::text::plural;
-use super::findings::{self, Shown};
+use super::findings;
 use super::plots::Drawn;
+use super::shown::Shown;
 use super::words::{badge, outcome, plain, words};
 use super::{Page, summary};
 
@@ -188,8 +189,8 @@ fn group(
             @if let Some(rule) = rule {
                 p { span class="label" { "Looks for: " } (words(&rule.summary)) }
                 p class="small" { (facts(rule)) }
-                @if let Some(view) = views::of(&rule.code) {
-                    p class="small" { "Views: " code { (view.words()) } }
+                @if let Some(entity) = views::of(&rule.view).and_then(views::View::words) {
+                    p class="small" { "Views: " code { (entity) } }
                 }
             }
         }

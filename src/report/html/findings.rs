@@ -1,62 +1,23 @@
 //! Findings with all that they say: message, places with their source lines, numbers, help, edits, and who accepts them.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 use maud::{Markup, html};
 
-use crate::run::Run;
 use crate::source::{At, Confidence, Place};
 use crate::verdict::{Finding, Fix, Label, Measured, Safety, Severity};
 
 use super::super::terminal::{Spelled, message_words};
 use super::super::text::plural;
 use super::plots::Drawn;
+use super::shown::Shown;
 use super::words::{badge, plain, words};
 use super::{Page, snippet, summary};
 
-/// Findings shown in full.
-const FULL: usize = 150;
-/// So many of each rule are shown in full, however many of other rules stand before them.
-const FULL_PER_RULE: usize = 3;
-/// Findings shown on a line each besides.
-const LISTED: usize = 500;
 /// Places, numbers and edits of one finding; more are only counted.
 const MAX_PLACES: usize = 12;
 const MAX_MEASURED: usize = 20;
 const MAX_EDITS: usize = 12;
-
-/// Which findings stand on the page, by their number, so that nothing links to what is not there.
-pub(super) struct Shown {
-    full: BTreeSet<usize>,
-    listed: BTreeSet<usize>,
-}
-
-impl Shown {
-    pub(super) fn new(run: &Run) -> Self {
-        let mut of_rule: BTreeMap<&str, usize> = BTreeMap::new();
-        let (mut full, mut listed) = (BTreeSet::new(), BTreeSet::new());
-        for (number, finding) in run.verdict.findings.iter().enumerate() {
-            let before = of_rule.entry(&finding.rule).or_default();
-            if full.len() < FULL || *before < FULL_PER_RULE {
-                full.insert(number);
-            } else if listed.len() < LISTED {
-                listed.insert(number);
-            }
-            *before += 1;
-        }
-        Self { full, listed }
-    }
-
-    /// Whether it is shown in full.
-    pub(super) fn is_full(&self, number: usize) -> bool {
-        self.full.contains(&number)
-    }
-
-    /// Whether it can be linked to.
-    pub(super) fn has(&self, number: usize) -> bool {
-        self.full.contains(&number) || self.listed.contains(&number)
-    }
-}
 
 /// The findings that nobody accepts.
 pub(super) fn open(page: &Page, shown: &Shown, drawn: &Drawn) -> Markup {
@@ -85,17 +46,14 @@ fn part(page: &Page, shown: &Shown, drawn: &Drawn, is_meant: impl Fn(&Finding) -
     if findings.is_empty() {
         return None;
     }
-    let listed: Vec<_> = findings
-        .iter()
-        .filter(|(number, _)| shown.listed.contains(number))
-        .collect();
+    let listed: Vec<_> = findings.iter().filter(|(number, _)| shown.is_listed(*number)).collect();
     let mut left: BTreeMap<(&str, &str), usize> = BTreeMap::new();
     for (_, finding) in findings.iter().filter(|(number, _)| !shown.has(*number)) {
         *left.entry((&finding.rule, &finding.name)).or_default() += 1;
     }
     let count: usize = left.values().sum();
     Some(html! {
-        @for (number, finding) in findings.iter().filter(|(number, _)| shown.full.contains(number)) {
+        @for (number, finding) in findings.iter().filter(|(number, _)| shown.is_full(*number)) {
             (full(page, drawn, *number, finding))
         }
         @if !listed.is_empty() {

@@ -10,6 +10,7 @@ mod inputs;
 mod made;
 mod plots;
 mod scale;
+mod shown;
 mod snippet;
 mod summary;
 #[cfg(test)]
@@ -78,7 +79,7 @@ impl<'a> Page<'a> {
 /// The whole page.
 pub(super) fn render(run: &Run, fail_on: FailOn, call: &Call) -> String {
     let page = Page::new(run, fail_on, call);
-    let shown = findings::Shown::new(run);
+    let shown = shown::Shown::new(run);
     let drawn = plots::Drawn::new(&page, &shown);
     let parts = [
         ("required", "Required, and not evaluated", summary::required(&page)),

@@ -12,8 +12,8 @@ use crate::verdict::{Outcome, Row};
 
 use super::super::text::{number, plural};
 use super::Page;
-use super::findings::Shown;
 use super::scale::{Scale, place, range};
+use super::shown::Shown;
 use super::words::{badge, outcome, plain, words};
 
 /// Plots of one report; more are only counted.

@@ -6,10 +6,10 @@ use std::collections::BTreeSet;
 use serde::Deserialize;
 
 use crate::analysis::{names, tf};
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::Place;
 use crate::tables::Tables;
-use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
 use crate::world::bag::TfEdge;
 use crate::world::{BagEvidence, ClaimKind, FrameId, World};
 

@@ -4,9 +4,9 @@ use crate::analysis::Estimates;
 use serde::Deserialize;
 
 use crate::analysis::names;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::{Place, ReadStatus, Source, SourceKind};
-use crate::verdict::{Finding, Measured};
+use crate::verdict::{Finding, Judge, Measured};
 use crate::world::{Claim, ClaimKind, FileReference, FrameId, ReferenceState, World};
 
 /// AUTH05.

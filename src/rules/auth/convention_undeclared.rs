@@ -3,9 +3,9 @@
 use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 
-use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::rules::{Need, NoLimits, Rule};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::bag::TopicEvidence;
 use crate::world::{BagEvidence, FrameId, World};
 

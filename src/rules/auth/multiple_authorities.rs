@@ -6,9 +6,9 @@ use std::collections::BTreeSet;
 use serde::Deserialize;
 
 use crate::math::stats::median;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
 use crate::world::BagEvidence;
 use crate::world::bag::TfEdge;
 use crate::world::content::Step;

@@ -4,8 +4,8 @@ use crate::analysis::Estimates;
 use crate::analysis::axes::push::{Limits, Pushed};
 
 use crate::analysis::motion::{Imu, Motion};
-use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured};
+use crate::rules::{Evidence, Need, Rule};
+use crate::verdict::{Finding, Judge, Measured};
 
 use crate::advice::diagnosis::explain;
 use crate::analysis::axes::causes::{Aspect, Push};

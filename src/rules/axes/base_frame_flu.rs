@@ -4,8 +4,8 @@ use crate::analysis::Estimates;
 use crate::analysis::axes::bases::Limits;
 use nalgebra::Vector3;
 
-use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Evidence, Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
 use crate::analysis::axes::bases::{Axis, Base, Bases, Seen};
 

@@ -6,11 +6,12 @@ use serde::Deserialize;
 use crate::analysis::hand_eye::HandEye;
 use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::{Imu, Motion, mount::mount};
-use crate::analysis::scan_motion::{Moved, ScanMotion, Steps};
+use crate::analysis::scan_motion::moved::Moved;
+use crate::analysis::scan_motion::{ScanMotion, Steps};
 use crate::math::regress::{Through, fit_huber};
-use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::rules::{Evidence, Need, Rule};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::{FrameId, World};
 
 use crate::analysis::axes::rates::Integrals;

@@ -7,8 +7,8 @@ use crate::analysis::axes::handedness::Limits;
 use std::cell::OnceCell;
 
 use crate::analysis::motion::{Motion, Stream, Track};
-use crate::rules::{Evidence, Judge, Need, Rule, codes};
-use crate::verdict::{Finding, Measured, NotEvaluated, Plot};
+use crate::rules::{Evidence, Need, Rule, codes};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Plot};
 use crate::world::motion::{FixRow, PoseRow};
 
 use crate::analysis::axes::handedness::Votes;
@@ -30,7 +30,7 @@ impl Rule for GnssVsOdomHandedness {
             for fixes in &bag.fixes {
                 let (satellites, minor_m) = (fixes.track(), min_minor_m(fixes, limits));
                 let exchanged = OnceCell::new();
-                let exchanged = || exchanged.get_or_init(|| exchanged_track(fixes)).as_ref();
+                let exchanged = || exchanged.get_or_init(|| exchanged_track(fixes)).as_deref();
                 for poses in &bag.poses {
                     let subject = format!("{} against {}", poses.subject, fixes.subject);
                     if poses.is_earth_centred() {

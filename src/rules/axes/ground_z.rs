@@ -12,8 +12,8 @@ use crate::analysis::ground::{Ground, Planes, SIDES};
 use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::{Motion, mount::mount};
 use crate::math::stats::{mad, median};
-use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated, Plot};
+use crate::rules::{Evidence, Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Plot};
 use crate::world::{FrameId, World};
 
 /// AXES09.

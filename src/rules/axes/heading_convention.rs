@@ -5,8 +5,8 @@ use crate::analysis::axes::heading::Limits;
 use crate::analysis::axes::yaw_vs_course::{Decided, apart_deg, is_upright};
 
 use crate::analysis::motion::{Imu, Motion};
-use crate::rules::{Evidence, Judge, Need, Rule, codes};
-use crate::verdict::{Finding, NotEvaluated};
+use crate::rules::{Evidence, Need, Rule, codes};
+use crate::verdict::{Finding, Judge, NotEvaluated};
 
 use crate::advice::diagnosis::{defer, explain};
 use crate::analysis::axes::causes::{self, Aspect};

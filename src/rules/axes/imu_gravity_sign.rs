@@ -4,8 +4,8 @@ use crate::analysis::Estimates;
 use crate::analysis::axes::base_up::{Limits, Up};
 
 use crate::analysis::motion::{Imu, Motion};
-use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, Severity};
+use crate::rules::{Evidence, Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, Severity};
 
 use crate::advice::diagnosis::explain;
 use crate::analysis::axes::causes::{Aspect, Base};

@@ -8,8 +8,8 @@ use crate::analysis::motion::{Imu, Motion, Timed};
 use crate::math::readings::Reading;
 use crate::math::regress::bound_that_reaches_one;
 use crate::math::stats::median;
-use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Evidence, Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::motion::InertialRow;
 
 /// AXES02.

@@ -6,8 +6,8 @@ use crate::analysis::axes::forward::{Limits, Yaw, look};
 use crate::analysis::hand_eye::HandEye;
 use crate::analysis::lidar::Clouds;
 use crate::analysis::sensor::lidar_turn::{self, Origin};
-use crate::rules::{Evidence, Judge, Need, Rule, codes};
-use crate::verdict::{Finding, NotEvaluated};
+use crate::rules::{Evidence, Need, Rule, codes};
+use crate::verdict::{Finding, Judge, NotEvaluated};
 
 /// AXES12.
 pub(crate) struct LidarForwardAxis;

@@ -3,8 +3,8 @@
 use crate::analysis::Estimates;
 use crate::analysis::axes::worlds::Limits;
 
-use crate::rules::{Evidence, Judge, Need, Rule, codes};
-use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::rules::{Evidence, Need, Rule, codes};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
 
 use crate::analysis::axes::worlds::{Frame, Gravity, Heights, Worlds};
 

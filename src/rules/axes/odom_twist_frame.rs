@@ -7,8 +7,8 @@ use crate::analysis::axes::twist_frame::{SIDE_BETTER, has_twist};
 use crate::analysis::motion::{Motion, Stream};
 use crate::analysis::quat::level::is_reordered;
 use crate::math::regress::bound_that_reaches_one;
-use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Evidence, Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::motion::PoseRow;
 
 use crate::analysis::axes::twist::{Reading, Twists};

@@ -11,9 +11,9 @@ use crate::analysis::radar::{Radar, Scan, Wanted, Way, found_again, scans};
 use crate::math::circular::{circular_mean, difference, wrapped};
 use crate::math::doppler::Near;
 use crate::math::stats::median;
-use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::rules::{Evidence, Need, Rule};
 use crate::source::Confidence;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::radar::{RadarForm, SpeedForm};
 
 /// AXES15.

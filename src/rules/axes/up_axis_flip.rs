@@ -12,8 +12,8 @@ use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::{Motion, mount::mount};
 use crate::math::stats::median;
 use crate::math::support::open_above;
-use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated, SeenPlane};
+use crate::rules::{Evidence, Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, SeenPlane};
 use crate::world::cloud::CloudSample;
 use crate::world::{FrameId, World};
 

@@ -3,9 +3,9 @@
 use crate::analysis::Estimates;
 use crate::analysis::camera::grids::Limits;
 
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::Place;
-use crate::verdict::{Measured, NotEvaluated};
+use crate::verdict::{Judge, Measured, NotEvaluated};
 use crate::world::bag::TopicEvidence;
 use crate::world::projection::{Form, Grid, GridAt, Panorama, Projection, Sense};
 use crate::world::{BagEvidence, World};

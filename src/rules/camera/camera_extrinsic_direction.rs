@@ -5,9 +5,9 @@ use nalgebra::Isometry3;
 use serde::Deserialize;
 
 use crate::analysis::names;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::Confidence;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::{Claim, ClaimKind, FrameId, World};
 
 /// CAMERA06.

@@ -4,8 +4,8 @@ use crate::analysis::Estimates;
 use serde::Deserialize;
 
 use crate::math::distortion::{Radial, Reach};
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
 use crate::analysis::camera::published::Published;
 

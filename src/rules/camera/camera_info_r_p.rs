@@ -5,8 +5,8 @@ use nalgebra::Matrix3;
 use serde::Deserialize;
 
 use crate::math::rotation::orthogonality_error;
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
 use crate::analysis::camera::published::Published;
 

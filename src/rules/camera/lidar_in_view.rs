@@ -4,8 +4,8 @@ use crate::analysis::Estimates;
 use crate::analysis::camera::in_view::{Views, cameras};
 use crate::analysis::camera::looks::Limits;
 
-use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured};
+use crate::rules::{Evidence, Need, Rule};
+use crate::verdict::{Finding, Judge, Measured};
 use crate::world::{FrameId, World};
 
 use crate::analysis::camera::looks::{Fault, Shown};

@@ -6,8 +6,8 @@ use serde::Deserialize;
 
 use crate::analysis::motion::mount::mount;
 use crate::analysis::names;
-use crate::rules::{Judge, Need, Rule, codes};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Need, Rule, codes};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::FrameId;
 
 use crate::analysis::camera::published::{VERTICAL, Ways, looks_against_its_name};

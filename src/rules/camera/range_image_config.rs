@@ -3,8 +3,8 @@
 use crate::analysis::Estimates;
 use crate::analysis::camera::range_images::Limits;
 
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, NotEvaluated};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, NotEvaluated};
 use crate::world::projection::{Form, Projection, RangeImage};
 
 use crate::analysis::camera::declared::name;

@@ -4,9 +4,9 @@ use crate::analysis::Estimates;
 use serde::Deserialize;
 
 use crate::math::magnetism::declination_deg;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::World;
 use crate::world::launch::LocalizationSettings;
 

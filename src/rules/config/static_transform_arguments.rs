@@ -4,9 +4,9 @@ use crate::analysis::Estimates;
 use serde::Deserialize;
 
 use crate::analysis::names;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::launch::{ArgumentForm, StaticPublisher, Unread};
 use crate::world::{Claim, Spelling, World};
 

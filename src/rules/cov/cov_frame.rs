@@ -7,8 +7,8 @@ use crate::analysis::Estimates;
 use crate::rules::cov::cov_frame::limits::Limits;
 
 use crate::analysis::motion::Stream;
-use crate::rules::{Evidence, Judge, Need, Rule, codes};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Evidence, Need, Rule, codes};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::motion::PoseRow;
 
 use crate::analysis::cov::declared::{Axes, Declared, each};

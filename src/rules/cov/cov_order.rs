@@ -6,8 +6,8 @@ use serde::Deserialize;
 use crate::analysis::motion::Stream;
 use crate::math::level::tilt;
 use crate::math::readings::Reading as Slots;
-use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Evidence, Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::motion::PoseRow;
 
 use crate::analysis::cov::declared::{Declared, each};

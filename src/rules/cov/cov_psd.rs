@@ -3,9 +3,9 @@
 use crate::analysis::Estimates;
 use serde::Deserialize;
 
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
 use crate::world::BagEvidence;
 use crate::world::bag::TopicEvidence;
 use crate::world::content::{CovarianceAt, CovarianceEvidence};

@@ -5,9 +5,9 @@ use serde::Deserialize;
 
 use crate::analysis::motion::Stream;
 use crate::math::noise::DEG2_PER_RAD2;
-use crate::rules::{Evidence, Judge, Need, Rule, codes};
+use crate::rules::{Evidence, Need, Rule, codes};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::bag::TopicEvidence;
 use crate::world::content::CovarianceEvidence;
 use crate::world::motion::PoseRow;

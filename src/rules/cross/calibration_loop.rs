@@ -7,12 +7,13 @@ use nalgebra::Isometry3;
 use serde::Deserialize;
 
 use crate::math::relation::{Relation, Tolerance, classify};
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::SourceId;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::{FrameId, World};
 
-use crate::analysis::cross::statements::{Statement, are_of_one_platform, described, statements};
+use crate::analysis::cross::pair::Statement;
+use crate::analysis::cross::statements::{are_of_one_platform, described, statements};
 
 /// CROSS03.
 pub(crate) struct CalibrationLoop;

@@ -3,11 +3,12 @@
 use crate::analysis::Estimates;
 use serde::Deserialize;
 
-use crate::rules::{Judge, Need, Rule, codes};
-use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::rules::{Need, Rule, codes};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
 use crate::world::World;
 
-use crate::analysis::cross::statements::{Pair, pairs};
+use crate::analysis::cross::pair::Pair;
+use crate::analysis::cross::statements::pairs;
 
 /// CROSS01.
 pub(crate) struct ExtrinsicConsistency;

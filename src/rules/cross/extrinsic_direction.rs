@@ -4,8 +4,8 @@ use crate::analysis::Estimates;
 use crate::analysis::cross::direction::{Limits, Reading, Seen, look};
 
 use crate::analysis::lidar::Clouds;
-use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Evidence, Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
 /// CROSS04.
 pub(crate) struct ExtrinsicDirection;

@@ -8,13 +8,14 @@ use crate::advice::literal::with_fix;
 use crate::advice::restate::restated;
 use crate::math::relation::{Classification, Relation, Tolerance, classify};
 use crate::math::rotation::from_rpy;
-use crate::rules::{Judge, Need, Rule, codes};
+use crate::rules::{Need, Rule, codes};
 use crate::source::Confidence;
-use crate::verdict::{Edit, Finding, Measured, NotEvaluated, Safety};
+use crate::verdict::{Edit, Finding, Judge, Measured, NotEvaluated, Safety};
 use crate::world::World;
 
 use crate::analysis::cross::blame::{blame, holds_radians_twice};
-use crate::analysis::cross::statements::{Direction, Pair, pairs};
+use crate::analysis::cross::pair::{Direction, Pair};
+use crate::analysis::cross::statements::pairs;
 
 /// CROSS02.
 pub(crate) struct ExtrinsicRelation;

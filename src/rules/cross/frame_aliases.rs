@@ -7,8 +7,8 @@ use serde::Deserialize;
 use crate::analysis::names;
 use crate::analysis::names::{has_word, has_word_of};
 use crate::math::relation::{Relation, Tolerance, classify};
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::graph::FrameGraph;
 use crate::world::{Claim, ClaimKind, FrameId, World};
 

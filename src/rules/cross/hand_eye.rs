@@ -6,8 +6,8 @@ use crate::analysis::cross::hand_eye::{Limits, at_place, solved};
 use crate::analysis::hand_eye::{HandEye, in_plane};
 use crate::analysis::lidar::Clouds;
 use crate::math::planar_hand_eye::Mounted;
-use crate::rules::{Evidence, Judge, Need, Rule, codes};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Evidence, Need, Rule, codes};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
 /// CROSS05.
 pub(crate) struct HandEyeCalibration;

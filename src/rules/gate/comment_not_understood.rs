@@ -1,8 +1,8 @@
 //! GATE03: a comment to frames-lint that says nothing which it understands.
 
-use crate::rules::{Judge, OfGate};
+use crate::rules::OfGate;
 use crate::verdict::waiver::{Applied, Misspelt, WaiverKind};
-use crate::verdict::{Finding, Measured};
+use crate::verdict::{Finding, Judge, Measured};
 
 /// The rule.
 pub(crate) struct CommentNotUnderstood;

@@ -1,8 +1,8 @@
 //! GATE02: an acceptance that has run out.
 
-use crate::rules::{Judge, OfGate};
+use crate::rules::OfGate;
 use crate::verdict::waiver::{Applied, Misspelt};
-use crate::verdict::{Finding, Measured};
+use crate::verdict::{Finding, Judge, Measured};
 
 /// The rule.
 pub(crate) struct ExpiredWaiver;

@@ -1,8 +1,8 @@
 //! GATE01: an acceptance that is for nothing.
 
-use crate::rules::{Judge, OfGate};
+use crate::rules::OfGate;
 use crate::verdict::waiver::{Applied, Misspelt};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
 /// The rule.
 pub(crate) struct UnusedWaiver;

@@ -4,8 +4,8 @@ use crate::analysis::Estimates;
 use crate::analysis::geo::heights::Limits;
 
 use crate::analysis::motion::Motion;
-use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Evidence, Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
 use crate::analysis::geo::heights::{Apart, Datum, Heights};
 

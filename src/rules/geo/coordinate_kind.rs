@@ -8,8 +8,8 @@ use crate::analysis::geo::kinds::Limits;
 use crate::analysis::motion::Motion;
 use crate::analysis::names;
 use crate::analysis::names::Standard;
-use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Evidence, Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::{FrameId, World};
 
 use crate::analysis::geo::columns::{Column, columns};

@@ -4,8 +4,8 @@ use crate::analysis::Estimates;
 use crate::analysis::geo::level::Limits;
 
 use crate::math::earth_turns::{EarthTurn, shown};
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
 
 use crate::analysis::geo::earth::OnEarth;
 use crate::analysis::geo::level::{Seen, expected, see};

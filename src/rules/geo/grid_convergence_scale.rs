@@ -5,8 +5,8 @@ use serde::Deserialize;
 
 use crate::analysis::motion::{Motion, Stream};
 use crate::analysis::names;
-use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Evidence, Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::motion::{FixRow, PoseRow};
 use crate::world::{EarthOrigin, FrameId, World};
 

@@ -7,9 +7,9 @@ use crate::analysis::geo::origins::Limits;
 use nalgebra::Vector3;
 
 use crate::math::geoid::undulation_m;
-use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::rules::{Evidence, Need, Rule};
 use crate::source::Confidence;
-use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
 use crate::world::{EarthOrigin, World};
 
 use crate::analysis::geo::apart::{between, direction, told};

@@ -5,9 +5,9 @@ use serde::Deserialize;
 
 use crate::analysis::motion::{Motion, Stream};
 use crate::math::geodesy::{Geodetic, tangent_departure_m};
-use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::rules::{Evidence, Need, Rule};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::motion::PoseRow;
 
 use crate::analysis::geo::curvature::{Curvature, Follows};

@@ -7,9 +7,9 @@ use serde::Deserialize;
 use crate::analysis::promised::BodyAxes;
 use crate::analysis::suffix::{known_turn, off_deg, place_of, relation_to, siblings};
 use crate::math::relation::Relation;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::{Confidence, Place};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::{Claim, ClaimKind, FrameId, World};
 
 /// NAME05.

@@ -5,9 +5,9 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::advice::places;
 use crate::analysis::names;
-use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::rules::{Need, NoLimits, Rule};
 use crate::source::SourceId;
-use crate::verdict::{Finding, Measured, Safety};
+use crate::verdict::{Finding, Judge, Measured, Safety};
 use crate::world::{FrameId, FrameRole, FrameUse, World};
 
 /// NAME01.

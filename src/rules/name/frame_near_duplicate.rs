@@ -7,8 +7,8 @@ use serde::Deserialize;
 
 use crate::analysis::near::{Near, Reach, nearest};
 use crate::analysis::{names, spelling};
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, Measured};
 use crate::world::{FrameId, FrameRole, FrameUse, World};
 
 /// NAME03.

@@ -7,9 +7,9 @@ use crate::advice::places;
 use crate::analysis::spelling;
 use crate::analysis::spelling::Fault;
 use crate::analysis::tf;
-use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::rules::{Need, NoLimits, Rule};
 use crate::source::{Confidence, Place, SourceId, SourceKind};
-use crate::verdict::{Finding, Measured, Safety, Severity};
+use crate::verdict::{Finding, Judge, Measured, Safety, Severity};
 use crate::world::{FrameId, FrameRole, FrameUse, World};
 
 /// NAME02.

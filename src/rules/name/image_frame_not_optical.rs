@@ -4,9 +4,9 @@ use crate::analysis::Estimates;
 use crate::analysis::name::image_frame::{Limits, UPWARD_WORDS};
 
 use crate::analysis::names::has_word;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::{BagEvidence, FrameId, World};
 
 use crate::analysis::name::cameras::{Camera, cameras, optical_beside, up};

@@ -7,8 +7,8 @@ use serde::Deserialize;
 use crate::analysis::names;
 use crate::analysis::promised::Axes;
 use crate::analysis::suffix::{known_turn, off_deg, place_of, relation_to, siblings};
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::{FrameId, World};
 
 /// NAME04.

@@ -10,8 +10,8 @@ use crate::analysis::optical::mounts;
 use crate::math::constants::AxisTurn;
 use crate::math::relation::{Relation, Tolerance, classify_rotation};
 use crate::math::rotation::rotation_angle_between;
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated, Safety};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Safety};
 use crate::world::graph::FrameGraph;
 use crate::world::{FrameId, World};
 

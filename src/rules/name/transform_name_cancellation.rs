@@ -3,9 +3,9 @@
 use crate::analysis::Estimates;
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::rules::{Need, NoLimits, Rule};
 use crate::source::{Confidence, Place, SourceId, SourceKind, Span};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::transform_name::{self, NameStyle, TransformName};
 use crate::world::{ClaimKind, DeclaredChain, Doubt, FrameId, World};
 

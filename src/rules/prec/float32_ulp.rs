@@ -5,9 +5,9 @@ use crate::analysis::single_precision::{single, step_of_single};
 use serde::Deserialize;
 
 use crate::analysis::lidar::Clouds;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
 
 /// PREC01.
 pub(crate) struct Float32Ulp;

@@ -5,8 +5,8 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 
 use crate::analysis::lidar::Clouds;
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
 /// PREC03.
 pub(crate) struct LocalOrigin;

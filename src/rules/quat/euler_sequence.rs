@@ -6,11 +6,12 @@ use crate::analysis::axes::causes::Turn;
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::cross::angles;
 use crate::analysis::cross::angles::{Explained, Limits, Unit};
-use crate::analysis::cross::statements::{Pair, Statement, pairs};
+use crate::analysis::cross::pair::{Pair, Statement};
+use crate::analysis::cross::statements::pairs;
 use crate::analysis::motion::{Imu, Motion};
 use crate::math::euler::Order;
-use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Evidence, Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::World;
 
 use crate::analysis::quat::by_gyro::Ordered;

@@ -1,9 +1,9 @@
 //! QUAT05: quaternions of programs that use, or used, JPL's algebra.
 
 use crate::analysis::Estimates;
-use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::rules::{Need, NoLimits, Rule};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured};
+use crate::verdict::{Finding, Judge, Measured};
 use crate::world::conventions::Subject;
 use crate::world::{Doubt, World};
 

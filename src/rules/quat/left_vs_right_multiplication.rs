@@ -9,8 +9,8 @@ use crate::advice::together::tell_once;
 use crate::analysis::motion::{BagMotion, Motion};
 use crate::math::constants::AxisTurn;
 use crate::math::sides::{Constant, Sides, sides};
-use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Evidence, Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
 use crate::analysis::quat::oriented::{Claim, Oriented, oriented};
 

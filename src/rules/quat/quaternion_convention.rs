@@ -8,8 +8,8 @@ use crate::analysis::axes::causes::{Aspect, Turn};
 use crate::analysis::axes::diagnosis::Diagnosis;
 use crate::analysis::axes::sensors::Sensors;
 use crate::analysis::motion::{Imu, Motion};
-use crate::rules::{Evidence, Judge, Need, Rule, codes};
-use crate::verdict::{Finding, Measured};
+use crate::rules::{Evidence, Need, Rule, codes};
+use crate::verdict::{Finding, Judge, Measured};
 
 /// QUAT01.
 pub(crate) struct QuaternionConvention;

@@ -8,9 +8,9 @@ use crate::analysis::quat::level::Limits;
 use std::collections::BTreeMap;
 
 use crate::advice::tally::Tally;
-use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::rules::{Evidence, Need, Rule};
 use crate::source::SourceId;
-use crate::verdict::{Finding, Measured};
+use crate::verdict::{Finding, Judge, Measured};
 use crate::world::{ClaimKind, Spelling, World};
 
 use crate::analysis::quat::listed::{Listed, Slot, said_by_key};

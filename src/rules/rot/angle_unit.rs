@@ -9,8 +9,8 @@ use crate::advice::literal::{rewrite, spell, with_fix};
 use crate::advice::tally::Tally;
 use crate::analysis::pairs::{Pairs, Statement};
 use crate::math::rotation::{from_rpy, rotation_angle_between};
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, Safety};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, Safety};
 use crate::world::World;
 
 use crate::analysis::rot::angles::{Angles, stated};

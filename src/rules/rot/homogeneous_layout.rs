@@ -6,8 +6,8 @@ use nalgebra::Matrix3;
 use crate::advice::literal::{rewrite, with_fix};
 use crate::advice::tally::Tally;
 use crate::math::rotation::orthogonality_error;
-use crate::rules::{Judge, Need, NoLimits, Rule};
-use crate::verdict::{Edit, Finding, Measured, NotEvaluated, Safety};
+use crate::rules::{Need, NoLimits, Rule};
+use crate::verdict::{Edit, Finding, Judge, Measured, NotEvaluated, Safety};
 use crate::world::World;
 
 use crate::analysis::rot::parts::Parts;

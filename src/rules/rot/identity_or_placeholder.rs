@@ -4,8 +4,8 @@ use crate::analysis::Estimates;
 use nalgebra::Isometry3;
 
 use crate::advice::tally::Tally;
-use crate::rules::{Judge, Need, NoLimits, Rule};
-use crate::verdict::{Finding, Measured};
+use crate::rules::{Need, NoLimits, Rule};
+use crate::verdict::{Finding, Judge, Measured};
 use crate::world::World;
 
 use crate::analysis::rot::sensors::{Mounting, mountings};

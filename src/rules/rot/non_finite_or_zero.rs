@@ -5,9 +5,9 @@ use crate::advice::tally::Tally;
 use crate::analysis::Estimates;
 use crate::analysis::places::cover;
 use crate::math::rotation::quaternion_norm;
-use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::rules::{Need, NoLimits, Rule};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured};
+use crate::verdict::{Finding, Judge, Measured};
 use crate::world::bag::{BagEvidence, Faults, TfEdge};
 use crate::world::{Claim, ClaimKind, Literal, Robot, Spelling, World};
 

@@ -5,9 +5,9 @@ use crate::advice::tally::Tally;
 use crate::analysis::Estimates;
 use crate::analysis::places::cover;
 use crate::math::rotation::{allowed_quaternion_norm_error, quaternion_norm};
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, Safety, Severity};
+use crate::verdict::{Finding, Judge, Measured, Safety, Severity};
 use crate::world::bag::TfEdge;
 use crate::world::{BagEvidence, World};
 

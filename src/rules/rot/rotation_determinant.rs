@@ -6,8 +6,8 @@ use nalgebra::Rotation3;
 use crate::advice::tally::Tally;
 use crate::analysis::pairs::Pairs;
 use crate::math::rotation::{Diagnosis, Flip, allowed_orthogonality_error, det, diagnose};
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::World;
 
 use crate::analysis::rot::parts::Parts;

@@ -2,8 +2,8 @@
 
 use serde::Deserialize;
 
-use crate::rules::{Judge, Review};
-use crate::verdict::{Finding, Measured, NotEvaluated, Outcome, PlaceRole, Row};
+use crate::rules::Review;
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Outcome, PlaceRole, Row};
 
 /// ROT10.
 pub(crate) struct RotationErrorBudget;

@@ -5,8 +5,8 @@ use nalgebra::Rotation3;
 
 use crate::advice::tally::Tally;
 use crate::math::rotation::{Diagnosis, allowed_orthogonality_error, diagnose, nearest_rotation, orthogonality_error};
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated, Safety, Severity};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Safety, Severity};
 use crate::world::World;
 
 use crate::analysis::rot::parts::Parts;

@@ -6,9 +6,9 @@ use nalgebra::Vector3;
 use crate::advice::literal::{rewrite, spell, with_fix};
 use crate::advice::tally::Tally;
 use crate::analysis::pairs::{Pairs, Statement};
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::SourceId;
-use crate::verdict::{Finding, Measured, Safety, Severity};
+use crate::verdict::{Finding, Judge, Measured, Safety, Severity};
 use crate::world::World;
 
 use crate::analysis::rot::translations::{Stated, by_source};

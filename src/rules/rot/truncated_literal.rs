@@ -5,9 +5,9 @@ use std::collections::BTreeMap;
 
 use crate::advice::literal::{rewrite, with_fix};
 use crate::advice::tally::Tally;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::{Place, SourceId};
-use crate::verdict::{Finding, Measured, Safety};
+use crate::verdict::{Finding, Judge, Measured, Safety};
 use crate::world::{Literal, World};
 
 use crate::analysis::rot::angles::stated;

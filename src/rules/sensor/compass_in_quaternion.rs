@@ -11,9 +11,8 @@ use crate::analysis::axes::worlds::Worlds;
 use crate::analysis::motion::{Compass, Imu, Motion, Stream, Tracks, Yaws, mount::mount};
 use crate::math::level::level;
 use crate::math::readings::Reading;
-use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::Finding;
-use crate::verdict::NotEvaluated;
+use crate::rules::{Evidence, Need, Rule};
+use crate::verdict::{Finding, Judge, NotEvaluated};
 use crate::world::World;
 use crate::world::motion::{OrientationRow, PoseRow, Row};
 

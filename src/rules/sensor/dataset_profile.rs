@@ -10,10 +10,11 @@ use std::path::Path;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use crate::analysis::cross::statements::{Statement, statements};
-use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::analysis::cross::pair::Statement;
+use crate::analysis::cross::statements::statements;
+use crate::rules::{Evidence, Need, Rule};
 use crate::tables::{Dataset, DatasetFrame};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::{FrameId, NamedDataset, World};
 
 /// SENSOR10.

@@ -13,9 +13,9 @@ use crate::analysis::landmarks::{Grid, Maps, maps};
 use crate::analysis::lidar::Clouds;
 use crate::analysis::ouster;
 use crate::analysis::ouster::Axes;
-use crate::rules::{Evidence, Judge, Need, Rule, codes};
+use crate::rules::{Evidence, Need, Rule, codes};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::FrameId;
 
 use crate::analysis::sensor::lidar_turn::Edge;

@@ -4,9 +4,9 @@ use crate::analysis::Estimates;
 use serde::Deserialize;
 
 use crate::analysis::names;
-use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::rules::{Evidence, Need, Rule};
 use crate::source::{MessageRef, Place};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::bag::{Said, TopicEvidence};
 use crate::world::{BagEvidence, FrameId, World};
 

@@ -5,9 +5,9 @@ use serde::Deserialize;
 
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::motion::{Imu, Motion};
-use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::rules::{Evidence, Need, Rule};
 use crate::tables::InsDriver;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
 /// SENSOR06.
 pub(crate) struct InsProfile;

@@ -6,9 +6,9 @@ use serde::Deserialize;
 use crate::analysis::axes::causes::Base;
 use crate::analysis::axes::sensors::Sensors;
 use crate::analysis::motion::{BagMotion, Imu, Motion, Stream, Track};
-use crate::rules::{Evidence, Judge, Need, Rule};
+use crate::rules::{Evidence, Need, Rule};
 use crate::tables::Simulator;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::motion::{FixRow, PoseRow};
 
 /// SENSOR09.

@@ -6,8 +6,8 @@ use serde::Deserialize;
 use crate::advice::places;
 use crate::analysis::suffix::{off_deg, place_of};
 use crate::math::constants::AxisTurn;
-use crate::rules::{Judge, Need, Rule, codes};
-use crate::verdict::{Finding, Measured, NotEvaluated, RuleCode, Safety};
+use crate::rules::{Need, Rule, codes};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, RuleCode, Safety};
 use crate::world::{FrameId, World};
 
 /// SENSOR07.

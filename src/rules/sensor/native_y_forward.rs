@@ -4,9 +4,9 @@ use crate::analysis::Estimates;
 use serde::Deserialize;
 
 use crate::analysis::lidar::Clouds;
-use crate::rules::{Evidence, Judge, Need, Rule, codes};
+use crate::rules::{Evidence, Need, Rule, codes};
 use crate::tables::{Forward, Lidar};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
 use crate::analysis::sensor::lidar_turn::{has_two_ways, lidar};
 

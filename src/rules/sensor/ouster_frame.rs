@@ -6,9 +6,9 @@ use crate::analysis::sensor::ouster_look::{Limits, Seen, first, is_organised, lo
 use crate::analysis::lidar::Clouds;
 use crate::analysis::ouster;
 use crate::analysis::ouster::Axes;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::verdict::plot::{Axis, Plot, Series};
-use crate::verdict::{Finding, NotEvaluated};
+use crate::verdict::{Finding, Judge, NotEvaluated};
 use crate::world::World;
 
 /// SENSOR01.

@@ -7,9 +7,9 @@ use crate::rules::sensor::ouster_tf_metadata::beams::Limits;
 use nalgebra::Vector3;
 
 use crate::analysis::ouster::Part;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::tables::OusterPart;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::World;
 
 /// SENSOR02.

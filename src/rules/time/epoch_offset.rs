@@ -5,8 +5,8 @@ use crate::analysis::time::lateness;
 use crate::analysis::time::naming::Limits;
 use std::collections::BTreeMap;
 
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
 use crate::world::BagEvidence;
 
 use crate::advice::together::tell_once;

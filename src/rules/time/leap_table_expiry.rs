@@ -3,10 +3,10 @@
 use crate::analysis::Estimates;
 use serde::Deserialize;
 
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::Place;
 use crate::tables::leap_seconds;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
 use crate::analysis::time::streams::{Clock, log_clock};
 

@@ -6,8 +6,8 @@ use serde::Deserialize;
 use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::{BagMotion, Motion, Stream};
 use crate::analysis::names;
-use crate::rules::{Evidence, Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Evidence, Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::motion::{FixRow, PoseRow};
 
 /// TIME05.

@@ -4,10 +4,10 @@ use crate::analysis::Estimates;
 use serde::Deserialize;
 
 use crate::analysis::lidar::Clouds;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::Place;
 use crate::tables::CountsFrom;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::cloud::{CloudSample, PointTimes};
 
 /// TIME08.

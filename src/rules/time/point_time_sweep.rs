@@ -8,9 +8,9 @@ use nalgebra::Vector3;
 
 use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::mount::mount;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::tables::Sweep;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::World;
 
 /// TIME07.

@@ -6,9 +6,9 @@ use serde::Deserialize;
 
 use crate::analysis::lidar::Clouds;
 use crate::math::stats::median;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::tables::CloudDriver;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
 /// TIME06.
 pub(crate) struct PointTimeUnit;

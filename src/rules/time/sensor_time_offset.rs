@@ -6,9 +6,9 @@ use crate::analysis::time::reference::words;
 
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::motion::{BagMotion, Motion};
-use crate::rules::{Evidence, Judge, Need, Rule, codes};
+use crate::rules::{Evidence, Need, Rule, codes};
 use crate::verdict::plot::{Axis, Series};
-use crate::verdict::{Finding, Measured, NotEvaluated, Plot, Severity};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Plot, Severity};
 use crate::world::{BagEvidence, World};
 
 use crate::advice::together::tell_once;

@@ -5,9 +5,9 @@ mod gaps;
 use crate::analysis::Estimates;
 use crate::rules::time::stamp_monotonic::gaps::Limits;
 
-use crate::rules::{Judge, Need, Rule, codes};
+use crate::rules::{Need, Rule, codes};
 use crate::source::{MessageRef, Place};
-use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
 
 use crate::analysis::time::streams::{Of, Stream, streams};
 use crate::rules::time::stamp_monotonic::gaps::judge_gaps;

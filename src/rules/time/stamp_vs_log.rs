@@ -5,9 +5,9 @@ mod lateness;
 use crate::analysis::Estimates;
 use crate::analysis::time::lateness::Limits;
 
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::Confidence;
-use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
 use crate::world::BagEvidence;
 
 use crate::advice::together::tell_once;

@@ -4,8 +4,8 @@ use crate::analysis::Estimates;
 use crate::analysis::time::streams::Limits;
 
 use crate::math::stats::median;
-use crate::rules::{Judge, Need, Rule, codes};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Need, Rule, codes};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
 use crate::advice::together::tell_once;
 use crate::analysis::time::naming::Naming;

@@ -4,8 +4,8 @@ use crate::analysis::Estimates;
 use crate::analysis::tree::footprint::Limits;
 
 use crate::math::stats::quantile;
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::FrameId;
 
 use crate::analysis::tree::footprint::{LevelPath, Mount, level_paths, mounts};

@@ -5,9 +5,9 @@ use serde::Deserialize;
 
 use crate::analysis::names::Standard;
 use crate::analysis::tf;
-use crate::rules::{Judge, Need, Rule, codes};
+use crate::rules::{Need, Rule, codes};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::bag::{TfEdge, TopicEvidence};
 use crate::world::content::Step;
 use crate::world::{BagEvidence, FrameId, World};

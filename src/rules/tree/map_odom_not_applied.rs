@@ -7,9 +7,9 @@ use crate::analysis::motion::{BagMotion, Motion};
 use crate::analysis::names::Standard;
 use crate::analysis::tf;
 use crate::analysis::tf::Used;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::{MessageRef, Place};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::bag::{TfEdge, TopicEvidence};
 use crate::world::{BagEvidence, FrameId};
 

@@ -9,9 +9,9 @@ use crate::analysis::near::{Reach, nearest};
 use crate::analysis::spelling;
 use crate::analysis::tf;
 use crate::analysis::tf::{HeaderUse, Used};
-use crate::rules::{Judge, Need, NoLimits, Rule, codes};
+use crate::rules::{Need, NoLimits, Rule, codes};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::{BagEvidence, FrameId, World};
 
 /// TREE07.

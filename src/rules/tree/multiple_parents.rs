@@ -6,9 +6,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use serde::Deserialize;
 
 use crate::analysis::tf;
-use crate::rules::{Judge, Need, Rule, codes};
+use crate::rules::{Need, Rule, codes};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured};
+use crate::verdict::{Finding, Judge, Measured};
 use crate::world::bag::TfEdge;
 use crate::world::robot::Joint;
 use crate::world::{BagEvidence, FrameId, Robot, World};

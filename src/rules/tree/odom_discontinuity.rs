@@ -4,9 +4,9 @@ use crate::analysis::Estimates;
 use crate::analysis::tree::odometry::Limits;
 use crate::world::FrameId;
 
-use crate::rules::{Judge, Need, Rule, codes};
+use crate::rules::{Need, Rule, codes};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::BagEvidence;
 use crate::world::content::StepAt;
 

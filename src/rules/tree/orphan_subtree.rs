@@ -6,9 +6,9 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::analysis::places::Firsts;
 use crate::analysis::spelling::loose;
 use crate::analysis::tf;
-use crate::rules::{Judge, Need, NoLimits, Rule, codes};
+use crate::rules::{Need, NoLimits, Rule, codes};
 use crate::source::SourceId;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::graph::Component;
 use crate::world::{FrameId, FrameRole, World};
 

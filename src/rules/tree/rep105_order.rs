@@ -5,8 +5,8 @@ use std::collections::{BTreeSet, VecDeque};
 
 use crate::analysis::names;
 use crate::analysis::names::Standard;
-use crate::rules::{Judge, Need, NoLimits, Rule};
-use crate::verdict::{Finding, Measured};
+use crate::rules::{Need, NoLimits, Rule};
+use crate::verdict::{Finding, Judge, Measured};
 use crate::world::graph::FrameGraph;
 use crate::world::{FrameId, World};
 

@@ -1,9 +1,9 @@
 //! TREE04: transforms of a frame to itself, and transforms without a frame.
 
 use crate::analysis::Estimates;
-use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::rules::{Need, NoLimits, Rule};
 use crate::source::{Confidence, Place};
-use crate::verdict::{Finding, Measured};
+use crate::verdict::{Finding, Judge, Measured};
 use crate::world::{BagEvidence, ClaimKind, FrameId, Robot, World};
 
 /// TREE04.

@@ -5,9 +5,9 @@ use serde::Deserialize;
 
 use crate::analysis::relate::{Difference, Same};
 use crate::analysis::{names, tf};
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured};
+use crate::verdict::{Finding, Judge, Measured};
 use crate::world::bag::TfEdge;
 use crate::world::robot::Joint;
 use crate::world::{BagEvidence, FrameId, World};

@@ -5,9 +5,9 @@ mod across;
 use crate::analysis::Estimates;
 use crate::analysis::tree::latched::Limits;
 
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::Place;
-use crate::verdict::{Finding, NotEvaluated, Severity};
+use crate::verdict::{Finding, Judge, NotEvaluated, Severity};
 use crate::world::BagEvidence;
 use crate::world::bag::{TfEdge, TfSample};
 

@@ -4,9 +4,9 @@ use crate::analysis::Estimates;
 use crate::analysis::tree::loops::loops;
 use std::collections::BTreeSet;
 
-use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::rules::{Need, NoLimits, Rule};
 use crate::source::{At, Place, SourceId};
-use crate::verdict::{Finding, Measured};
+use crate::verdict::{Finding, Judge, Measured};
 use crate::world::graph::Edge;
 use crate::world::{FrameId, World};
 

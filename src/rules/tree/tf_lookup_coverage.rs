@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 
 use crate::advice::together::tell_once;
 use crate::analysis::{names, tf};
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, NotEvaluated};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, NotEvaluated};
 use crate::world::bag::TopicEvidence;
 use crate::world::{BagEvidence, FrameId};
 

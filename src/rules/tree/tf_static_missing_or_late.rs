@@ -8,9 +8,9 @@ use std::collections::BTreeSet;
 use serde::Deserialize;
 
 use crate::analysis::tf;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::{MessageRef, Place};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::bag::TopicEvidence;
 use crate::world::{BagEvidence, FrameId, World};
 

@@ -10,8 +10,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::analysis::spelling::loose;
 use crate::analysis::tf;
-use crate::rules::{Judge, Need, NoLimits, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::rules::{Need, NoLimits, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::robot::Link;
 use crate::world::{FrameId, Robot};
 

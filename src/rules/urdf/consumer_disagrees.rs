@@ -3,9 +3,9 @@
 use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::Placed;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::World;
 use crate::world::robot::{ConsumerJoint, ConsumerOpinion, Joint, NumberList, Robot};
 

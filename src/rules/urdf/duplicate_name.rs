@@ -3,9 +3,9 @@
 use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
-use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::rules::{Need, NoLimits, Rule};
 use crate::source::Placed;
-use crate::verdict::{Finding, Measured};
+use crate::verdict::{Finding, Judge, Measured};
 
 use crate::advice::subject;
 

@@ -2,8 +2,8 @@
 
 use crate::advice::literal::{replace, with_fix};
 use crate::analysis::Estimates;
-use crate::rules::{Judge, Need, NoLimits, Rule};
-use crate::verdict::{Finding, Measured, Safety};
+use crate::rules::{Need, NoLimits, Rule};
+use crate::verdict::{Finding, Judge, Measured, Safety};
 use crate::world::World;
 use crate::world::robot::{Ignored, Robot};
 

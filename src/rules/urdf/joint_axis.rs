@@ -3,8 +3,8 @@
 use crate::advice::literal::{rewrite, spell, with_fix};
 use crate::advice::tally::Tally;
 use crate::analysis::Estimates;
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, Safety};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, Safety};
 use crate::world::World;
 use crate::world::robot::{Joint, NumberList, Robot};
 

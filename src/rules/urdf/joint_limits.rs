@@ -5,9 +5,9 @@ use std::f64::consts::PI;
 
 use crate::advice::literal::{is_macro, rewrite, spell, with_fix};
 use crate::advice::tally::Tally;
-use crate::rules::{Judge, Need, Rule};
+use crate::rules::{Need, Rule};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, Safety, Severity};
+use crate::verdict::{Finding, Judge, Measured, Safety, Severity};
 use crate::world::robot::{Joint, JointLimit, Robot};
 use crate::world::{Literal, World};
 

@@ -4,9 +4,9 @@ use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 
 use crate::advice::literal::{is_macro, is_spelled_non_finite, replace, with_fix};
-use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::rules::{Need, NoLimits, Rule};
 use crate::source::{Place, SourceId};
-use crate::verdict::{Finding, Measured, NotEvaluated, Safety};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Safety};
 use crate::world::robot::{NumberList, Robot};
 use crate::world::{Literal, World};
 

@@ -1,8 +1,8 @@
 //! URDF09: meshes that are not where the description says.
 
 use crate::analysis::Estimates;
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
 use crate::world::World;
 use crate::world::robot::{Link, Mesh, Robot};
 

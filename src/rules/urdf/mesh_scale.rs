@@ -2,8 +2,8 @@
 
 use crate::advice::tally::Tally;
 use crate::analysis::Estimates;
-use crate::rules::{Judge, Need, Rule};
-use crate::verdict::{Finding, Measured};
+use crate::rules::{Need, Rule};
+use crate::verdict::{Finding, Judge, Measured};
 use crate::world::World;
 use crate::world::robot::Robot;
 

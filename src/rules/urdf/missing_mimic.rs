@@ -3,8 +3,8 @@
 use crate::advice::literal::is_macro;
 use crate::advice::tally::Tally;
 use crate::analysis::Estimates;
-use crate::rules::{Judge, Need, NoLimits, Rule};
-use crate::verdict::{Finding, Measured};
+use crate::rules::{Need, NoLimits, Rule};
+use crate::verdict::{Finding, Judge, Measured};
 use crate::world::robot::Robot;
 
 use crate::advice::subject;

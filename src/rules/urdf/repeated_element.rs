@@ -1,9 +1,9 @@
 //! URDF07: an element that stands twice where consumers read one.
 
 use crate::analysis::Estimates;
-use crate::rules::{Judge, Need, NoLimits, Rule};
+use crate::rules::{Need, NoLimits, Rule};
 use crate::source::Place;
-use crate::verdict::{Finding, Measured, Severity};
+use crate::verdict::{Finding, Judge, Measured, Severity};
 use crate::world::World;
 use crate::world::robot::{Repeated, Robot};
 

@@ -2,8 +2,8 @@
 
 use crate::advice::tally::Tally;
 use crate::analysis::Estimates;
-use crate::rules::{Judge, Need, NoLimits, Rule};
-use crate::verdict::{Finding, Measured};
+use crate::rules::{Need, NoLimits, Rule};
+use crate::verdict::{Finding, Judge, Measured};
 
 use crate::advice::subject;
 

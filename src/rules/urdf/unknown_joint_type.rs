@@ -3,8 +3,8 @@
 use crate::advice::literal::{is_macro, replace, with_fix};
 use crate::advice::tally::Tally;
 use crate::analysis::Estimates;
-use crate::rules::{Judge, Need, NoLimits, Rule};
-use crate::verdict::{Finding, Measured, Safety};
+use crate::rules::{Need, NoLimits, Rule};
+use crate::verdict::{Finding, Judge, Measured, Safety};
 use crate::world::World;
 use crate::world::robot::{Joint, Robot};
 

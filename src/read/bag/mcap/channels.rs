@@ -10,7 +10,7 @@ use ::mcap::records::{Record, op};
 use crate::world::qos;
 
 use super::super::{Channel, Message, Visit};
-use super::index::Fields;
+use super::fields::Fields;
 
 /// Bound on all definitions together, bytes: a schema of a large ROS type has 20 KB, a system some hundred types.
 const MAX_SCHEMA_BYTES: usize = 64 << 20;

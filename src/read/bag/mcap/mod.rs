@@ -9,6 +9,7 @@
 
 mod channels;
 mod chunk;
+mod fields;
 mod index;
 mod notes;
 
@@ -104,7 +105,7 @@ pub(super) fn read(file: File, total: u64, task: Task<'_>) -> Extent {
     if let Some(sampling) = sampled
         && let Some(chosen) = pass.choose(&index, &sampling, &wanted)
     {
-        pass.noted(&index);
+        pass.noted(&index.notes);
         extent.indexed = true;
         extent.whole = false;
         extent.truncated = pass.sampled(&index, &chosen, source);

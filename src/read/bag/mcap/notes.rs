@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use ::mcap::records::{Record, op};
 
-use super::index::{Fields, Index};
+use super::fields::Fields;
 use super::{FRAME_LEN, Pass, Stop};
 
 /// Longer metadata records are passed over, bytes.
@@ -42,8 +42,8 @@ impl Noted {
 
 impl Pass<'_, '_> {
     /// Tells what the summary points at. Records that are not where it says are passed over.
-    pub(super) fn noted(&mut self, index: &Index) {
-        for (at, length) in &index.notes.metadata {
+    pub(super) fn noted(&mut self, notes: &Noted) {
+        for (at, length) in &notes.metadata {
             let found = self.seek(*at).and_then(|()| self.frame());
             if let Ok((op::METADATA, len)) = found
                 && len.saturating_add(FRAME_LEN) == *length
@@ -53,8 +53,8 @@ impl Pass<'_, '_> {
                 let _ = self.note_here(op::METADATA, len);
             }
         }
-        if !index.notes.attachments.is_empty() {
-            self.channels.annotation(ATTACHMENTS, &index.notes.attachments);
+        if !notes.attachments.is_empty() {
+            self.channels.annotation(ATTACHMENTS, &notes.attachments);
         }
     }
 

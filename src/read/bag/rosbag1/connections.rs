@@ -6,6 +6,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use crate::read::bag::{Channel, Message, Visit};
 
+use super::connection::connection;
 use super::index::Index;
 use super::record::{Fields, kind, op};
 
@@ -13,9 +14,6 @@ use super::record::{Fields, kind, op};
 const MAX_CONNECTIONS: usize = 1 << 16;
 /// Bound on the definitions and names of all connections together, bytes: a definition has up to 20 KB.
 const MAX_BYTES: usize = 128 << 20;
-
-/// A connection by its number, not yet told.
-pub(super) type Connection = (u32, Channel);
 
 struct Known {
     channel: Channel,
@@ -141,36 +139,6 @@ impl<'v> Connections<'v> {
             .filter(|(number, _)| !self.by_number.contains_key(number));
         missing += unknown.map(|(_, total)| total).sum::<u64>();
         (missing, surplus)
-    }
-}
-
-/// Reads a connection record: the topic stands in the header, the rest in the data.
-pub(super) fn connection(fields: &Fields<'_>, data: &[u8]) -> Result<Connection, String> {
-    let number = fields.u32("conn")?;
-    let topic = fields.text("topic").ok_or("a connection record without a topic")?;
-    let fields = Fields::plain(data).map_err(|why| format!("a connection of `{topic}` that does not parse: {why}"))?;
-    let schema = fields.get("message_definition").unwrap_or_default();
-    let metadata = fields.text("md5sum").map(|sum| ("md5sum".to_owned(), sum));
-    let channel = Channel {
-        number: 0,
-        topic,
-        message_type: message_type(&fields.text("type").unwrap_or_default()),
-        schema: schema.into(),
-        schema_encoding: if schema.is_empty() { "" } else { "ros1msg" }.to_owned(),
-        message_encoding: "ros1".to_owned(),
-        metadata: metadata.into_iter().collect(),
-        writer: fields.text("callerid").filter(|name| !name.is_empty()),
-        latched: fields.get("latching") == Some(b"1"),
-        total: None,
-    };
-    Ok((number, channel))
-}
-
-/// The name of a type as ROS 2 spells it, so that rules meet one spelling: `pkg/Type` has become `pkg/msg/Type`.
-fn message_type(recorded: &str) -> String {
-    match recorded.split_once('/') {
-        Some((package, name)) if !name.contains('/') => format!("{package}/msg/{name}"),
-        _ => recorded.to_owned(),
     }
 }
 

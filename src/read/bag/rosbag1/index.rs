@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 
 use super::super::MAX_MESSAGE;
-use super::connections::{Connection, connection};
+use super::connection::{Connection, connection};
 use super::record::{Fault, Fields, kind, op};
 use super::tape::Tape;
 

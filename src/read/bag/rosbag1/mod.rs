@@ -7,6 +7,7 @@
 //! was not closed has no such end, and names byte 0.
 
 mod chunk;
+mod connection;
 mod connections;
 mod index;
 mod losses;

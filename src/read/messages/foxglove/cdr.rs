@@ -4,7 +4,7 @@
 
 use super::wanted::Kind;
 use crate::read::messages::content::{Body, Content, LaserScan, Pose};
-use crate::read::messages::decoder::Format;
+use crate::read::messages::format::Format;
 use crate::read::messages::header::Header;
 use crate::read::messages::tf::Transform;
 use crate::read::messages::{Cursor, DecodeError};

@@ -6,7 +6,7 @@
 use prost::Message as _;
 
 use super::wanted::Wanted;
-use crate::read::messages::decoder::Format;
+use crate::read::messages::format::Format;
 
 /// Bound on a descriptor, bytes; the largest of Foxglove's has some ten thousand.
 const MAX_DESCRIPTOR: usize = 2 << 20;

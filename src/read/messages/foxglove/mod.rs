@@ -22,7 +22,7 @@ mod tests;
 
 use super::DecodeError;
 use super::content::Content;
-use super::decoder::Format;
+use super::format::Format;
 use descriptor::Layout;
 use wanted::Kind;
 

@@ -17,7 +17,7 @@ use made::{FrameTransform, FrameTransforms, Numbers, Stamped, at, declared, desc
 use super::Reader;
 use crate::read::messages::DecodeError;
 use crate::read::messages::content::Content;
-use crate::read::messages::decoder::Format;
+use crate::read::messages::format::Format;
 
 fn reader_of(message_type: &str, schema: &[u8]) -> Result<Reader, String> {
     let format = Format {

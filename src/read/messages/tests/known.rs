@@ -1,19 +1,11 @@
 //! The standard types, on both wires.
 
-use super::{FORMS, Form, Piece, STAMP_NS, decoder, floats, header, places, schema, sensing};
+use super::{FORMS, Form, Known, Piece, STAMP_NS, decoder, floats, header, places, row, schema, sensing, with};
 use crate::read::messages::content::{Body, Content, Fix, Imu, Odometry, Pose, Twist};
 use crate::read::messages::definition::Schema;
 use crate::read::messages::route::Route;
 use crate::read::messages::tf::Transform;
 use crate::read::messages::{Wire, definition};
-
-pub(super) fn row<const N: usize>(from: u32) -> [f64; N] {
-    std::array::from_fn(|index| f64::from(from) + index as f64 + 0.5)
-}
-
-pub(super) fn with(head: Piece, numbers: u32) -> Vec<Piece> {
-    std::iter::once(head).chain(floats(0, numbers)).collect()
-}
 
 fn transform(parent: &str, child: &str) -> Vec<Piece> {
     let mut pieces = vec![header(parent), Piece::Text(child.to_owned())];
@@ -30,9 +22,6 @@ fn read_transform(parent: &'static str, child: &'static str) -> Transform<'stati
         rotation: row(3),
     }
 }
-
-/// A type with its topic, a message and what that says.
-pub(super) type Known = (&'static str, &'static str, Vec<Piece>, Body<'static>);
 
 /// Every type.
 pub(super) fn all() -> Vec<Known> {

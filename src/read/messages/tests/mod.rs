@@ -12,8 +12,10 @@ mod unknown;
 
 use re_cdr::{BigEndian, ByteOrder, CdrWriter, LittleEndian};
 
-use super::decoder::{Decoder, Format};
+use super::content::Body;
+use super::decoder::Decoder;
 use super::definition::Definitions;
+use super::format::Format;
 
 /// A piece of a message.
 #[derive(Clone, Debug)]
@@ -31,6 +33,17 @@ enum Piece {
 fn floats(from: u32, count: u32) -> impl Iterator<Item = Piece> {
     (from..from + count).map(|value| Piece::Float(f64::from(value) + 0.5))
 }
+
+fn row<const N: usize>(from: u32) -> [f64; N] {
+    std::array::from_fn(|index| f64::from(from) + index as f64 + 0.5)
+}
+
+fn with(head: Piece, numbers: u32) -> Vec<Piece> {
+    std::iter::once(head).chain(floats(0, numbers)).collect()
+}
+
+/// A type with its topic, a message and what that says.
+type Known = (&'static str, &'static str, Vec<Piece>, Body<'static>);
 
 fn header(frame: &str) -> Piece {
     Piece::Header(7, 8, frame.to_owned())

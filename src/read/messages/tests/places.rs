@@ -1,7 +1,6 @@
 //! Standard types that say where something is, and where it is turned to: beyond those of every robot.
 
-use super::known::{Known, row, with};
-use super::{FORMS, Form, Piece, STAMP_NS, decoder, floats, header};
+use super::{FORMS, Form, Known, Piece, STAMP_NS, decoder, floats, header, row, with};
 use crate::read::messages::content::{Body, Fix, MAX_PATH, Pose};
 
 /// A `GPSFix` behind its header, with this status and these numbers for track, speed and climb.

@@ -1,7 +1,6 @@
 //! What sensors see: calibrations, images and clouds, whole, cut and made up.
 
-use super::known::{Known, row, with};
-use super::{FORMS, Piece, RULE, decoder, floats, header, schema};
+use super::{FORMS, Known, Piece, RULE, decoder, floats, header, row, schema, with};
 use crate::read::messages::cloud::{Cloud, Datatype, Field};
 use crate::read::messages::content::{Body, CameraInfo, Image, Roi};
 

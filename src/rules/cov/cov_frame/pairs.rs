@@ -7,7 +7,7 @@ use nalgebra::{Matrix2, Rotation2, Vector2};
 
 use crate::analysis::motion::Stream;
 use crate::math::circular::{circular_mean, difference};
-use crate::rules::Judge;
+use crate::verdict::Judge;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::motion::PoseRow;
 

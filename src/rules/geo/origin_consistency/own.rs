@@ -5,7 +5,7 @@
 use crate::analysis::Estimates;
 use crate::analysis::motion::{Motion, Stream};
 use crate::math::geodesy::Geodetic;
-use crate::rules::Judge;
+use crate::verdict::Judge;
 use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
 use crate::world::motion::FixRow;
 

@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 use crate::advice::diagnosis::defer;
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::motion::{Imu, Motion};
-use crate::rules::Judge;
 use crate::source::{Place, SourceId};
+use crate::verdict::Judge;
 use crate::verdict::{Finding, NotEvaluated};
 use crate::world::FrameId;
 

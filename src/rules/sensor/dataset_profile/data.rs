@@ -6,9 +6,9 @@ use nalgebra::Vector3;
 use crate::analysis::ground::{Planes, SIDES};
 use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::{Imu, Motion};
-use crate::rules::{Judge, codes};
+use crate::rules::codes;
 use crate::tables::DatasetFrame;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::NamedDataset;
 
 use crate::analysis::sensor::dataset::{Limits, rotation};

@@ -2,8 +2,8 @@
 
 use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 
-use crate::rules::Judge;
 use crate::tables::{Dataset, QuaternionWord};
+use crate::verdict::Judge;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{Claim, ClaimKind, NamedDataset, Spelling, World};
 

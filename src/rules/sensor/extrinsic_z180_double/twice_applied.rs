@@ -1,8 +1,9 @@
 //! Transforms that a lidar's driver applies to every point, and TF applies again. Part of SENSOR03.
 
-use crate::analysis::cross::statements::{Statement, statements};
-use crate::rules::Judge;
+use crate::analysis::cross::pair::Statement;
+use crate::analysis::cross::statements::statements;
 use crate::tables::Lidar;
+use crate::verdict::Judge;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{Claim, ClaimKind, World};
 use serde::Deserialize;

@@ -1,8 +1,8 @@
 //! The beams of an Ouster as its metadata have them: where they begin, and how many there are. Part of SENSOR02.
 
 use crate::analysis::ouster::Part;
-use crate::rules::Judge;
 use crate::tables::OusterPart;
+use crate::verdict::Judge;
 use crate::verdict::{Finding, Measured, NotEvaluated};
 use crate::world::{OusterMetadata, World};
 use serde::Deserialize;

@@ -1,8 +1,8 @@
 //! Recordings in simulated time: a part of TIME04.
 
 use crate::analysis::time::simulated::{counting, is_data};
-use crate::rules::Judge;
 use crate::source::Confidence;
+use crate::verdict::Judge;
 use crate::verdict::{Finding, Measured, Severity};
 
 use crate::verdict::NotEvaluated;

@@ -2,8 +2,8 @@
 
 use crate::analysis::lidar::Clouds;
 use crate::math::stats::median;
-use crate::rules::Judge;
 use crate::verdict::Finding;
+use crate::verdict::Judge;
 use crate::verdict::Measured;
 use crate::verdict::NotEvaluated;
 use crate::world::laser::LaserScanAt;

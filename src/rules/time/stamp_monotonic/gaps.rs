@@ -1,7 +1,7 @@
 //! Gaps in streams that are otherwise regular: a part of TIME03.
 
-use crate::rules::Judge;
 use crate::source::Place;
+use crate::verdict::Judge;
 use crate::verdict::{Finding, Measured};
 use serde::Deserialize;
 

@@ -6,8 +6,8 @@ use crate::verdict::Measured;
 use std::collections::BTreeMap;
 
 use crate::analysis::names;
-use crate::rules::Judge;
 use crate::source::Place;
+use crate::verdict::Judge;
 use crate::verdict::{Finding, Severity};
 use crate::world::bag::TfSample;
 use crate::world::{BagEvidence, World};

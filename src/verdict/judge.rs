@@ -1,78 +1,8 @@
-//! What a rule writes its judgements into, and what it may ask for beforehand.
+//! What a rule writes its judgements into.
 
 use std::collections::BTreeMap;
 
-use crate::verdict::{Finding, Measured, NotEvaluated, Outcome, Plot, SeenPlane};
-use crate::world::{Claim, ClaimKind, World};
-
-/// Something a rule needs before it can be asked.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Need {
-    /// A URDF, from a file or from a bag.
-    Robot,
-    /// A recording with TF.
-    Tf,
-    /// A URDF, or a recording with TF.
-    RobotOrTf,
-    /// Any stated transform: URDF, file or TF.
-    Transforms,
-    /// Any stated transform, or a recording.
-    TransformsOrBag,
-    /// A calibration file with transforms, or a recording.
-    CalibrationOrBag,
-    /// A matrix in a file.
-    Matrices,
-    /// A calibration file with transforms.
-    Calibration,
-    /// A recording.
-    Bag,
-    /// Any named frame.
-    Frames,
-}
-
-impl Need {
-    /// Whether the world has it.
-    pub fn is_met(self, world: &World) -> bool {
-        let has_file = |claim: &Claim| matches!(claim.kind, ClaimKind::File { .. });
-        let tf = || world.bags.iter().any(|bag| !bag.tf.is_empty());
-        match self {
-            Self::Robot => !world.robots.is_empty(),
-            Self::Tf => tf(),
-            Self::RobotOrTf => !world.robots.is_empty() || tf(),
-            Self::Transforms => !world.claims.is_empty() || tf(),
-            Self::Matrices => world.claims.iter().any(|claim| claim.matrix().is_some()),
-            Self::TransformsOrBag => !world.claims.is_empty() || !world.bags.is_empty(),
-            Self::CalibrationOrBag => !world.bags.is_empty() || world.claims.iter().any(has_file),
-            Self::Calibration => world.claims.iter().any(has_file),
-            Self::Bag => !world.bags.is_empty(),
-            Self::Frames => !world.frames.is_empty(),
-        }
-    }
-
-    /// Whether recordings can meet it.
-    pub fn is_of_bags(self) -> bool {
-        matches!(
-            self,
-            Self::Tf | Self::RobotOrTf | Self::Transforms | Self::TransformsOrBag | Self::CalibrationOrBag | Self::Bag
-        )
-    }
-
-    /// What is missing, in words.
-    pub fn missing(self) -> &'static str {
-        match self {
-            Self::Robot => "no URDF",
-            Self::Tf => "no recording with TF",
-            Self::RobotOrTf => "no URDF and no recording with TF",
-            Self::Transforms => "no transforms",
-            Self::TransformsOrBag => "no transforms and no recording",
-            Self::CalibrationOrBag => "no calibration file with transforms and no recording",
-            Self::Matrices => "no file with a matrix",
-            Self::Calibration => "no calibration file with transforms",
-            Self::Bag => "no recording",
-            Self::Frames => "no frame names",
-        }
-    }
-}
+use super::{Finding, Measured, NotEvaluated, Outcome, Plot, SeenPlane};
 
 /// One judgement.
 #[derive(Clone, Debug)]

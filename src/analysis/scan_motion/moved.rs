@@ -1,0 +1,71 @@
+//! Moments of clouds, and the motion of a lidar between two of them.
+
+use nalgebra::Isometry2;
+
+/// Stamps of one clock differ from log times by less than this, seconds.
+const SAME_CLOCK_S: f64 = 1.0;
+
+/// When a cloud was made, seconds after the recording's start.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Moment {
+    stamp_s: Option<f64>,
+    log_s: f64,
+}
+
+impl Moment {
+    /// Of a message with such a stamp, where it has one, and such a log time.
+    pub(crate) fn new(stamp_ns: Option<i64>, log_ns: i64, start_ns: i64) -> Self {
+        let seconds = |ns: i64| ns.saturating_sub(start_ns) as f64 * 1e-9;
+        Self {
+            stamp_s: stamp_ns.map(seconds),
+            log_s: seconds(log_ns),
+        }
+    }
+
+    /// How long after another, seconds: by stamps, where both have them.
+    pub(crate) fn since(&self, earlier: &Self) -> f64 {
+        match (self.stamp_s, earlier.stamp_s) {
+            (Some(to), Some(from)) => to - from,
+            _ => self.log_s - earlier.log_s,
+        }
+    }
+
+    /// The same moment on the clock of a stream whose stamps are so much later than its log times.
+    pub(crate) fn on(&self, stamp_offset_s: Option<f64>) -> f64 {
+        let by_stamps = self
+            .stamp_s
+            .zip(stamp_offset_s)
+            .map(|(stamp_s, offset_s)| stamp_s - offset_s);
+        by_stamps
+            .filter(|t_s| (t_s - self.log_s).abs() < SAME_CLOCK_S)
+            .unwrap_or(self.log_s)
+    }
+}
+
+/// The motion of a lidar between two of its clouds.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Moved {
+    pub(crate) from: Moment,
+    pub(crate) to: Moment,
+    /// `from_level_from_to_level`: where the later sensor is in the level axes of the earlier one ([`Steps`](super::Steps)).
+    pub(crate) motion: Isometry2<f64>,
+    /// Standard errors of the angle and of the place, radians and metres.
+    pub(crate) sigma: [f64; 2],
+}
+
+impl Moved {
+    /// How far it went, metres.
+    pub(crate) fn way_m(&self) -> f64 {
+        self.motion.translation.vector.norm()
+    }
+
+    /// How far it turned about the level z, radians.
+    pub(crate) fn turned_rad(&self) -> f64 {
+        self.motion.rotation.angle()
+    }
+
+    /// How long it took, seconds.
+    pub(crate) fn lasted_s(&self) -> f64 {
+        self.to.since(&self.from)
+    }
+}

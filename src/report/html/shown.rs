@@ -1,0 +1,50 @@
+//! Which findings stand on the page.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::run::Run;
+
+/// Findings shown in full.
+const FULL: usize = 150;
+/// So many of each rule are shown in full, however many of other rules stand before them.
+const FULL_PER_RULE: usize = 3;
+/// Findings shown on a line each besides.
+const LISTED: usize = 500;
+
+/// Which findings stand on the page, by their number, so that nothing links to what is not there.
+pub(super) struct Shown {
+    full: BTreeSet<usize>,
+    listed: BTreeSet<usize>,
+}
+
+impl Shown {
+    pub(super) fn new(run: &Run) -> Self {
+        let mut of_rule: BTreeMap<&str, usize> = BTreeMap::new();
+        let (mut full, mut listed) = (BTreeSet::new(), BTreeSet::new());
+        for (number, finding) in run.verdict.findings.iter().enumerate() {
+            let before = of_rule.entry(&finding.rule).or_default();
+            if full.len() < FULL || *before < FULL_PER_RULE {
+                full.insert(number);
+            } else if listed.len() < LISTED {
+                listed.insert(number);
+            }
+            *before += 1;
+        }
+        Self { full, listed }
+    }
+
+    /// Whether it is shown in full.
+    pub(super) fn is_full(&self, number: usize) -> bool {
+        self.full.contains(&number)
+    }
+
+    /// Whether it is shown on a line.
+    pub(super) fn is_listed(&self, number: usize) -> bool {
+        self.listed.contains(&number)
+    }
+
+    /// Whether it can be linked to.
+    pub(super) fn has(&self, number: usize) -> bool {
+        self.is_full(number) || self.is_listed(number)
+    }
+}
