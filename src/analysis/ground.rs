@@ -218,6 +218,7 @@ pub(crate) struct Limits {
     pub(crate) top_deg: f64,
     pub(crate) min_top_deg: f64,
     pub(crate) min_gravity: f64,
+    pub(crate) fix_s: f64,
 }
 
 impl Limits {

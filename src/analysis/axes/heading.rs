@@ -5,6 +5,7 @@
 use crate::analysis::motion::{Course, Yaws};
 use crate::math::circular::{Span, circular_mean, wrapped};
 use serde::Deserialize;
+use std::f64::consts::TAU;
 
 /// Which way a yaw turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -117,6 +118,29 @@ impl Heading {
         self.span_s = times().reduce(f64::min).zip(times().reduce(f64::max));
     }
 
+    /// Standard deviation of the offset, degrees, as of a wrapped normal distribution.
+    pub(crate) fn offset_spread_deg(&self) -> f64 {
+        (-2.0 * self.offset_resultant.max(f64::MIN_POSITIVE).ln())
+            .max(0.0)
+            .sqrt()
+            .to_degrees()
+    }
+
+    /// The widest sector into which no course points, degrees.
+    pub(crate) fn widest_gap_deg(&self) -> f64 {
+        let mut courses: Vec<f64> = self
+            .pairs_rad
+            .iter()
+            .map(|[course, _]| course.rem_euclid(TAU))
+            .collect();
+        courses.sort_by(f64::total_cmp);
+        let (Some(first), Some(last)) = (courses.first(), courses.last()) else {
+            return 360.0;
+        };
+        let between = courses.windows(2).filter_map(|pair| Some(pair.last()? - pair.first()?));
+        between.fold(first + TAU - last, f64::max).to_degrees()
+    }
+
     /// From the first to the last course that voted, seconds.
     pub(crate) fn span_s(&self) -> f64 {
         self.span_s.map_or(0.0, |(from_s, to_s)| to_s - from_s)
@@ -185,4 +209,7 @@ pub(crate) struct Limits {
     pub(crate) min_agreement: f64,
     pub(crate) max_offset_deg: f64,
     pub(crate) max_spread_deg: f64,
+    pub(crate) quarter_deg: f64,
+    pub(crate) quarter_spread_deg: f64,
+    pub(crate) max_gap_deg: f64,
 }

@@ -81,6 +81,13 @@ impl Decided {
         (is_steady && offset.abs() > limits.max_offset_deg).then_some(offset)
     }
 
+    /// Whether an offset is a quarter turn to either side, steadily so in all directions.
+    pub(crate) fn is_a_quarter_turn(&self, offset_deg: f64, limits: &Limits) -> bool {
+        (offset_deg.abs() - 90.0).abs() <= limits.quarter_deg
+            && self.heading.offset_spread_deg() <= limits.quarter_spread_deg
+            && self.heading.widest_gap_deg() <= limits.max_gap_deg
+    }
+
     /// What the driver's profile says of a large offset.
     pub(crate) fn known_offset(&self, imu: &Imu, limits: &Limits) -> Option<Offset> {
         let offset = self

@@ -51,6 +51,8 @@ pub(crate) struct Statement {
     pub(crate) direction: Direction,
     pub(super) rank: Rank,
     pub(super) bare_quaternion: bool,
+    /// What the source itself calls the two frames.
+    pub(super) called: (FrameId, FrameId),
     /// The dialect whose names for its sensors (`lidar`, `imu`) its frames are; `None` where they are names of the platform's frames.
     pub(super) roles: Option<String>,
 }
@@ -101,11 +103,26 @@ impl Pair {
 
     /// How sure the reading of both is.
     pub(crate) fn reading(&self) -> Confidence {
+        self.reading_with(Confidence::Hint)
+    }
+
+    /// The same, where the names of a program's sensors are as sure as this. That two files mean one sensor by `lidar` is a guess, unless
+    /// their numbers tell.
+    pub(crate) fn reading_with(&self, roles: Confidence) -> Confidence {
+        let most = if self.is_by_role() { roles } else { Confidence::Certain };
+        self.reference.reading.min(self.other.reading).min(most)
+    }
+
+    /// Whether only a program's words for its sensors say that both speak of the same frames.
+    pub(crate) fn is_by_role(&self) -> bool {
         let (a, b) = (&self.reference, &self.other);
-        let by_role = (a.roles.is_some() || b.roles.is_some()) && a.place.source != b.place.source;
-        // That two files mean one sensor by `lidar` is a guess.
-        let most = if by_role { Confidence::Hint } else { Confidence::Certain };
-        a.reading.min(b.reading).min(most)
+        (a.roles.is_some() || b.roles.is_some()) && a.place.source != b.place.source
+    }
+
+    /// Which names were taken for which: `` `body` and `cam0` for `imu` and `camera` ``.
+    pub(crate) fn taken(&self) -> String {
+        let names = |one: &Statement| format!("`{}` and `{}`", one.called.0, one.called.1);
+        format!("{} for {}", names(&self.other), names(&self.reference))
     }
 
     /// The same pair in the other direction. `None` where one of the two states a half, which cannot be turned.
@@ -114,6 +131,7 @@ impl Pair {
             (one.has_rotation && one.has_translation).then(|| Statement {
                 target: one.source_frame.clone(),
                 source_frame: one.target.clone(),
+                called: (one.called.1.clone(), one.called.0.clone()),
                 pose: one.pose.inverse(),
                 direction: match one.direction {
                     Direction::AsStated => Direction::TurnedRound,

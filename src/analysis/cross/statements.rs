@@ -66,6 +66,7 @@ fn pair(world: &World, reference: &Statement, other: &Statement) -> Option<Pair>
         other.who.push_str(TURNED);
         other.target.clone_from(&reference.target);
         other.source_frame.clone_from(&reference.source_frame);
+        std::mem::swap(&mut other.called.0, &mut other.called.1);
     }
     Some(Pair {
         reference: reference.clone(),
@@ -146,6 +147,7 @@ pub(crate) fn statements(world: &World) -> Vec<Statement> {
             direction: Direction::AsStated,
             rank: Rank::Tf,
             bare_quaternion: false,
+            called: (edge.parent.canonical(), edge.child.canonical()),
             roles: None,
         })
     });
@@ -198,6 +200,7 @@ fn from_claim(world: &World, claim: &Claim) -> Option<Statement> {
         direction: Direction::AsStated,
         rank,
         bare_quaternion: matches!(claim.spelling, Spelling::Quaternion { .. }),
+        called: stated,
         roles: match &claim.kind {
             ClaimKind::File { dialect, roles } if *roles || is_guessed => Some(dialect.clone()),
             _ => None,
@@ -257,6 +260,7 @@ fn chain_of(world: &World, rank: Rank, target: &FrameId, source_frame: &FrameId)
         direction: Direction::AsStated,
         rank,
         bare_quaternion: false,
+        called: (target.clone(), source_frame.clone()),
         roles: None,
     })
 }

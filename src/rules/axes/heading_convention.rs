@@ -147,8 +147,9 @@ fn offset_finding(imu: &Imu, subject: &str, decided: &Decided, limits: &Limits) 
         imu.mounting()
     );
     let finding = Finding::warning(subject, message, imu.stream.place());
-    // Where yaw is zero is a guess, unless the user says it.
-    let finding = if imu.stream.told_in.declares_world() {
+    // Where yaw is zero is a guess, unless the user says it, or it is a quarter turn to the degree in every direction.
+    let is_quarter = imu.mount.is_some() && decided.is_a_quarter_turn(offset, limits);
+    let finding = if imu.stream.told_in.declares_world() || is_quarter {
         finding.likely()
     } else {
         finding.hint()

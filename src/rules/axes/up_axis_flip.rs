@@ -9,7 +9,7 @@ use nalgebra::Vector3;
 use crate::analysis::ground;
 use crate::analysis::ground::{Ground, Planes, SIDES};
 use crate::analysis::lidar::Clouds;
-use crate::analysis::motion::{Motion, mount::mount};
+use crate::analysis::motion::{Imu, Motion, mount::mount};
 use crate::math::stats::median;
 use crate::math::support::open_above;
 use crate::rules::{Evidence, Need, Rule};
@@ -99,9 +99,16 @@ fn judge_side(
         return out.pass(subject, measured);
     }
     let has_ceiling = of_side().any(|ground| ground.ceiling_cells >= limits.ceiling_cells);
-    let is_indoors = has_ceiling || open_share(clouds, &axis, limits).is_none_or(|share| share < limits.min_open);
-    let has_gravity =
-        gravity_of_the_device(motion, clouds, frame.as_ref()).is_some_and(|up| up.dot(&axis) >= limits.min_gravity);
+    let is_closed = has_ceiling || open_share(clouds, &axis, limits).is_none_or(|share| share < limits.min_open);
+    let is_indoors = is_closed && !is_under_open_sky(motion, clouds, limits);
+    let gravity = frame
+        .as_ref()
+        .and_then(|frame| gravity(world, motion, clouds.index, frame));
+    let gravity = gravity.map(|(up, who)| (up.dot(&axis), who));
+    let has_gravity = gravity.as_ref().is_some_and(|(along, _)| *along >= limits.min_gravity);
+    let against = gravity
+        .filter(|(along, _)| *along <= -limits.min_gravity)
+        .map(|(_, who)| who);
     let (relation, what, help) = named(word);
     let told = match (&mount, &frame) {
         (Some(mount), _) if mount.is_base => format!("and `{}` has z up by its name", mount.base),
@@ -111,19 +118,23 @@ fn judge_side(
                 mount.base
             )
         }
-        _ => "and nothing ties its frame to a base".to_owned(),
+        _ => match &against {
+            Some(who) => format!("and gravity by {who} points there by the transforms"),
+            None => "and nothing ties its frame to a base".to_owned(),
+        },
     };
     let message = format!(
         "the ground in the cloud on `{}` lies opposite to its {word} axis: {what}, {told}",
         clouds.topic.topic
     );
-    let finding = if mount.is_some() {
+    let is_told = mount.is_some() || against.is_some();
+    let finding = if is_told {
         Finding::error(subject, message, clouds.place())
     } else {
         Finding::warning(subject, message, clouds.place())
     };
-    // A ceiling looks like a ground from below, and only gravity says which of the two it is.
-    let finding = if mount.is_none() || is_indoors && !has_gravity {
+    // A ceiling looks like a ground from below: under the sky there is none, and gravity says which of the two it is.
+    let finding = if !is_told || is_indoors && !has_gravity {
         finding.hint()
     } else {
         finding.likely()
@@ -147,17 +158,39 @@ fn open_share(clouds: &Clouds, up: &Vector3<f64>, limits: &Limits) -> Option<f64
     median(&clouds.evidence.samples.iter().filter_map(of_cloud).collect::<Vec<_>>())
 }
 
-/// Up in the axes of the cloud, by an inertial sensor that tells in these very axes.
-fn gravity_of_the_device(motion: &Motion, clouds: &Clouds, frame: Option<&FrameId>) -> Option<Vector3<f64>> {
-    let imus = &motion.bags.get(clouds.index)?.imus;
-    let imu = imus.iter().find(|imu| imu.stream.frame.as_ref() == frame)?;
-    let force: Vector3<f64> = imu
-        .stream
-        .rows()
-        .map(|timed| Vector3::from(timed.row.linear_acceleration))
-        .filter(|force| force.iter().all(|value| value.is_finite()))
-        .sum();
-    force.try_normalize(1e-9)
+/// Whether most clouds were measured while a satellite receiver had a fix.
+fn is_under_open_sky(motion: &Motion, clouds: &Clouds, limits: &Limits) -> bool {
+    let (Some(bag), Some(start_ns)) = (motion.bags.get(clouds.index), clouds.bag.start_ns) else {
+        return false;
+    };
+    let has_fix = |sample: &&CloudSample| {
+        let t_s = sample.at.log_ns.saturating_sub(start_ns) as f64 * 1e-9;
+        let mut rows = bag.fixes.iter().flat_map(|fixes| fixes.rows());
+        rows.any(|fix| (fix.t_s - t_s).abs() <= limits.fix_s)
+    };
+    let samples = &clouds.evidence.samples;
+    2 * samples.iter().filter(has_fix).count() > samples.len()
+}
+
+/// Up in the axes of the cloud, by an inertial sensor that tells in these very axes, or else by one that rigid transforms tie to them.
+fn gravity(world: &World, motion: &Motion, bag: usize, frame: &FrameId) -> Option<(Vector3<f64>, String)> {
+    let imus = &motion.bags.get(bag)?.imus;
+    let of = |imu: &Imu| {
+        let own = imu.stream.frame.as_ref()?;
+        let (cloud_from_imu, _) = world.graph().chain(frame, own, |edge| edge.is_rigid)?;
+        let forces = imu
+            .stream
+            .rows()
+            .map(|timed| Vector3::from(timed.row.linear_acceleration));
+        let force: Vector3<f64> = forces.filter(|force| force.iter().all(|value| value.is_finite())).sum();
+        Some((
+            cloud_from_imu.rotation * force.try_normalize(1e-9)?,
+            imu.stream.subject.clone(),
+        ))
+    };
+    let is_own = |imu: &&Imu| imu.stream.frame.as_ref() == Some(frame);
+    let own = imus.iter().filter(is_own).find_map(of);
+    own.or_else(|| imus.iter().find_map(of))
 }
 
 /// What a cloud with this side up may be.

@@ -2,7 +2,6 @@
 
 use crate::analysis::Estimates;
 use nalgebra::Isometry3;
-use serde::Deserialize;
 
 use crate::advice::literal::with_fix;
 use crate::advice::restate::restated;
@@ -14,21 +13,12 @@ use crate::verdict::{Edit, Finding, Judge, Measured, NotEvaluated, Safety};
 use crate::world::World;
 
 use crate::analysis::cross::blame::{blame, holds_radians_twice};
+use crate::analysis::cross::exact::{Limits, off_axes_deg};
 use crate::analysis::cross::pair::{Direction, Pair};
 use crate::analysis::cross::statements::pairs;
 
 /// CROSS02.
 pub(crate) struct ExtrinsicRelation;
-
-/// Limits of CROSS02.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Limits {
-    small_deg: f64,
-    small_m: f64,
-    alternatives_turn_deg: f64,
-    mount_m: f64,
-}
 
 impl Rule for ExtrinsicRelation {
     const PAGE: &'static str = include_str!("../../../rules/cross/extrinsic-relation.md");
@@ -36,19 +26,38 @@ impl Rule for ExtrinsicRelation {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        for pair in pairs(world) {
-            judge_pair(world, pair, limits, out);
+        let blamed = pairs(world).into_iter().map(|mut pair| {
+            let subject = pair.subject(world);
+            let found = blame(&mut pair, limits.mount_m);
+            (subject, pair, found)
+        });
+        let blamed: Vec<(String, Pair, Classification)> = blamed.collect();
+        let all: Vec<_> = blamed
+            .iter()
+            .map(|(_, pair, found)| (pair.clone(), found.error()))
+            .collect();
+        for (subject, pair, found) in blamed {
+            let is_sure = found.error().is_some_and(|relation| {
+                limits.fits(&pair.reference.pose, &found) || limits.is_of_several(&pair, relation, &all)
+            });
+            judge_pair(world, subject, &pair, &found, is_sure, limits, out);
         }
     }
 }
 
-fn judge_pair(world: &World, mut pair: Pair, limits: &Limits, out: &mut Judge) {
-    let subject = pair.subject(world);
+fn judge_pair(
+    world: &World,
+    subject: String,
+    pair: &Pair,
+    found: &Classification,
+    is_sure: bool,
+    limits: &Limits,
+    out: &mut Judge,
+) {
     if let Some(why) = &pair.repeats {
         out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         return;
     }
-    let found = blame(&mut pair, limits.mount_m);
     let (angle_deg, distance_m) = (found.angle_rad.to_degrees(), found.distance_m);
     let small = angle_deg <= limits.small_deg && distance_m <= limits.small_m;
     let rotation =
@@ -67,7 +76,7 @@ fn judge_pair(world: &World, mut pair: Pair, limits: &Limits, out: &mut Judge) {
             );
             out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
         }
-        (Some(_), _) if pair.alternatives && !distinctive(&pair, limits) => {
+        (Some(_), _) if pair.alternatives && !distinctive(pair, limits) => {
             let why = "the same key in sibling files, and mounts along the axes: two devices look like this as well";
             out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
         }
@@ -77,11 +86,12 @@ fn judge_pair(world: &World, mut pair: Pair, limits: &Limits, out: &mut Judge) {
                 pair.reference.target.to_string(),
                 pair.reference.source_frame.to_string(),
             );
-            let finding = finding(&pair, subject, relation, &found, difference).unless(codes::QUAT03);
-            let finding = pair.point_at_all(finding);
+            let finding = finding(pair, subject, relation, found, difference).unless(codes::QUAT03);
+            let roles = if is_sure { Confidence::Likely } else { Confidence::Hint };
+            let finding = pair.point_at_all_with(finding, roles);
             let finding = finding.prefers(target, source, right.unwrap_or(pair.reference.pose));
             let title = format!("state it without the error ({})", relation.word());
-            let edits = mended(world, &pair, relation, &found);
+            let edits = mended(world, pair, relation, found);
             out.fail(with_fix(finding, &title, Safety::ChangesBehaviour, edits));
         }
     }
@@ -114,11 +124,19 @@ fn finding(
         },
     );
     let help = format!(
-        "{} Find out which of the two is right and state it in both; explained to {:.2} deg and {:.3} m.{}",
+        "{} Find out which of the two is right and state it in both; explained to {:.2} deg and {:.3} m.{}{}",
         relation.describe(),
         found.residual_angle_rad.to_degrees(),
         found.residual_m,
         same_cause(relation),
+        if pair.is_by_role() {
+            format!(
+                " This takes {}, by what these programs call their sensors.",
+                pair.taken()
+            )
+        } else {
+            String::new()
+        },
     );
     let [rotation, translation] = difference;
     Finding::error(subject, message, pair.other.place.clone())
@@ -184,13 +202,8 @@ fn mended(world: &World, pair: &Pair, relation: Relation, found: &Classification
 
 /// Whether a rotation lies well off the axes, so that two devices would not be related by chance.
 fn distinctive(pair: &Pair, limits: &Limits) -> bool {
-    let matrix = pair.reference.pose.rotation.to_rotation_matrix();
-    let off_axis = matrix
-        .matrix()
-        .column_iter()
-        .map(|column| column.iter().fold(0.0_f64, |most, v| most.max(v.abs())).min(1.0).acos())
-        .fold(0.0_f64, f64::max);
-    off_axis.to_degrees() >= limits.alternatives_turn_deg && pair.reference.pose.translation.vector.norm() > 0.05
+    let pose = &pair.reference.pose;
+    off_axes_deg(pose) >= limits.alternatives_turn_deg && pose.translation.vector.norm() > 0.05
 }
 
 /// What floating point leaves of nothing differs between machines: below a millionth it is nothing.

@@ -4,11 +4,13 @@ use crate::analysis::Estimates;
 use nalgebra::Isometry3;
 use serde::Deserialize;
 
+use crate::analysis::cross::exact;
 use crate::analysis::names;
 use crate::analysis::names::{has_word, has_word_of};
-use crate::math::relation::{Relation, Tolerance, classify};
+use crate::math::relation::{Classification, Relation, Tolerance, classify};
 use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::source::SourceId;
+use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
 use crate::world::graph::FrameGraph;
 use crate::world::{Claim, ClaimKind, FrameId, World};
 
@@ -34,6 +36,8 @@ impl Rule for FrameAliases {
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let graph = world.graph();
         let aliases = &world.conventions.aliases;
+        let exact = world.limits::<exact::Limits>();
+        let mut suspected: Vec<Suspicion> = Vec::new();
         for claim in &world.claims {
             let confirmed = claim.frames.iter().flat_map(|(target, source)| [target, source]);
             let confirmed = confirmed
@@ -55,8 +59,34 @@ impl Rule for FrameAliases {
             if !is_whole || is_known(target) && is_known(source) {
                 continue;
             }
-            judge_claim(world, claim, dialect, (target, source), &pose.isometry(), limits, out);
+            let names = (target, source);
+            let limits = (limits, &*exact);
+            suspected.extend(judge_claim(world, claim, dialect, names, &pose.isometry(), limits, out));
         }
+        let kinds: Vec<_> = suspected.iter().map(Suspicion::kind).collect();
+        for mut suspicion in suspected {
+            let alike = kinds.iter().filter(|kind| **kind == suspicion.kind()).count();
+            if !suspicion.is_exact && alike < exact.min_sensors {
+                suspicion.finding.severity = Severity::Warning;
+                suspicion.finding = suspicion.finding.hint();
+            }
+            out.fail(suspicion.finding);
+        }
+    }
+}
+
+/// A transform that may be another one with a convention error.
+struct Suspicion {
+    file: SourceId,
+    relation: Relation,
+    /// Whether the numbers alone tell.
+    is_exact: bool,
+    finding: Finding,
+}
+
+impl Suspicion {
+    fn kind(&self) -> (SourceId, Relation) {
+        (self.file, self.relation)
     }
 }
 
@@ -73,16 +103,16 @@ fn judge_claim(
     dialect: &str,
     (target, source): (&FrameId, &FrameId),
     pose: &Isometry3<f64>,
-    limits: &Limits,
+    (limits, exact): (&Limits, &exact::Limits),
     out: &mut Judge,
-) {
+) -> Option<Suspicion> {
     let path = world.path(claim.place.source);
     let subject = format!("`{target}` and `{source}` of `{}` of {path}", claim.label);
     let candidates = candidates(world.graph(), target, source);
     if candidates.is_empty() {
         let why = "no frames of the platform have names of these kinds and a rigid transform between them";
         out.not_evaluated(subject, NotEvaluated::MissingInput, why);
-        return;
+        return None;
     }
     if candidates.len() as f64 > limits.max_pairs {
         let why = format!(
@@ -90,7 +120,7 @@ fn judge_claim(
             candidates.len()
         );
         out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
-        return;
+        return None;
     }
     let off = |candidate: &Candidate| {
         let difference = candidate.pose.inv_mul(pose);
@@ -122,34 +152,50 @@ fn judge_claim(
             let finding = proposal(world, claim, subject, dialect, names, one);
             out.fail(finding.measured(turn).measured(shift));
         }
-        ([], [only]) => {
-            let found = classify(&only.pose, pose, &Tolerance::default());
-            let (deg, m) = off(only);
-            let Some(relation) = found.error().filter(|_| !is_plain(&only.pose)) else {
-                let why = format!(
-                    "`{}` from `{}` differs by {deg:.2} deg and {m:.3} m, and no convention error explains that: other frames may be meant",
-                    only.target, only.source
-                );
-                out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
-                return;
-            };
-            let names = (target, source);
-            let [turn, shift] = measured((deg, m));
-            let finding = suspicion(world, claim, subject, relation, names, only);
-            out.fail(finding.measured(turn).measured(shift));
-        }
         ([], _) => {
-            let why = format!(
-                "{} pairs of frames may be meant, and none has this transform: `aliases:` in frames-lint.yaml says which",
-                candidates.len()
-            );
-            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            let related = candidates.iter().filter(|candidate| !is_plain(&candidate.pose));
+            let related = related.map(|candidate| (candidate, classify(&candidate.pose, pose, &Tolerance::default())));
+            let related: Vec<_> = related.filter(|(_, found)| found.error().is_some()).collect();
+            let fits = |(candidate, found): &&(&Candidate<'_>, Classification)| exact.fits(&candidate.pose, found);
+            let exact: Vec<_> = related.iter().filter(fits).collect();
+            let (is_exact, (candidate, found)) = match (exact.as_slice(), related.as_slice(), candidates.as_slice()) {
+                ([one], ..) => (true, *one),
+                (_, [one], [_]) => (false, one),
+                _ => {
+                    let why = match candidates.as_slice() {
+                        [only] => {
+                            let (deg, m) = off(only);
+                            format!(
+                                "`{}` from `{}` differs by {deg:.2} deg and {m:.3} m, and no convention error explains that: other frames \
+                                 may be meant",
+                                only.target, only.source
+                            )
+                        }
+                        several => format!(
+                            "{} pairs of frames may be meant, and none has this transform: `aliases:` in frames-lint.yaml says which",
+                            several.len()
+                        ),
+                    };
+                    out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+                    return None;
+                }
+            };
+            let relation = found.error()?;
+            let [turn, shift] = measured(off(candidate));
+            let finding = suspicion(world, claim, subject, relation, (target, source), candidate);
+            return Some(Suspicion {
+                file: claim.place.source,
+                relation,
+                is_exact,
+                finding: finding.measured(turn).measured(shift),
+            });
         }
         _ => {
             let why = "several frames of the platform fit alike";
             out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
         }
     }
+    None
 }
 
 /// The lines that confirm what two names stand for.
@@ -190,7 +236,7 @@ fn suspicion(
     candidate: &Candidate<'_>,
 ) -> Finding {
     let message = format!(
-        "if `{}` and `{}` of {} are `{}` and `{}`, the file holds their transform with a convention error: {}",
+        "`{}` and `{}` of {} taken for `{}` and `{}`: the file holds their transform with a convention error: {}",
         names.0,
         names.1,
         world.path(claim.place.source),
@@ -198,8 +244,8 @@ fn suspicion(
         candidate.source,
         relation.word()
     );
-    Finding::warning(subject, message, claim.place.clone())
-        .hint()
+    Finding::error(subject, message, claim.place.clone())
+        .likely()
         .relation(relation.word())
         .help(format!(
             "{} If these are the frames, say so in frames-lint.yaml (aliases: {{{}}}), and their transforms are compared",

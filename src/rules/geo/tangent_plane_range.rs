@@ -161,7 +161,7 @@ fn judge_track(subject: &str, place: &Place, origin: &Geodetic, overlay: &Overla
     if distance_m > limits.unstated_m {
         let why = format!(
             "its zero lies {:.0} km from the fixes, and nothing states it as an origin: these are rather coordinates in a square of a \
-             grid (GEO03)",
+             grid",
             distance_m / 1e3
         );
         return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);

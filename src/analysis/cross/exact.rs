@@ -1,0 +1,70 @@
+//! Whether numbers alone tell that two sources mean the same sensors, whatever they call them.
+
+use std::collections::BTreeSet;
+
+use nalgebra::Isometry3;
+use serde::Deserialize;
+
+use crate::analysis::cross::pair::Pair;
+use crate::math::relation::{Classification, Relation};
+
+/// Limits of CROSS02.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(crate) struct Limits {
+    pub(crate) small_deg: f64,
+    pub(crate) small_m: f64,
+    pub(crate) alternatives_turn_deg: f64,
+    pub(crate) mount_m: f64,
+    pub(crate) exact_deg: f64,
+    pub(crate) exact_m: f64,
+    pub(crate) telling_m: f64,
+    pub(crate) min_sensors: usize,
+}
+
+impl Limits {
+    /// Whether a convention error explains a difference to the last digits, of a transform that is not met by chance.
+    pub(crate) fn fits(&self, pose: &Isometry3<f64>, found: &Classification) -> bool {
+        found.residual_angle_rad.to_degrees() <= self.exact_deg
+            && found.residual_m <= self.exact_m
+            && self.is_telling(pose)
+    }
+
+    /// Mounts along the axes, with a length along one of them, are shared by devices that have nothing to do with each other.
+    pub(crate) fn is_telling(&self, pose: &Isometry3<f64>) -> bool {
+        let lengths = pose
+            .translation
+            .vector
+            .iter()
+            .filter(|part| part.abs() > self.telling_m)
+            .count();
+        off_axes_deg(pose) >= self.alternatives_turn_deg || lengths > 1
+    }
+
+    /// Whether as many sensors of the same two sources differ in the same way.
+    pub(crate) fn is_of_several(&self, pair: &Pair, relation: Relation, all: &[(Pair, Option<Relation>)]) -> bool {
+        let sources = |pair: &Pair| BTreeSet::from([pair.reference.place.source, pair.other.place.source]);
+        let of = sources(pair);
+        let alike = all.iter().filter(|(other, found)| {
+            *found == Some(relation) && sources(other) == of && self.is_telling(&other.reference.pose)
+        });
+        let sensors: BTreeSet<_> = alike
+            .map(|(other, _)| (&other.reference.target, &other.reference.source_frame))
+            .collect();
+        sensors.len() >= self.min_sensors
+    }
+}
+
+/// The largest angle between an axis of the source and the nearest axis of the target, degrees.
+pub(crate) fn off_axes_deg(pose: &Isometry3<f64>) -> f64 {
+    let matrix = pose.rotation.to_rotation_matrix();
+    let columns = matrix.matrix().column_iter();
+    let angles = columns.map(|column| {
+        column
+            .iter()
+            .fold(0.0_f64, |most, part| most.max(part.abs()))
+            .min(1.0)
+            .acos()
+    });
+    angles.fold(0.0, f64::max).to_degrees()
+}
