@@ -1,4 +1,4 @@
-//! The configuration, `frames-lint.yaml`: found, read, and turned into what the world knows of it and what the gate asks for.
+//! The configuration, `frames-lint.yaml`: found, read, and turned into what the world knows of it and what the user asks for.
 //!
 //! Owns its keys. Must not judge. A fault in it is a fault of the call, with its place: a gate that runs on half of its
 //! configuration would be green for the wrong reason.
@@ -6,7 +6,7 @@
 //! ```yaml
 //! extends: ci                      # a profile of the tool (ci, pre-survey, dataset-acceptance) or a file; a list of them as well
 //! fail-on: warning                 # note, warning, error, never
-//! rules:                           # see `gate`
+//! rules:                           # see `policy`
 //!   ignore: [NAME03]
 //!   severity: {NAME02: error}
 //! limits:
@@ -42,7 +42,7 @@
 mod declared;
 mod extends;
 mod frames;
-mod gate;
+mod policy;
 mod projections;
 mod reader;
 mod tables;
@@ -52,7 +52,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use crate::gate::Policy;
+use crate::policy::Policy;
 use crate::read::discover::CONFIGURATION;
 use crate::run::FailOn;
 use crate::source::{Place, Source, SourceId, SourceKind, Span};
@@ -60,11 +60,11 @@ use crate::tables::Tables;
 use crate::world::conventions::{Alias, Declaration, DeclaredTransform};
 use crate::world::{Conventions, NamedDataset, Projection};
 
-use gate::Asked;
+use policy::Asked;
 use reader::Reader;
 
 pub use extends::PROFILES;
-pub use gate::LimitOverride;
+pub use policy::LimitOverride;
 
 /// Bound on its size, bytes.
 const MAX_BYTES: u64 = 1 << 20;
@@ -288,7 +288,7 @@ impl Config {
         known
     }
 
-    /// What the gate lays over a verdict; `first` is the id that its first layer has as a source.
+    /// What the policy lays over a verdict; `first` is the id that its first layer has as a source.
     pub fn policy(&self, first: u32) -> Policy {
         let mut policy = Policy::default();
         for (id, layer) in self.placed(Some(first)) {

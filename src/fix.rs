@@ -125,7 +125,7 @@ fn has_mark(source: &Source) -> Result<bool, String> {
     let path = &source.path;
     if source.derived.is_some() {
         return Err(format!(
-            "{path}: the text is inside it, or is its expansion: mend it where it comes from"
+            "{path}: the text is inside it, or is its expansion: fix it where it comes from"
         ));
     }
     let bytes = std::fs::read(path).map_err(|error| format!("{path}: {error}"))?;

@@ -1,11 +1,13 @@
 //! frames-lint: files become facts with a place, facts are judged by rules, and every judgement says what it measured.
 //!
 //! ```text
-//! files --read--> world <--collect-- bags
+//! files --read--> world <--collect-- recordings
+//!                   |
+//!                analysis (estimates)
 //!                   |
 //!                 rules (judge)
 //!                   v
-//!                verdict --report--> words
+//!                verdict --policy--> gate --report--> words
 //! ```
 
 #![cfg_attr(
@@ -22,9 +24,9 @@ pub mod config;
 pub mod convert;
 pub mod engine;
 pub mod fix;
-pub mod gate;
 pub mod math;
 pub mod page;
+pub mod policy;
 pub mod progress;
 pub mod read;
 pub mod report;

@@ -17,6 +17,9 @@ pub use judge::{Judge, Judged};
 pub use plot::Plot;
 pub use waiver::Waived;
 
+/// The relation of a contradiction that no known error explains.
+pub const UNEXPLAINED: &str = "unexplained";
+
 /// How bad a finding is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -133,6 +136,16 @@ pub struct Measured {
     pub is_turn: bool,
 }
 
+/// One alone, where several may be given.
+impl IntoIterator for Measured {
+    type Item = Self;
+    type IntoIter = std::iter::Once<Self>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        std::iter::once(self)
+    }
+}
+
 impl Measured {
     /// A number with its unit.
     pub fn new(what: impl Into<String>, value: f64, unit: impl Into<String>) -> Self {
@@ -222,7 +235,7 @@ pub struct Edit {
     pub replacement: String,
 }
 
-/// A way to mend the fault by editing files.
+/// A way to fix the fault by editing files.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 pub struct Fix {
     /// What the fix does.
@@ -383,10 +396,10 @@ impl Finding {
         self
     }
 
-    /// A measured number.
+    /// Measured numbers, one or several.
     #[must_use]
-    pub fn measured(mut self, measured: Measured) -> Self {
-        self.measured.push(measured);
+    pub fn measured(mut self, measured: impl IntoIterator<Item = Measured>) -> Self {
+        self.measured.extend(measured);
         self
     }
 

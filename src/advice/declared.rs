@@ -1,7 +1,6 @@
 //! How a finding says that the data were read as the user, or a name, has it.
 
-use crate::analysis::motion::ToldIn;
-use crate::analysis::time::streams::Stream;
+use crate::analysis::{motion::ToldIn, time::streams::Stream};
 use crate::source::Place;
 use crate::verdict::Finding;
 

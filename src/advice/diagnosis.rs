@@ -1,8 +1,6 @@
 //! What the diagnosis of an inertial sensor makes of a finding: its words, and the rule that says it better.
 
-use crate::analysis::axes::causes::Aspect;
-use crate::analysis::axes::diagnosis::Diagnosis;
-use crate::analysis::motion::Imu;
+use crate::analysis::{axes::causes::Aspect, axes::diagnosis::Diagnosis, motion::Imu};
 use crate::rules::codes;
 use crate::verdict::{Finding, RuleCode};
 

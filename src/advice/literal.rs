@@ -1,10 +1,11 @@
 //! Literals rewritten: how a number is spelled in a fix, and what its text says about it.
 
+use nalgebra::Matrix3;
+
 use crate::analysis::rot::parts::Parts;
 use crate::source::{Place, SourceId};
 use crate::verdict::{Edit, Finding, Safety};
 use crate::world::{Literal, World};
-use nalgebra::Matrix3;
 
 /// A number with at most twelve decimals and no trailing zeros: enough for a picometre and for 1e-12 rad.
 pub(crate) fn spell(value: f64) -> String {

@@ -3,9 +3,7 @@
 use crate::analysis::lidar::Clouds;
 use crate::tables::Lidar;
 use crate::verdict::Judge;
-use crate::verdict::NotEvaluated;
-use crate::world::World;
-use crate::world::bag::TopicEvidence;
+use crate::world::{World, bag::TopicEvidence};
 
 impl Clouds<'_> {
     /// Says of recordings that hold packets of lidars, and no clouds of theirs, that those are not read.
@@ -31,11 +29,7 @@ impl Clouds<'_> {
                     "`{}` holds packets of {}, which are not read: record the clouds of its driver as well",
                     topic.topic, lidar.name
                 );
-                out.not_evaluated(
-                    format!("{of} of topic `{}`", topic.topic),
-                    NotEvaluated::MissingInput,
-                    why,
-                );
+                out.missing(format!("{of} of topic `{}`", topic.topic), why);
             }
         }
     }

@@ -2,9 +2,9 @@
 //!
 //! Owns the choice of the first place. Must not judge.
 
-use crate::analysis::places::joint_of;
 use std::collections::BTreeSet;
 
+use crate::analysis::places::joint_of;
 use crate::source::Place;
 use crate::verdict::Edit;
 use crate::world::graph::{Edge, EdgeOrigin};

@@ -6,11 +6,10 @@
 
 use nalgebra::{Isometry3, Matrix3, Quaternion, Translation3, UnitQuaternion, Vector3};
 
+use crate::advice::literal::{rewrite, spell};
 use crate::math::rotation::{from_rpy, nearest_rotation, rotation_angle_between, to_rpy};
 use crate::verdict::Edit;
 use crate::world::{Claim, Literal, World};
-
-use crate::advice::literal::{rewrite, spell};
 
 /// How far a layout may be off the transform that was read: what double precision and printed digits leave.
 const SAME_RAD: f64 = 1e-6;

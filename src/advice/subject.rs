@@ -2,9 +2,7 @@
 
 use crate::analysis::urdf::called::robot;
 use crate::verdict::Judge;
-use crate::verdict::NotEvaluated;
-use crate::world::World;
-use crate::world::robot::Robot;
+use crate::world::{World, robot::Robot};
 
 /// The robots that were read whole. A fragment gets its row here: what it lacks may stand in another file.
 pub(crate) fn whole_robots<'a>(world: &'a World, out: &mut Judge) -> Vec<&'a Robot> {
@@ -12,9 +10,8 @@ pub(crate) fn whole_robots<'a>(world: &'a World, out: &mut Judge) -> Vec<&'a Rob
         world.robots.iter().partition(|robot| robot.fragment.is_some());
     for fragment in fragments {
         let why = fragment.fragment.as_deref().unwrap_or_default();
-        out.not_evaluated(
+        out.missing(
             robot(world, fragment),
-            NotEvaluated::MissingInput,
             format!("only a part of the robot could be read: {why}"),
         );
     }
@@ -23,9 +20,5 @@ pub(crate) fn whole_robots<'a>(world: &'a World, out: &mut Judge) -> Vec<&'a Rob
 
 /// A row for a robot that has nothing of the kind the rule is about.
 pub(crate) fn nothing(world: &World, of: &Robot, what: &str, out: &mut Judge) {
-    out.not_evaluated(
-        robot(world, of),
-        NotEvaluated::NotApplicable,
-        format!("it has no {what}"),
-    );
+    out.not_applicable(robot(world, of), format!("it has no {what}"));
 }

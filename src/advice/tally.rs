@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::source::SourceId;
-use crate::verdict::Judge;
-use crate::verdict::Measured;
+use crate::verdict::{Judge, Measured};
 use crate::world::World;
 
 /// Counts what was found right, source by source, and keeps the number that came nearest to its limit.

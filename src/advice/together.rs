@@ -2,8 +2,7 @@
 //!
 //! Must not know what is wrong with the streams.
 
-use crate::verdict::Judge;
-use crate::verdict::{Finding, Label, PlaceRole};
+use crate::verdict::{Finding, Judge, Label, PlaceRole};
 
 /// How many of the other streams a finding names and points at.
 const NAMED: usize = 3;

@@ -2,20 +2,17 @@
 
 use crate::analysis::camera::published::Published;
 use crate::verdict::Judge;
-use crate::verdict::NotEvaluated;
 
 impl Published<'_> {
     /// Whether K can be used: finite, with positive focal lengths. Else the outcome is written, with what was not looked at.
     pub(crate) fn is_usable(&self, subject: &str, out: &mut Judge) -> bool {
         let [fx, fy, cx, cy] = self.intrinsics();
         if self.is_uncalibrated() {
-            let why = "K is all zeros: the camera is not calibrated";
-            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            out.not_applicable(subject, "K is all zeros: the camera is not calibrated");
             return false;
         }
         if ![fx, fy, cx, cy].iter().all(|value| value.is_finite()) || fx <= 0.0 || fy <= 0.0 {
-            let why = "K has no positive focal lengths";
-            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            out.not_applicable(subject, "K has no positive focal lengths");
             return false;
         }
         true

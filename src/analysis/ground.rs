@@ -2,15 +2,13 @@
 //!
 //! Owns from where they are sought, and which of six sides is the ground. Must not judge.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use nalgebra::Vector3;
+use serde::Deserialize;
 
-use crate::analysis::lidar::Clouds;
-use crate::analysis::names;
+use crate::analysis::{Estimates, lidar::Clouds, names};
 use crate::math::support::{Options, Support, support};
 use crate::world::World;
 
@@ -119,7 +117,7 @@ impl Planes {
     }
 }
 
-/// Where the sensor is in the axes of its cloud, metres: at the origin, or, where the cloud is told in the base, where TF has
+/// Where the sensor is in the axes of its cloud, metres: at the origin, or, where the cloud is expressed in the base, where TF has
 /// the only lidar. `None` where nothing says it.
 pub(crate) fn sensor_in_cloud(world: &World, clouds: &Clouds) -> Option<Vector3<f64>> {
     let frame = clouds.frame()?;
@@ -194,7 +192,6 @@ pub(crate) fn most(grounds: &[Ground]) -> Option<(usize, usize)> {
         .max_by_key(|(side, count)| (*count, SIDES.len() - side))
 }
 
-/// Limits of AXES10.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -2,18 +2,15 @@
 //!
 //! Owns which poses are held against which lidar, and the pairs. Must not judge.
 
-use crate::analysis::Estimates;
 use nalgebra::{Isometry2, Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
 
-use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::{Motion, Stream, Turned};
 use crate::analysis::scan_motion::moved::{Moment, Moved};
 use crate::analysis::scan_motion::{ScanMotion, Steps};
-use crate::analysis::time::sweep::sweeps_the_other_way;
+use crate::analysis::{Estimates, lidar::Clouds, time::sweep::sweeps_the_other_way};
 use crate::source::Place;
 use crate::verdict::NotEvaluated;
-use crate::world::motion::PoseRow;
-use crate::world::{FrameId, World};
+use crate::world::{FrameId, World, motion::PoseRow};
 
 /// Longest step between two poses, seconds.
 const MAX_STEP_S: f64 = 0.6;
@@ -105,7 +102,7 @@ impl Pair {
         (self.lidar.translation.vector.norm(), self.lidar.rotation.angle())
     }
 
-    /// What is left where `body_from_lidar` brings the two together, metres: two metres a radian besides.
+    /// The residual where `body_from_lidar` brings the two together, metres: two metres a radian besides.
     pub(crate) fn residual_m(&self, body_from_lidar: &Isometry3<f64>) -> f64 {
         let left = (self.body * body_from_lidar).inv_mul(&(body_from_lidar * self.lidar));
         left.translation.vector.norm() + 2.0 * left.rotation.angle()

@@ -2,13 +2,11 @@
 //!
 //! Owns which points are put together. With half a turn too many, landmarks move twice as fast as the platform. Must not judge.
 
-use crate::analysis::Estimates;
 use nalgebra::{Isometry3, Point3};
 
 use crate::analysis::hand_eye::{is_by_scans, pose_at, tied};
-use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::{Motion, Turned};
-use crate::analysis::scan_motion::moved::Moment;
+use crate::analysis::{Estimates, lidar::Clouds, scan_motion::moved::Moment};
 use crate::math::crispness::occupied_cells;
 use crate::verdict::NotEvaluated;
 use crate::world::FrameId;

@@ -3,10 +3,8 @@
 use crate::analysis::{names, radar};
 use crate::source::Place;
 use crate::tables::CloudDriver;
-use crate::world::bag::TopicEvidence;
 use crate::world::cloud::{CloudEvidence, CloudSample, PointTimes};
-use crate::world::laser::LaserEvidence;
-use crate::world::{BagEvidence, FrameId, World};
+use crate::world::{BagEvidence, FrameId, World, bag::TopicEvidence, laser::LaserEvidence};
 
 /// Units that times of points come in, seconds.
 const UNITS_S: [(f64, &str); 4] = [

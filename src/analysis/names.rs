@@ -13,6 +13,24 @@ pub(crate) const LIDARS: &[&str] = &["lidar", "laser", "velodyne", "ouster"];
 /// Makers of lidars that stand in fewer names.
 pub(crate) const LIDAR_MAKERS: &[&str] = &["livox", "hesai", "robosense", "rslidar"];
 
+/// Words for inertial sensors: kinds, makers and their series.
+pub(crate) const IMUS: &[&str] = &[
+    "imu",
+    "ins",
+    "ahrs",
+    "xsens",
+    "mti",
+    "vectornav",
+    "vn100",
+    "vn200",
+    "microstrain",
+    "sbg",
+    "adis16470",
+    "adis16448",
+    "bno055",
+    "phidgets",
+];
+
 /// Words for cameras.
 pub(crate) const CAMERAS: &[&str] = &["camera", "cam"];
 

@@ -6,14 +6,12 @@ use std::f64::consts::PI;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use crate::analysis::cross::pair::Statement;
-use crate::analysis::cross::statements::statements;
-use crate::analysis::lidar::Clouds;
+use crate::analysis::{cross::pair::Statement, cross::statements::statements, lidar::Clouds};
 use crate::source::SourceId;
 use crate::tables::OusterPart;
 use crate::world::{FrameId, OusterMetadata, World};
 
-/// The two frames that clouds of the sensor are told in.
+/// The two frames that clouds of the sensor are expressed in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Axes {
     /// x towards the connector, as the encoder counts.

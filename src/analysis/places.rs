@@ -1,17 +1,10 @@
 //! Where frames, transforms and their numbers stand.
 
-use crate::source::Place;
-use crate::source::SourceId;
-use crate::source::Span;
-use crate::world::Claim;
-use crate::world::FrameId;
-use crate::world::FrameRole;
-use crate::world::Literal;
-use crate::world::World;
-use crate::world::graph::Edge;
-use crate::world::graph::EdgeOrigin;
-use crate::world::robot::Joint;
 use std::collections::BTreeMap;
+
+use crate::source::{Place, SourceId, Span};
+use crate::world::graph::{Edge, EdgeOrigin};
+use crate::world::{Claim, FrameId, FrameRole, Literal, World, robot::Joint};
 
 /// The first use of a frame: roles in the order of [`crate::world::FrameRole`], then places. `frame` is canonical.
 pub(crate) fn first(world: &World, frame: &FrameId) -> Option<Place> {

@@ -1,17 +1,15 @@
 //! The radars of a world: their scans, and how they moved by them and by what else says it. Must not judge.
 
-use crate::analysis::Estimates;
 use nalgebra::{Isometry3, UnitQuaternion, Vector2, Vector3};
 
-use crate::analysis::motion::{Course, Motion, Stream, Track, Turned, mount::mount};
-use crate::analysis::scan_motion::moved::Moment;
+use crate::analysis::motion::{Course, Motion, Stream, Track, Turned};
+use crate::analysis::{Estimates, motion::mount::mount, scan_motion::moved::Moment};
 use crate::math::circular::wrapped;
 use crate::math::doppler::{Near, Sight, agreeing, ego, found};
 use crate::source::Place;
 use crate::world::bag::{Said, TopicEvidence};
-use crate::world::motion::PoseRow;
 use crate::world::radar::{RadarEvidence, RadarForm, RadarSweep, SpeedForm};
-use crate::world::{BagEvidence, FrameId, World};
+use crate::world::{BagEvidence, FrameId, World, motion::PoseRow};
 
 /// A velocity is taken from poses so long before and after, seconds.
 const HALF_S: f64 = 0.25;
@@ -314,7 +312,7 @@ pub(crate) fn found_again(scans: &[Scan], way: &Way, least_m: f64, near: Near) -
         let way_m = radar_from_body * Vector3::new(scan.fitted.x, scan.fitted.y, 0.0) * seconds;
         let turn = UnitQuaternion::from_scaled_axis(radar_from_body * scan.body[1] * -seconds);
         for (count, sign) in counts.iter_mut().zip([1.0, -1.0]) {
-            // Where it was is told in the axes of then; what stands still goes the other way, and turns back.
+            // Where it was is expressed in the axes of then; what stands still goes the other way, and turns back.
             let motion = Isometry3::from_parts((turn * (-sign * way_m)).into(), turn);
             *count += found(&from, &to, &motion, near);
         }

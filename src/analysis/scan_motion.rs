@@ -3,22 +3,17 @@
 //! Owns which points are compared and the chains of steps. Motions are in the plane of the ground, and only sought where z of the cloud is
 //! about upright. Must not judge.
 
-use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 use std::rc::Rc;
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
 
 use crate::analysis::ground::{Ground, Planes, SIDES, sensor_in_cloud};
-use crate::analysis::lidar::Clouds;
-use crate::analysis::motion::{Motion, mount::mount};
-use crate::math::stats::median;
-use crate::math::support::Support;
-use crate::world::World;
-use crate::world::cloud::CloudSlice;
-
 use crate::analysis::scan_motion::moved::{Moment, Moved};
 use crate::analysis::scan_motion::run::{Matching, Raw, Seen};
+use crate::analysis::{Estimates, lidar::Clouds, motion::Motion, motion::mount::mount};
+use crate::math::{stats::median, support::Support};
+use crate::world::{World, cloud::CloudSlice};
 
 pub(crate) mod moved;
 mod run;

@@ -4,9 +4,7 @@
 
 use nalgebra::{Isometry3, UnitQuaternion};
 
-use crate::math::constants::AxisTurn;
-use crate::math::relation::Relation;
-use crate::math::rotation::rotation_angle_between;
+use crate::math::{constants::AxisTurn, relation::Relation, rotation::rotation_angle_between};
 use crate::source::Place;
 use crate::world::{FrameId, World};
 

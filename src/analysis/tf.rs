@@ -4,12 +4,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::analysis::names;
-use crate::analysis::names::Standard;
+use crate::analysis::{names, names::Standard};
 use crate::source::MessageRef;
 use crate::world::bag::{HeaderFrame, TfEdge, TopicEvidence};
-use crate::world::robot::Joint;
-use crate::world::{BagEvidence, FrameId, World, qos};
+use crate::world::{BagEvidence, FrameId, World, qos, robot::Joint};
 
 /// What the `frame_id` of a message type is for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -56,7 +56,7 @@ pub(super) fn run(
         view::is_there()?;
     }
     let fixing = check.fixing;
-    // What is altered behind the check is told in the end.
+    // What is altered behind the check is expressed in the end.
     let is_final = !fixing.fix && !fixing.unsafe_fixes && !fixing.diff && check.write_baseline.is_none();
     let mut stream = if is_final {
         Stream::open(&check.reporting, stdout)?

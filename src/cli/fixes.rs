@@ -11,7 +11,7 @@ use crate::run::Run;
 use super::args::Reporting;
 use super::{Answer, Failure};
 
-/// A fix may uncover another one in the same place; more rounds than that mend nothing.
+/// A fix may uncover another one in the same place; more rounds than that fix nothing.
 const ROUNDS: usize = 8;
 
 /// What would be fixed, as a diff on standard output. The ending of the report goes to standard error, and the exit code is the report's.

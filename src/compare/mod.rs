@@ -18,7 +18,7 @@ pub enum Kind {
     Transform,
     /// Where the origin of a map lies on the Earth.
     Origin,
-    /// What topics are told in: types, frames.
+    /// What topics are expressed in: types, frames.
     Convention,
     /// Stamps against the clock of the recorder, rates.
     Clock,

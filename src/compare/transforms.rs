@@ -13,7 +13,7 @@ use crate::world::{ClaimKind, EarthOrigin, FrameId, World};
 
 use super::{Change, Comparison, Kind, place_words};
 
-/// Less is what printing and reading leave (TREE11 of the catalogue warns from here).
+/// Less is what printing and reading leave (TREE11 warns from here).
 const SAME_RAD: f64 = 0.05 * std::f64::consts::PI / 180.0;
 /// Metres.
 const SAME_M: f64 = 0.001;

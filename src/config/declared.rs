@@ -1,4 +1,4 @@
-//! The keys `conventions` and `dataset` of the configuration: what topics, frames and files are told in.
+//! The keys `conventions` and `dataset` of the configuration: what topics, frames and files are expressed in.
 
 use crate::read::calibration::document::Node;
 use crate::source::Span;

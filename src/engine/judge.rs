@@ -65,9 +65,9 @@ pub(super) fn judge<'r>(
 }
 
 /// What the rules say of what the user accepts.
-pub(super) fn judge_gate(applied: &[Applied], misspelt: &[Misspelt], rules: &[Enabled], verdict: &mut Verdict) {
+pub(super) fn judge_policy(applied: &[Applied], misspelt: &[Misspelt], rules: &[Enabled], verdict: &mut Verdict) {
     for rule in rules {
-        let Kind::Gate(asked) = rule.entry.kind else { continue };
+        let Kind::Policy(asked) = rule.entry.kind else { continue };
         let mut out = Judge::default();
         let crash = crash_of(|| asked(applied, misspelt, &mut out)).or_else(|| {
             not_silent(rule, &mut out);
@@ -241,7 +241,7 @@ mod tests {
     use crate::verdict::Severity;
 
     const FRONT: &str = "---\ncode: TEST01\nname: test\nsummary: s\nsince: 0.1.0\nstatus: stable\nseverity: error\n\
-                         confidence: likely\nsubject: one for each test\n---\n";
+                         confidence: likely\nsubject: one for each test\nview: frames\n---\n";
 
     fn run_with(entry: &'static Entry) -> Verdict {
         let rule = Enabled::new(entry).unwrap();

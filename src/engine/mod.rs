@@ -2,7 +2,6 @@
 
 mod enabled;
 pub mod evidence;
-mod gate;
 mod gather;
 mod hash;
 mod judge;
@@ -10,6 +9,7 @@ mod limits;
 mod parallel;
 mod plan;
 mod platform;
+mod policy;
 mod recordings;
 mod references;
 mod renumber;
@@ -34,14 +34,14 @@ use crate::verdict::waiver::Day;
 use crate::world::{Conventions, NamedDataset, World};
 
 use evidence::Saved;
-use gate::{Demanded, Gate};
 use plan::Choice;
 use platform::Member;
+use policy::{Demanded, RunPolicy};
 use renumber::Renumber;
 
 pub use crate::read::discover::Wanted;
-pub use gate::write_baseline;
 pub use hash::hash;
+pub use policy::write_baseline;
 pub use sampling::Extent;
 
 /// What the user asked for.
@@ -131,7 +131,7 @@ pub fn rules() -> Result<Vec<RuleInfo>, UsageError> {
         .collect())
 }
 
-/// Reads the inputs, judges them, and lays over the verdict what the user asks of the gate. Of several recordings each has a verdict of
+/// Reads the inputs, judges them, and lays over the verdict what the user accepts and requires. Of several recordings each has a verdict of
 /// its own.
 pub fn check(options: &Options) -> Result<Run, UsageError> {
     check_each(options, &mut |_, _| {})
@@ -222,20 +222,20 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, Usa
     if several {
         run.platforms = labels;
     }
-    let gate = Gate::new(
+    let policy = RunPolicy::new(
         setup.options,
         setup.config.as_ref(),
         &setup.choice.rules,
         &mut run.sources,
     )?;
-    let mut laid = gate.lay(&mut run.verdict, &run.sources, &run.platforms);
+    let mut laid = policy.lay(&mut run.verdict, &run.sources, &run.platforms);
     let demanded = Demanded {
         rows: &run.verdict.rows,
         beside: &[],
         recording: None,
     };
-    gate.demand(&mut laid, &demanded, &run.platforms);
-    gate.close(laid, &mut run, &setup.choice.rules);
+    policy.demand(&mut laid, &demanded, &run.platforms);
+    policy.close(laid, &mut run, &setup.choice.rules);
     Ok(run)
 }
 

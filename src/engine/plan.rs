@@ -8,7 +8,7 @@ use crate::rules::RULES;
 use super::enabled::Enabled;
 use super::{UsageError, limits};
 
-/// Every rule of the tool, in code order of the catalogue.
+/// Every rule of the tool, in code order of the registry.
 pub(super) fn all() -> Result<Vec<Enabled>, UsageError> {
     RULES
         .iter()

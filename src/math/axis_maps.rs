@@ -2,7 +2,7 @@
 //!
 //! Owns their list, their names and the search for the one that explains a correlation. Must not know which sensor is
 //! wrong, nor how clear an answer must be. The turns that the field has a word for are those of
-//! [`constants`](super::constants). Source: rule catalogue, section 0 ("24+24") and QUAT01.
+//! [`constants`](super::constants). Source: `rules/quat/quaternion-convention.md`.
 
 use nalgebra::{Matrix3, Vector3};
 
@@ -256,7 +256,7 @@ mod tests {
             assert_eq!((map.name().as_str(), map.turn()), (turn.word(), Some(turn)));
             assert_eq!(map.matrix(), *turn.rotation().matrix());
         }
-        // P of the catalogue: x and y change places, z changes sign.
+        // NED/ENU: x and y change places, z changes sign.
         assert_eq!(AxisMap::from_turn(AxisTurn::NedEnu).spelled(), "(y, x, -z)");
         assert_eq!(AxisMap::from_turn(AxisTurn::FluFrd).spelled(), "(x, -y, -z)");
         assert_eq!(AxisMap::from_turn(AxisTurn::Z180).spelled(), "(-x, -y, z)");

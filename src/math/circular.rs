@@ -2,7 +2,7 @@
 //!
 //! Owns weighted circular moments. Must not know what the angles mean: a course, a yaw, a phase are all the same here.
 //! Radians. Angles and weights that are not finite, and weights that are not positive, are left out of every result.
-//! Source: rule catalogue, section 0; Mardia and Jupp, Directional Statistics, 2000, sections 2.2 and 2.3.
+//! Source: Mardia and Jupp, Directional Statistics, 2000, sections 2.2 and 2.3.
 
 use std::f64::consts::{PI, TAU};
 

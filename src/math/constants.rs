@@ -1,4 +1,4 @@
-//! The constant rotations of the field: `P`, `F`, `O`, `Z` of the rule catalogue, and the plain quarter and half turns.
+//! The constant rotations of the field: `P` (NED/ENU), `F` (FLU/FRD), `O` (optical), `Z` (180 deg about z), and the plain quarter and half turns.
 //!
 //! Owns their exact matrices, quaternions and names. Must not know which frame uses which: that is a table's business.
 //! All are proper rotations; their matrices hold only 0, 1 and -1, exactly.

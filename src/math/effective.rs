@@ -2,7 +2,7 @@
 //!
 //! Owns autocorrelation and Bartlett's effective count of a pair of series. Series come as stretches on one grid, and no
 //! product reaches across the end of one. Must not know units or rates.
-//! Source: rule catalogue, section 0; Bartlett, Some aspects of the time-correlation problem in regard to tests of
+//! Source: Bartlett, Some aspects of the time-correlation problem in regard to tests of
 //! significance, J. Royal Statistical Society 98, 1935.
 
 /// sum a b over the shorter of two slices. Four sums side by side, which a processor can add at once.

@@ -1,7 +1,7 @@
 //! Three angles about coordinate axes, put together in any order.
 //!
 //! Owns the 72 ways to make a rotation of three numbers, their names, and the way back to the numbers. Must not know which
-//! of them a file means. Radians throughout. Source: rule catalogue, QUAT03; Diebel 2006, Representing Attitude,
+//! of them a file means. Radians throughout. Source: Diebel 2006, Representing Attitude,
 //! section 5 (the twelve sequences); URDF specification, `origin` (fixed axes x, y, z).
 
 use nalgebra::{Unit, UnitQuaternion, Vector3};

@@ -2,7 +2,7 @@
 //!
 //! Owns the turned means and how well they agree. Gives numbers and no verdict: what points down may be a world whose z
 //! points down or an accelerometer with the other sign. Blind to yaw. Must not know which message held the rows.
-//! Seconds, rad/s, m/s^2. Source: rule catalogue, AXES03; what held up on real recordings, (b).
+//! Seconds, rad/s, m/s^2. Source: `rules/axes/orientation-vs-gravity.md`.
 
 use nalgebra::Vector3;
 

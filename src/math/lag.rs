@@ -2,8 +2,8 @@
 //!
 //! Owns the correlation of two signals over a range of lags and what its peak is worth: significance, a runner-up, the
 //! deviation of the lag, the answers of parts. Gives numbers and no verdict. Must not know which clock is right.
-//! Seconds; the signals may have any unit, and each its own. Source: rule catalogue, TIME09; what held up on real
-//! recordings, (d); the deviation of the lag is that of Knapp and Carter, The generalized correlation method for
+//! Seconds; the signals may have any unit, and each its own. Source: `rules/time/sensor-time-offset.md`;
+//! the deviation of the lag is that of Knapp and Carter, The generalized correlation method for
 //! estimation of time delay, IEEE TASSP 24(4), 1976, for the effective count of values.
 
 mod curve;

@@ -1,7 +1,7 @@
 //! How far from level an orientation is, under two orders of its four numbers.
 //!
 //! Owns the tilt and what follows from many of them. Gives numbers and no verdict. Up and down are one here: a body whose
-//! z points down is level. Must not know which message held the numbers. Radians. Source: rule catalogue, QUAT02.
+//! z points down is level. Must not know which message held the numbers. Radians. Source: `rules/quat/quaternion-order-static.md`.
 
 use nalgebra::UnitQuaternion;
 

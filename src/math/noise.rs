@@ -1,7 +1,7 @@
 //! White noise of a smooth motion, and the ellipse of scattered vectors.
 //!
-//! Owns fourth differences and second moments in the plane. Must not know what is noisy. Source: rule catalogue, COV02,
-//! COV04; the weights are those of the fourth difference, 1 -4 6 -4 1, whose squares sum to 70.
+//! Owns fourth differences and second moments in the plane. Must not know what is noisy. The
+//! weights are those of the fourth difference, 1 -4 6 -4 1, whose squares sum to 70.
 
 use nalgebra::{Matrix2, Vector2, Vector3};
 

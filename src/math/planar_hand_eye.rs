@@ -1,7 +1,7 @@
 //! Where a sensor sits on a body, by the motions of both in one plane: AX = XB in SE(2).
 //!
 //! Owns the least squares, which are linear in the place and in cosine and sine of the yaw, and their errors by the jackknife. Metres
-//! and radians. Source: rule catalogue, CROSS05; the jackknife after Efron and Tibshirani (1993), chapter 11.
+//! and radians. Source: `rules/cross/hand-eye.md`; the jackknife after Efron and Tibshirani (1993), chapter 11.
 
 use nalgebra::{Isometry2, Matrix2, Matrix4, Rotation2, Vector2, Vector4};
 
@@ -23,7 +23,7 @@ pub struct Mounted {
     pub scale: f64,
     /// Standard errors of yaw, x and y.
     pub sigma: [f64; 3],
-    /// Median of what is left, metres.
+    /// Median residual, metres.
     pub residual_m: f64,
     /// Pairs that were used.
     pub pairs: usize,

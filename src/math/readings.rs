@@ -1,7 +1,7 @@
 //! The ways to read four published numbers as a rotation.
 //!
 //! Owns the four readings of a quaternion that data can tell apart. Must not know how: see [`turns`](super::turns) and
-//! [`gravity`](super::gravity). Source: rule catalogue, QUAT01 and AXES03.
+//! [`gravity`](super::gravity). Source: `rules/quat/quaternion-convention.md`.
 
 use nalgebra::{Quaternion, UnitQuaternion};
 

@@ -3,7 +3,7 @@
 //! Owns least squares on one regressor, its robust form, and a median slope. Must not know units: a slope is in those of
 //! y over those of x. Pairs that are not finite are left out. Every deviation is that for `n_eff` independent pairs,
 //! which the caller has from [`effective_count`](super::effective::effective_count): rows of a recording are not
-//! independent. Source: rule catalogue, section 0 (Huber, k = 1.5).
+//! independent. Source: Huber, Robust Estimation of a Location Parameter, 1964, with k = 1.5.
 
 use super::stats::{MAD_TO_SIGMA, median};
 
@@ -47,7 +47,7 @@ pub fn fit(pairs: &[(f64, f64)], through: Through, n_eff: f64) -> Option<Line> {
     Some(finished(line, &pairs, through, n_eff, squares, 0))
 }
 
-/// Huber's k: residuals beyond this many deviations lose weight (rule catalogue, section 0).
+/// Huber's k: residuals beyond this many deviations lose weight.
 const HUBER_K: f64 = 1.5;
 
 /// The line of `(x, y)` pairs by Huber's M-estimator: iteratively reweighted least squares, weight min(1, 1.5 s / |r|)

@@ -2,7 +2,7 @@
 //!
 //! Owns the dictionary: the words, a sentence for each, and their order of simplicity. [`apply`](Relation::apply) is in
 //! `apply.rs`, the decision which relation explains a difference in `classify.rs`. Must not know frame names, files or
-//! rules. Source: rule catalogue, CROSS02; measured figures are at [`classify()`].
+//! rules. Source: `rules/cross/extrinsic-relation.md`; measured figures are at [`classify()`].
 
 mod apply;
 mod classify;

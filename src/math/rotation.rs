@@ -208,7 +208,7 @@ pub enum Diagnosis {
     /// Orthogonal with determinant -1: a mirror image, which no rotation of a rigid body is.
     ///
     /// Undoing *any* flip of an exact reflection gives a proper rotation, so the matrix alone can't say which axis was
-    /// negated (the catalogue's "smallest residual" is 0 for all). `flip` is the one that leaves the smallest angle to
+    /// negated (the smallest residual is 0 for all). `flip` is the one that leaves the smallest angle to
     /// the reference; `residual_rad` is that angle.
     Reflection {
         /// The flip that leaves the smallest rotation relative to the reference.
@@ -228,7 +228,7 @@ pub enum Diagnosis {
 }
 
 /// Below this Frobenius norm of `m^T m - I` a matrix with a negative determinant is called a reflection: it belongs to
-/// the catalogue's band det in [-1.05, -0.95].
+/// det in [-1.05, -0.95].
 const REFLECTION_ORTHOGONALITY: f64 = 0.1;
 
 /// Singular values within this share of their mean count as equal when a common scale is looked for.

@@ -1,7 +1,7 @@
 //! On which side of an orientation a constant stands: `B = C * A` changes the world, `B = A * C` changes the body.
 //!
-//! Owns the two constants and how constant they are. Gives numbers and no verdict. Radians. Source: rule catalogue, QUAT04;
-//! the mean is that of Markley et al., Averaging quaternions, J. Guidance, Control, and Dynamics 30(4), 2007.
+//! Owns the two constants and how constant they are. Gives numbers and no verdict. Radians. Source:
+//! `rules/quat/left-vs-right-multiplication.md`; the mean is that of Markley et al., Averaging quaternions, J. Guidance, Control, and Dynamics 30(4), 2007.
 
 use nalgebra::{Matrix4, Quaternion, UnitQuaternion, Vector4};
 

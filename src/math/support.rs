@@ -2,8 +2,8 @@
 //!
 //! Owns the search for it in the points of one scan, and what speaks for it: the cells of the sensor's view that lie on it, what
 //! lies beneath and above. Gives numbers and no verdict: a ceiling seen from below is such a plane in a cloud that is upside down.
-//! Metres, in the sensor's axes; the origin is the sensor. Source: rule catalogue, AXES09 and AXES10; what held up on real
-//! recordings, (g): beams near the horizon make false planes. The search is RANSAC (Fischler and Bolles 1981), its triples from a
+//! Metres, in the sensor's axes; the origin is the sensor. On real recordings
+//! beams near the horizon make false planes. The search is RANSAC (Fischler and Bolles 1981), its triples from a
 //! fixed sequence, then least squares over the inliers.
 
 use std::collections::BTreeSet;

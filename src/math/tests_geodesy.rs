@@ -68,7 +68,7 @@ fn poles_and_nonsense_have_an_answer() {
 }
 
 #[test]
-fn the_earth_falls_below_a_tangent_plane_as_the_catalogue_says() {
+fn the_earth_falls_below_a_tangent_plane_by_the_square_of_the_distance() {
     // GEO05 and AXES09: 5 cm at 798 m, 7.8 cm at 1 km, 0.71 m at 3 km, 196 m at 50 km.
     for (distance, fall, digits) in [
         (798.0, 0.05, 1e-3),

@@ -151,7 +151,7 @@ fn what_is_no_rotation_gets_its_name() {
 
 #[test]
 fn flipping_all_off_diagonals_is_no_rotation_while_a_transpose_is() {
-    // FACTS.md D5 and D6: what the text says a JPL quaternion does, and what it does.
+    // Some texts say that this is what a JPL quaternion does; it is not.
     let mut rng = Rng::new(5);
     let mut errors: Vec<f64> = Vec::new();
     for _ in 0..2000 {

@@ -3,7 +3,7 @@
 //! Owns the windows' sums and what follows from them: R2, residual, lag, gain, correlation per axis and the matrix for
 //! the search of [`axis_maps`](super::axis_maps). Gives numbers and no verdict. The world frame cancels: a constant
 //! turn of it is invisible here. Must not know which message held the rows. Radians, seconds.
-//! Source: rule catalogue, QUAT01 (R2, lag, means removed); what held up on real recordings, (a) (residual, windows).
+//! Source: `rules/quat/quaternion-convention.md`.
 
 mod sums;
 #[cfg(test)]

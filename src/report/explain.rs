@@ -226,7 +226,7 @@ mod tests {
     #[test]
     fn limits_are_a_table_and_lists_stay_lists() {
         let page = "---\ncode: X01\nname: x\nsummary: s\nsince: 0.1.0\nstatus: trial\nseverity: note\n\
-                    confidence: hint\nsubject: a frame\nlimits:\n  angle_deg: {value: 1.5, unit: deg, reason: why not}\n  \
+                    confidence: hint\nsubject: a frame\nview: none\nlimits:\n  angle_deg: {value: 1.5, unit: deg, reason: why not}\n  \
                     ratio: {value: [1, 2], unit: \"1\", reason: two}\n---\n\n## How it decides\n\nFirst:\n\n- one\n  \
                     more\n- two\n1. three\n\n| a | b |\n|---|---|\n\n### case\n\ntext\n";
         let text = render(page, Style::PLAIN).unwrap();

@@ -112,7 +112,7 @@ fn conventions(run: &Run, out: &mut String) {
         return;
     }
     out.push_str(
-        "\n# What these topics are told in. Without a declaration ROS's own holds: east, north, up for the world (ENU), forward, left, up for the\n\
+        "\n# What these topics are expressed in. Without a declaration ROS's own holds: east, north, up for the world (ENU), forward, left, up for the\n\
          # body (FLU), quaternions as x y z w, UTC. Declare what differs; the data are held against it.\n# conventions:\n",
     );
     for (topic, type_name) in topics.iter().take(MAX_ROWS) {

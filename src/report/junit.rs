@@ -1,5 +1,5 @@
 //! JUnit XML: a suite for each rule, a test case for each check. What was not evaluated or is waived is skipped, with its
-//! reason; a finding that does not count leaves its case passed, and is told in its output.
+//! reason; a finding that does not count leaves its case passed, and is written to its output.
 
 use std::collections::BTreeMap;
 use std::fmt::Write;

@@ -5,7 +5,7 @@ use super::rule::Entry;
 
 macro_rules! list {
     ($($(#[$doc:meta])* $family:ident { $($code:ident => $module:ident :: $rule:ident $(as $kind:ident)?,)* })*) => {
-        /// Every rule, in the order of the catalogue.
+        /// Every rule, in the order of the registry.
         pub static RULES: &[Entry] = &[$($(
             entry!(super::$family::$module::$rule, super::codes::$code $(, $kind)?),
         )*)*];

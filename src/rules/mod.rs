@@ -6,13 +6,14 @@
 pub mod codes;
 mod list;
 mod need;
+pub(crate) mod prelude;
 mod registry;
 mod rule;
 
 pub use list::RULES;
 pub use need::Need;
 pub use rule::{Entry, Evidence, Kind};
-pub(crate) use rule::{NoLimits, OfGate, Review, Rule};
+pub(crate) use rule::{NoLimits, OfPolicy, Review, Rule};
 
 /// The modules of the rules, a folder for each family.
 macro_rules! modules {

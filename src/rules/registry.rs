@@ -1,4 +1,4 @@
-//! The registry: one line for each rule, in the order of the catalogue. From it come the modules, [`RuleCode`](crate::verdict::RuleCode)s
+//! The registry: one line for each rule, in the order of the families. From it come the modules, [`RuleCode`](crate::verdict::RuleCode)s
 //! and the list of rules. A rule judges worlds unless its line says otherwise.
 
 /// Hands every rule to a macro.
@@ -179,9 +179,9 @@ macro_rules! registry {
             }
             #[doc = "Rules on what the user accepts: waivers, comments and baselines that do nothing, have run out, or are not understood."]
             gate {
-                GATE01 => unused_waiver::UnusedWaiver as gate,
-                GATE02 => expired_waiver::ExpiredWaiver as gate,
-                GATE03 => comment_not_understood::CommentNotUnderstood as gate,
+                GATE01 => unused_waiver::UnusedWaiver as policy,
+                GATE02 => expired_waiver::ExpiredWaiver as policy,
+                GATE03 => comment_not_understood::CommentNotUnderstood as policy,
             }
         }
     };

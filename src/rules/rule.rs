@@ -41,7 +41,7 @@ pub(crate) trait Review {
 }
 
 /// A rule on what the user accepts.
-pub(crate) trait OfGate {
+pub(crate) trait OfPolicy {
     /// The rule's page.
     const PAGE: &'static str;
 
@@ -111,7 +111,7 @@ pub enum Kind {
     /// It speaks of what the others found.
     Review(fn(&Settings, &mut [Finding], &[Row], &mut Judge)),
     /// It speaks of what the user accepts.
-    Gate(fn(&[Applied], &[Misspelt], &mut Judge)),
+    Policy(fn(&[Applied], &[Misspelt], &mut Judge)),
 }
 
 /// A registered rule.
@@ -163,9 +163,9 @@ impl Entry {
     }
 
     /// A rule on what the user accepts.
-    pub(super) const fn gate<R: OfGate>(code: RuleCode) -> Self {
+    pub(super) const fn policy<R: OfPolicy>(code: RuleCode) -> Self {
         Self {
-            kind: Kind::Gate(R::judge),
+            kind: Kind::Policy(R::judge),
             ..Self::with::<NoLimits>(code, R::PAGE)
         }
     }
@@ -176,7 +176,7 @@ impl Entry {
             page,
             needs: &[],
             evidence: Evidence::USUAL,
-            kind: Kind::Gate(|_, _, _| {}),
+            kind: Kind::Policy(|_, _, _| {}),
             add_limits: |settings, page, overrides| {
                 settings.add::<L>(move || {
                     let mut front = Front::parse_limits(page).ok()?;

@@ -1,4 +1,4 @@
-//! Published datasets: the axes that their frames are told in.
+//! Published datasets: the axes that their frames are expressed in.
 
 use serde::Deserialize;
 
@@ -26,7 +26,7 @@ pub struct Dataset {
     pub source: String,
 }
 
-/// Frames of a dataset that are told in the same axes.
+/// Frames of a dataset that are expressed in the same axes.
 #[derive(Clone, Debug, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DatasetFrame {

@@ -89,4 +89,19 @@ impl Judge {
             measured: Vec::new(),
         });
     }
+
+    /// The rule has no question to this subject.
+    pub fn not_applicable(&mut self, subject: impl Into<String>, reason: impl AsRef<str>) {
+        self.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
+    }
+
+    /// Something that the judgement needs is not at hand.
+    pub fn missing(&mut self, subject: impl Into<String>, reason: impl AsRef<str>) {
+        self.not_evaluated(subject, NotEvaluated::MissingInput, reason);
+    }
+
+    /// What was measured does not suffice.
+    pub fn too_little(&mut self, subject: impl Into<String>, reason: impl AsRef<str>) {
+        self.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
+    }
 }

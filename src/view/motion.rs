@@ -179,7 +179,7 @@ fn positions(said: &Said, prefix: &str, scene: &mut Scene) {
     }
 }
 
-/// The track of a pose in the frame that it is told in.
+/// The track of a pose in the frame that it is expressed in.
 fn poses(said: &Said, placed: &Placed, scene: &mut Scene) {
     let (Some(series), Some(frame)) = (&said.content.motion.poses, said.header_frames.keys().next()) else {
         return;

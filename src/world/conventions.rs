@@ -1,4 +1,4 @@
-//! Conventions that the user declares for topics, frames and files: what the numbers there are told in.
+//! Conventions that the user declares for topics, frames and files: what the numbers there are expressed in.
 //!
 //! Owns the words and which declaration holds for what. Must not know how a configuration is written, nor convert
 //! anything.
@@ -89,7 +89,7 @@ words!(QuaternionAlgebra { "hamilton" => Hamilton, "jpl" => Jpl });
 words!(Fields { "confirmed" => Confirmed });
 words!(TimeScale { "utc" => Utc, "gps" => Gps, "tai" => Tai });
 
-/// What numbers are told in; `None` where nothing is said.
+/// What numbers are expressed in; `None` where nothing is said.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Convention {
     /// The world frame's axes.
@@ -219,7 +219,7 @@ pub struct Subject<'a> {
 }
 
 impl Conventions {
-    /// Whether nothing is declared of what topics, frames and files are told in.
+    /// Whether nothing is declared of what topics, frames and files are expressed in.
     pub fn is_empty(&self) -> bool {
         self.declarations.is_empty()
     }

@@ -8,6 +8,7 @@ use frames_lint::world::{Facts, World};
 
 use crate::errors::Error;
 use crate::streams::{At, Stream};
+use crate::support::deference;
 
 /// What became of an error.
 #[derive(Clone, Debug)]
@@ -93,6 +94,9 @@ impl<'w> Judged<'w> {
         let after = self.rules.judge(&world);
         if let Some(crashed) = after.rows.iter().find(|row| row.outcome == Outcome::Crashed) {
             return Some(Cell::Wrong(format!("{} crashed", crashed.rule)));
+        }
+        if let Some(fault) = deference::faults(&world).into_iter().next() {
+            return Some(Cell::Wrong(fault));
         }
         let findings = new(staged.as_ref().unwrap_or(&self.before), &after);
         if let Some(wrong) = findings

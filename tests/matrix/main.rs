@@ -30,9 +30,9 @@ mod support;
 
 mod cameras;
 mod cells;
+mod corrected;
 mod errors;
 mod lidars;
-mod mended;
 mod places;
 mod stages;
 mod streams;
@@ -72,8 +72,8 @@ fn errors_in_real_recordings_are_named_or_not_evaluated() {
     let sources = Arc::new(run.sources);
     for mut world in run.worlds {
         world.sources = Arc::clone(&sources);
-        for told in mended::mend(&mut world) {
-            println!("mended: {told}");
+        for told in corrected::correct(&mut world) {
+            println!("fixed: {told}");
         }
         unjudged.extend(unjudged_of(&world, &rules));
         lines.extend(of_world(&world, &rules, &only));
@@ -89,7 +89,7 @@ fn errors_in_real_recordings_are_named_or_not_evaluated() {
 
 /// Findings without any error, of rules that see errors, which are not known to be true.
 fn unjudged_of(world: &World, rules: &Rules) -> Vec<String> {
-    if mended::left_out(world).is_some() {
+    if corrected::left_out(world).is_some() {
         return Vec::new();
     }
     let is_seer = |rule: &str| errors::all().any(|error| error.seen_by.iter().any(|seen| seen.starts_with(rule)));
@@ -97,7 +97,7 @@ fn unjudged_of(world: &World, rules: &Rules) -> Vec<String> {
     let mut unjudged = Vec::new();
     for finding in verdict.findings.iter().filter(|finding| is_seer(&finding.rule)) {
         let told = format!("{}: {} {}", world.label, finding.rule, finding.message);
-        if let Some(why) = mended::why_true(world, &finding.rule) {
+        if let Some(why) = corrected::why_true(world, &finding.rule) {
             println!("without an error: {told}\n    true: {why}");
         } else {
             println!("without an error: {told}\n    not judged");
@@ -109,7 +109,7 @@ fn unjudged_of(world: &World, rules: &Rules) -> Vec<String> {
 
 fn of_world(world: &World, rules: &Rules, only: &[&str]) -> Vec<Line> {
     let mut lines = Vec::new();
-    if let Some(why) = mended::left_out(world) {
+    if let Some(why) = corrected::left_out(world) {
         println!("left out: {}: {why}", world.label);
         return lines;
     }

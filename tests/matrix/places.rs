@@ -23,7 +23,7 @@ pub fn as_row(pose: &mut Pose, change: impl Fn(&mut PoseRow)) {
     (pose.translation_m, pose.rotation_xyzw) = (row.position, row.orientation);
 }
 
-/// Puts poses where the fixes of the recording are, told in another kind of coordinates; false where there are no fixes.
+/// Puts poses where the fixes of the recording are, expressed in another kind of coordinates; false where there are no fixes.
 pub fn put(world: &mut World, stream: &Stream, tell: fn(Place, &Place) -> [f64; 3]) -> bool {
     let said = world.bags[stream.bag].topics.values().flat_map(TopicEvidence::said);
     let fixes: Vec<FixRow> = said

@@ -216,7 +216,7 @@ pub fn hold_correction(world: &mut World, stream: &Stream) {
     }
 }
 
-/// The map is told in odom.
+/// The map is expressed in odom.
 pub fn map_in_odom(world: &mut World, stream: &Stream) {
     put_topic(world, stream, "/map", "nav_msgs/msg/OccupancyGrid", "odom");
 }

@@ -37,11 +37,10 @@ pub fn of_rule(verdict: &Verdict, rule: &str, subject: &str, fault: Fault) -> An
             return Answer::Wrong(reason.to_owned());
         }
         // One cause, one finding: another rule has it.
-        let part = reason
-            .split_once("part of what ")
-            .map(|(_, rest)| rest.split(' ').next());
-        let whole = reason.split_once(" reports what is wrong with this sensor");
-        let Some(Some(owner)) = part.or(whole.map(|(start, _)| start.split(' ').next_back())) else {
+        let explained = reason
+            .strip_prefix("explained by ")
+            .filter(|_| row.outcome == Outcome::Explained);
+        let Some(owner) = explained.and_then(|words| words.split(' ').next()) else {
             continue;
         };
         points_elsewhere = true;

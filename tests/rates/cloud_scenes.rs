@@ -174,7 +174,7 @@ pub const SEEN: &[Seen] = &[
     },
     // The points.
     Seen {
-        name: "told in the base",
+        name: "expressed in the base",
         // Its yaw was not applied either.
         names: (&["not-applied"], &["lacks a yaw of"]),
         frames: Some(["base_footprint", "lidar_top"]),
@@ -189,7 +189,7 @@ pub const SEEN: &[Seen] = &[
         ..WRONG
     },
     Seen {
-        name: "told in the base, rightly",
+        name: "expressed in the base, rightly",
         axes: |mount| *mount,
         frames: Some(["base_footprint", "lidar_top"]),
         asked: &[GROUND, UP],

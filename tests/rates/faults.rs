@@ -56,12 +56,12 @@ pub const IMU: &[Known] = &[
     (
         "NED/FRD",
         &[Error::NedFrd],
-        (&["ned-frd"], &["all of it is told in NED/FRD"]),
+        (&["ned-frd"], &["all of it is expressed in NED/FRD"]),
     ),
     (
         "orientation NED/FRD",
         &[Error::NedOrientation],
-        (&["ned-orientation"], &["the orientation alone is told in NED/FRD"]),
+        (&["ned-orientation"], &["the orientation alone is expressed in NED/FRD"]),
     ),
     (
         "world NED",
@@ -137,12 +137,12 @@ pub const IMU: &[Known] = &[
     (
         "left-handed",
         &[Error::LeftHanded],
-        (&["mirrored"], &["all of it is told in left-handed axes"]),
+        (&["mirrored"], &["all of it is expressed in left-handed axes"]),
     ),
     (
         "gyro, accel FRD",
         &[Error::Frd],
-        (&["sensor-frd"], &["gyro and accelerometer are told in FRD"]),
+        (&["sensor-frd"], &["gyro and accelerometer are expressed in FRD"]),
     ),
     (
         "gyro negated",

@@ -63,11 +63,11 @@ impl Made {
     }
 }
 
-/// What QUAT04 says of two orientations told in a frame of one name.
+/// What QUAT04 says of two orientations expressed in a frame of one name.
 const WORLDS: &str = "differ by a constant of the world";
 
 /// What AXES14 says of poses that may not be of the body that TF knows, or in another order.
-const OTHER_AXES: &str = "or the orientation is told in other axes of the body, or with w first";
+const OTHER_AXES: &str = "or the orientation is expressed in other axes of the body, or with w first";
 
 /// What AXES08 says of poses whose orientation may be wrong.
 const ORIENTATION: &str = "the orientation beside it is wrong";
@@ -78,7 +78,7 @@ const W_FIRST: &str = "or the four numbers of the orientation stand as w, x, y, 
 /// A world whose z points down: the track in it is a mirror image, and its base may be what is upside down.
 const DOWN: Names = (
     &["z-down", "mirrored"],
-    &[MIRRORED, "or the frame that the pose is told in has z down"],
+    &[MIRRORED, "or the frame that the pose is expressed in has z down"],
 );
 
 /// Every world.
@@ -253,8 +253,8 @@ const TURNED: Names = (
 const NED: Names = (
     &["ned-frd", "ned-orientation"],
     &[
-        "all of it is told in NED/FRD",
-        "the orientation alone is told in NED/FRD",
+        "all of it is expressed in NED/FRD",
+        "the orientation alone is expressed in NED/FRD",
     ],
 );
 

@@ -51,7 +51,7 @@ fn rated(seeds: Range<u64>, only: &[String]) {
     if std::env::var_os("RATES_WHY").is_some() {
         println!("{}", table.reasons());
     }
-    let faults = table.faults();
+    let faults = [table.faults(), table.silent].concat();
     assert!(faults.is_empty(), "\n{}", faults.join("\n"));
 }
 

@@ -11,6 +11,7 @@ use crate::answers::{self, Answer};
 use crate::cloud_worlds::{self, Shared};
 use crate::drives::Kind;
 use crate::faults::Fault;
+use crate::support::deference;
 use crate::support::drive::description::{Gnss, Grade, Motion, Vehicle};
 use crate::{frame_worlds, place_lines};
 
@@ -77,6 +78,8 @@ pub struct Line {
 pub struct Table {
     pub lines: Vec<Line>,
     drives: Vec<Drives>,
+    /// Reasons that point at silent rules, on the worlds of the first seed.
+    pub silent: Vec<String>,
 }
 
 /// Where an answer is counted.
@@ -178,23 +181,26 @@ impl Table {
             tasks.extend(seeds.clone().map(|seed| (drives, seed)));
         }
         tasks.sort_by_key(|(drives, seed)| (std::cmp::Reverse(self.drives[*drives].kind.seconds), *drives, *seed));
-        let answered = |(drives, seed): &(usize, u64)| -> Vec<(usize, Answer)> {
+        let first = seeds.start;
+        let answered = |(drives, seed): &(usize, u64)| -> (Vec<(usize, Answer)>, Vec<String>) {
             let Drives { kind, cells } = &self.drives[*drives];
             let messages = LazyCell::new(|| kind.messages(*seed));
-            let mut answers = Vec::new();
+            let (mut answers, mut silent) = (Vec::new(), Vec::new());
             let shared = Shared::default();
             for cell in cells {
-                let (verdict, truth) = match cell.fault {
+                let (rules, world, truth) = match cell.fault {
                     Fault::Cloud(name) => {
                         let world = cloud_worlds::seen(name).world(&messages, &shared);
-                        (sensing.judge(&world), cell.fault)
+                        (&sensing, world, cell.fault)
                     }
-                    Fault::Place(name) => (rules.judge(&place_lines::scene(name).world(*kind, *seed)), cell.fault),
-                    fault => (
-                        rules.judge(&messages.world(fault)),
-                        frame_worlds::truth(&messages, fault),
-                    ),
+                    Fault::Place(name) => (&rules, place_lines::scene(name).world(*kind, *seed), cell.fault),
+                    fault => (&rules, messages.world(fault), frame_worlds::truth(&messages, fault)),
                 };
+                let verdict = rules.judge(&world);
+                if *seed == first {
+                    let faults = deference::faults(&world).into_iter();
+                    silent.extend(faults.map(|said| format!("{}, {}: {said}", words(*kind), cell.fault.words())));
+                }
                 for question in &cell.questions {
                     let answer = if question.rule == ALL {
                         answers::of_all(&verdict, truth)
@@ -213,11 +219,14 @@ impl Table {
                     answers.push((question.line, answer));
                 }
             }
-            answers
+            (answers, silent)
         };
-        let answers: Vec<Vec<(usize, Answer)>> = tasks.par_iter().map(answered).collect();
-        for (line, answer) in answers.into_iter().flatten() {
-            self.lines[line].count(answer);
+        let answers: Vec<_> = tasks.par_iter().map(answered).collect();
+        for (answers, silent) in answers {
+            for (line, answer) in answers {
+                self.lines[line].count(answer);
+            }
+            self.silent.extend(silent);
         }
     }
 

@@ -76,7 +76,7 @@ fn what_the_data_contradict_points_at_the_declaration() {
     ));
     let ran = check(folder.path(), &["data"]);
     assert_eq!((ran.code, said(&ran).1), (1, vec!["AXES03".to_owned()]));
-    // NED is declared, and the data are told in ENU.
+    // NED is declared, and the data are expressed in ENU.
     let other = NED.replace(", errors: [ned_frd]", "");
     support::write(&other, &folder.path().join("data/drive.mcap"));
     fs::write(folder.path().join("frames-lint.yaml"), DECLARED).unwrap();
@@ -84,7 +84,7 @@ fn what_the_data_contradict_points_at_the_declaration() {
     assert_eq!(ran.code, 1);
     let text = ran.text().split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(text.contains("frames-lint.yaml:2"), "{text}");
-    assert!(text.contains("told in ENU and FLU axes"), "{text}");
+    assert!(text.contains("expressed in ENU and FLU axes"), "{text}");
     assert!(text.contains("declared here"), "{text}");
 }
 

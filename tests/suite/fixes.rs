@@ -41,7 +41,7 @@ fn check(folder: &Path, select: &[&str]) -> Run {
 }
 
 /// Applies every fix until none is left, and says how many there were.
-fn mend(folder: &Path, select: &[&str]) -> (Run, usize) {
+fn correct(folder: &Path, select: &[&str]) -> (Run, usize) {
     let mut fixed = 0;
     for _ in 0..8 {
         let run = check(folder, select);
@@ -63,7 +63,7 @@ fn with_fix(run: &Run) -> Vec<&Finding> {
         .collect()
 }
 
-/// Rules whose pages show no case that is mended by an edit, though the rule has fixes: none.
+/// Rules whose pages show no case that is fixed by an edit, though the rule has fixes: none.
 #[test]
 fn every_bad_case_that_has_a_fix_is_clean_behind_it() {
     let faults: Vec<String> = RULES
@@ -90,7 +90,7 @@ fn every_bad_case_that_has_a_fix_is_clean_behind_it() {
                             .filter(|finding| finding.rule == front.code)
                             .count()
                     };
-                    let (after, fixed) = mend(folder.path(), &[]);
+                    let (after, fixed) = correct(folder.path(), &[]);
                     let left = of_rule(&run) - fixable;
                     if fixed == 0 || of_rule(&after) > left || !with_fix(&after).is_empty() {
                         let told: Vec<&str> = after
@@ -176,7 +176,7 @@ fn an_error_that_is_sure_is_taken_out_of_a_file_of_any_dialect() {
             if sure.fix.is_none() {
                 return (name, "sure", false, None);
             }
-            let (after, _) = mend(folder.path(), &["CROSS01", "CROSS02"]);
+            let (after, _) = correct(folder.path(), &["CROSS01", "CROSS02"]);
             let told: Vec<&str> = after
                 .verdict
                 .findings
@@ -209,7 +209,7 @@ fn an_error_that_is_sure_is_taken_out_of_a_file_of_any_dialect() {
     );
     // Degrees that were made a quaternion or a matrix have wrapped around: nothing brings them back.
     let lost: Vec<&&str> = unfixed.iter().filter(|name| !name.ends_with(" degrees")).collect();
-    assert!(sure > 200 && lost.is_empty(), "{sure} sure, not mended: {lost:#?}");
+    assert!(sure > 200 && lost.is_empty(), "{sure} sure, not fixed: {lost:#?}");
 }
 
 /// A fault in a text: what is replaced where, and the rule that says so. `None` where the text has no place for it.
@@ -301,7 +301,7 @@ fn said(text: &str) -> Vec<String> {
 
 /// Whether a fault in a healthy text is found and has a fix, and what is wrong where that does not give the healthy text again. Some
 /// descriptions are such that the fault is none: nobody else spells the name, or the joint carries nothing.
-fn mended(healthy: &str, broken: &str, rule: &str) -> Result<bool, String> {
+fn corrected(healthy: &str, broken: &str, rule: &str) -> Result<bool, String> {
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
     let file = folder.path().join("robot.urdf");
     fs::write(&file, healthy).map_err(|error| error.to_string())?;
@@ -313,14 +313,14 @@ fn mended(healthy: &str, broken: &str, rule: &str) -> Result<bool, String> {
     if fix::plan(&check(folder.path(), &[rule]), true).patches.is_empty() {
         return Ok(false);
     }
-    let (after, _) = mend(folder.path(), &[rule]);
+    let (after, _) = correct(folder.path(), &[rule]);
     if let Some(left) = after.verdict.findings.first() {
         return Err(format!("still said: {}", left.message));
     }
-    let mended = fs::read_to_string(&file).map_err(|error| error.to_string())?;
+    let corrected = fs::read_to_string(&file).map_err(|error| error.to_string())?;
     let is_right = match rule {
-        "NAME01" | "NAME02" => mended == healthy,
-        "URDF10" => said(&mended) == said(healthy),
+        "NAME01" | "NAME02" => corrected == healthy,
+        "URDF10" => said(&corrected) == said(healthy),
         _ => {
             let (at, rpy, turned) = match rule {
                 "NAME06" => optical(healthy).map(|(at, rpy)| (at, rpy, format!("-{FRAC_PI_2} 0 -{FRAC_PI_2}"))),
@@ -329,20 +329,22 @@ fn mended(healthy: &str, broken: &str, rule: &str) -> Result<bool, String> {
             .unwrap();
             let end = at + rpy.len();
             let right = format!("{}{turned}{}", &healthy[..at], &healthy[end..]);
-            said(&mended) == said(&right) && mended.starts_with(&healthy[..at]) && mended.ends_with(&healthy[end..])
+            said(&corrected) == said(&right)
+                && corrected.starts_with(&healthy[..at])
+                && corrected.ends_with(&healthy[end..])
         }
     };
     if is_right {
         Ok(true)
     } else {
-        Err(format!("mended to another text: {mended}"))
+        Err(format!("fixed to another text: {corrected}"))
     }
 }
 
-/// What became of one fault in one text: as [`mended`] has it.
+/// What became of one fault in one text: as [`corrected`] has it.
 type Outcome = (&'static str, Result<bool, String>);
 
-/// Puts faults into every file of the corpus with one of these endings and not more bytes. Each that has a fix must be mended, and each
+/// Puts faults into every file of the corpus with one of these endings and not more bytes. Each that has a fix must be fixed, and each
 /// kind of fault so often at least.
 fn over_corpus(
     (endings, max_bytes): (&[&str], usize),
@@ -374,7 +376,7 @@ fn over_corpus(
         }
     }
     assert!(faults.is_empty(), "{}", faults.join("\n"));
-    eprintln!("{} files, mended: {total:#?}", files.len());
+    eprintln!("{} files, fixed: {total:#?}", files.len());
     for what in kinds {
         assert!(
             total.get(what).is_some_and(|count| *count >= least),
@@ -384,14 +386,14 @@ fn over_corpus(
 }
 
 #[test]
-fn faults_put_into_healthy_descriptions_are_mended_and_nothing_else_changes() {
+fn faults_put_into_healthy_descriptions_are_corrected_and_nothing_else_changes() {
     let kinds = FAULTS.map(|(what, _)| what);
     over_corpus((&["urdf"], 200_000), &kinds, 5, |_, healthy| {
         let broken = FAULTS
             .iter()
             .filter_map(|(what, inject)| Some((*what, inject(healthy)?)));
         broken
-            .map(|(what, (broken, rule))| (what, mended(healthy, &broken, rule)))
+            .map(|(what, (broken, rule))| (what, corrected(healthy, &broken, rule)))
             .collect()
     });
 }
@@ -485,8 +487,8 @@ fn statements(file: &Path) -> Vec<Claim> {
         .collect()
 }
 
-/// As [`mended`], for the numbers of one statement of a calibration.
-fn calibration_mended(name: &str, healthy: &str, at: usize, misstate: Misstate) -> Result<bool, String> {
+/// As [`corrected`], for the numbers of one statement of a calibration.
+fn calibration_fixed(name: &str, healthy: &str, at: usize, misstate: Misstate) -> Result<bool, String> {
     let folder = tempfile::tempdir().map_err(|error| error.to_string())?;
     let file = folder.path().join(name);
     let wrote = |text: &str| fs::write(&file, text).map_err(|error| error.to_string());
@@ -508,11 +510,11 @@ fn calibration_mended(name: &str, healthy: &str, at: usize, misstate: Misstate) 
     if fix::plan(&check(folder.path(), &[rule]), true).patches.is_empty() {
         return Ok(false);
     }
-    let (after, _) = mend(folder.path(), &[rule]);
+    let (after, _) = correct(folder.path(), &[rule]);
     if let Some(left) = after.verdict.findings.first() {
         return Err(format!("still said: {}", left.message));
     }
-    let mended = fs::read_to_string(&file).map_err(|error| error.to_string())?;
+    let corrected = fs::read_to_string(&file).map_err(|error| error.to_string())?;
     let Some(now) = statements(&file).into_iter().nth(at) else {
         return Err("the statement is gone".to_owned());
     };
@@ -520,8 +522,8 @@ fn calibration_mended(name: &str, healthy: &str, at: usize, misstate: Misstate) 
         let own = literals(claim);
         restated(text, &own, &vec!["#".to_owned(); own.len()])
     };
-    if blank(&mended, &now) != blank(healthy, &claim) {
-        return Err(format!("something else changed: {mended}"));
+    if blank(&corrected, &now) != blank(healthy, &claim) {
+        return Err(format!("something else changed: {corrected}"));
     }
     // A quaternion of seven digits was itself of length one to seven digits only.
     let within = if rule == "ROT04" { 1e-6 } else { 1e-9 };
@@ -531,7 +533,7 @@ fn calibration_mended(name: &str, healthy: &str, at: usize, misstate: Misstate) 
     if literals(&now).iter().zip(&own).all(is_one) {
         Ok(true)
     } else {
-        Err(format!("mended to other numbers: {:?}", literals(&now)))
+        Err(format!("fixed to other numbers: {:?}", literals(&now)))
     }
 }
 
@@ -557,13 +559,13 @@ fn with_ending(folder: &Path, endings: &[&str], found: &mut Vec<PathBuf>) {
 const MOST: usize = 12;
 
 #[test]
-fn faults_put_into_healthy_calibrations_are_mended_and_nothing_else_changes() {
+fn faults_put_into_healthy_calibrations_are_corrected_and_nothing_else_changes() {
     let kinds = MISSTATEMENTS.map(|(what, _)| what);
     let endings = ["yaml", "yml", "json", "txt"];
     over_corpus((&endings, 100_000), &kinds, 3, |path, healthy| {
         let name = path.file_name().unwrap().to_string_lossy();
         let each =
-            |at: usize| MISSTATEMENTS.map(|(what, misstate)| (what, calibration_mended(&name, healthy, at, misstate)));
+            |at: usize| MISSTATEMENTS.map(|(what, misstate)| (what, calibration_fixed(&name, healthy, at, misstate)));
         (0..statements(path).len().min(MOST)).flat_map(each).collect()
     });
 }

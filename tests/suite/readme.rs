@@ -1,4 +1,4 @@
-//! The README shows what the program says: the findings of its first command, held word for word.
+//! The README shows what the program says, held word for word: the findings of its first command, and the table of rules.
 //!
 //! `UPDATE=1 cargo test --test suite readme` writes them anew.
 
@@ -7,7 +7,7 @@
 use std::path::{Path, PathBuf};
 
 use frames_lint::engine::{self, Options};
-use frames_lint::report::{Style, terminal};
+use frames_lint::report::{Style, rules_table, terminal};
 use frames_lint::run::FailOn;
 
 const BEGIN: &str = "<!-- finding:begin -->";
@@ -35,17 +35,12 @@ fn report() -> String {
     terminal::render(&run, &options)
 }
 
-#[test]
-fn the_first_command_says_what_the_readme_shows() {
+/// Holds the part of the README between two markers, and these, to what the program says; writes it where that is asked for.
+fn holds(begin: &str, end: &str, expected: &str) {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md");
     let readme = std::fs::read_to_string(&path).unwrap().replace("\r\n", "\n");
-    assert!(
-        readme.contains(&format!("check {FOLDER}\n")),
-        "the README's first command"
-    );
-    let from = readme.find(BEGIN).expect("the begin marker") + BEGIN.len();
-    let to = readme.find(END).expect("the end marker");
-    let expected = format!("\n\n```text\n{}\n```\n\n", report().trim_end());
+    let from = readme.find(begin).expect("the begin marker") + begin.len();
+    let to = readme.find(end).expect("the end marker");
     if std::env::var_os("UPDATE").is_some_and(|value| value == "1") {
         std::fs::write(&path, format!("{}{expected}{}", &readme[..from], &readme[to..])).unwrap();
         return;
@@ -55,4 +50,20 @@ fn the_first_command_says_what_the_readme_shows() {
         expected,
         "`UPDATE=1 cargo test --test suite readme` writes it anew"
     );
+}
+
+#[test]
+fn the_readme_shows_what_the_program_says() {
+    let readme = std::fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("README.md")).unwrap();
+    assert!(
+        readme.contains(&format!("check {FOLDER}\n")),
+        "the README's first command"
+    );
+    holds(BEGIN, END, &format!("\n\n```text\n{}\n```\n\n", report().trim_end()));
+    let table = rules_table::markdown(&engine::rules().unwrap());
+    let table = table
+        .trim()
+        .trim_start_matches(rules_table::BEGIN)
+        .trim_end_matches(rules_table::END);
+    holds(rules_table::BEGIN, rules_table::END, table);
 }

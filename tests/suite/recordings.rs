@@ -336,7 +336,7 @@ fn waivers_and_baselines_hold_for_the_recording_that_they_are_for() {
     let ran = program(folder.path(), &["--baseline", "known.json", "--format", "json"]);
     assert_eq!((ran.code, codes(&ran)), (0, vec![0, 0, 0]), "{}", ran.text());
     assert!(!is_stale(&ran), "{}", ran.text());
-    // What was mended is no longer to be accepted.
+    // What was fixed is no longer to be accepted.
     support::write(&drive(20, 1.85), &folder.path().join("c.mcap"));
     let ran = program(folder.path(), &["--baseline", "known.json", "--format", "json"]);
     assert!(is_stale(&ran), "{}", ran.text());

@@ -31,7 +31,7 @@ pub struct Lidar {
     pub solid_state: bool,
     #[serde(default)]
     pub surroundings: Surroundings,
-    /// The cloud is told in axes that are turned so about z against x forward: 180 for Ouster's Lidar frame.
+    /// The cloud is expressed in axes that are turned so about z against x forward: 180 for Ouster's Lidar frame.
     #[serde(default)]
     pub turned_deg: f64,
     /// y is told with the other sign.
@@ -40,10 +40,10 @@ pub struct Lidar {
     /// z is told with the other sign.
     #[serde(default)]
     pub z_negated: bool,
-    /// x and y are told in each other's place.
+    /// x and y are expressed in each other's place.
     #[serde(default)]
     pub swapped: bool,
-    /// The axes that the cloud is told in, from those that the driver has: `told_from_driver`.
+    /// The axes that the cloud is expressed in, from those that the driver has: `told_from_driver`.
     #[serde(skip)]
     pub told: Isometry3<f64>,
     /// Every point as far off, metres: a map's coordinates.
@@ -196,7 +196,7 @@ impl Lidar {
         }
     }
 
-    /// What multiplies times that are told in a unit a thousand times as large, or as small where the field holds no fractions.
+    /// What multiplies times that are expressed in a unit a thousand times as large, or as small where the field holds no fractions.
     pub fn other_unit(&self) -> f64 {
         match self.driver {
             Driver::Ouster | Driver::Nebula | Driver::Livox | Driver::LivoxPoints => 1e-3,

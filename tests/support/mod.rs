@@ -22,6 +22,7 @@ pub mod camera;
 pub mod clouds;
 pub mod contents;
 pub mod damage;
+pub mod deference;
 pub mod dialects;
 pub mod drive;
 pub mod driven;

@@ -2,11 +2,11 @@
 //!
 //! Must not report.
 
-use crate::source::Derived;
-use serde::Deserialize;
 use std::collections::BTreeMap;
 
-use crate::source::Place;
+use serde::Deserialize;
+
+use crate::source::{Derived, Place};
 use crate::world::robot::{Joint, NumberList};
 use crate::world::{FrameId, Robot, World};
 
@@ -142,7 +142,6 @@ fn numbers(joint: &Joint, xyz: bool) -> Option<[f64; 3]> {
     list.as_ref().map_or(Some([0.0; 3]), NumberList::array::<3>)
 }
 
-/// Limits of AUTH02.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -1,13 +1,11 @@
 //! Where the acceleration of an inertial sensor at rest points in the base.
 
-use crate::analysis::axes::causes::Base;
-use crate::analysis::look::Look;
-use crate::analysis::motion::Imu;
-use crate::verdict::NotEvaluated;
 use nalgebra::Vector3;
 use serde::Deserialize;
 
-/// Limits of AXES01.
+use crate::analysis::{axes::causes::Base, look::Look, motion::Imu};
+use crate::verdict::NotEvaluated;
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -2,22 +2,17 @@
 //!
 //! Made once: the rules of inertial sensors leave a base that is turned itself to AXES13. Must not report.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
 use std::rc::Rc;
 
 use nalgebra::Vector3;
+use serde::Deserialize;
 
 use crate::analysis::motion::{BagMotion, Imu, Motion, Stream, Turned};
-use crate::analysis::names;
+use crate::analysis::{Estimates, axes::turns_with::turns_with, look::Look, names};
 use crate::math::readings::Reading;
 use crate::source::Place;
 use crate::verdict::NotEvaluated;
-use crate::world::FrameId;
-use crate::world::motion::PoseRow;
-
-use crate::analysis::axes::turns_with::turns_with;
-use crate::analysis::look::Look;
+use crate::world::{FrameId, motion::PoseRow};
 
 /// A direction along an axis of the base.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -302,7 +297,6 @@ fn standing(
     })
 }
 
-/// Limits of AXES13.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -45,6 +45,8 @@ pub(crate) enum World {
     Down,
     /// Elsewhere, steadily.
     Elsewhere,
+    /// Far from up in the mean, though not steadily. It says which fault it is as little as it is healthy.
+    Far,
 }
 
 /// How the orientation turns against the gyro.
@@ -189,7 +191,7 @@ pub(crate) const HEALTHY: Cause = Cause {
 /// All of a sensor in the other convention.
 const NED: Cause = Cause {
     word: "ned-frd",
-    text: "all of it is told in NED/FRD axes (x forward, y right, z down, in a world of north, east, down)",
+    text: "all of it is expressed in NED/FRD axes (x forward, y right, z down, in a world of north, east, down)",
     help: "switch the driver to ENU, or convert: `R_enu_flu = P * R_ned_frd * F`, and negate y and z of gyro and accelerometer",
     shown_by: Aspect::World,
     is_of_driver: true,
@@ -216,7 +218,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "mirrored",
-        text: "all of it is told in left-handed axes (y to the right), or the track that it is held against is a mirror image",
+        text: "all of it is expressed in left-handed axes (y to the right), or the track that it is held against is a mirror image",
         help: "negate y of the acceleration, x and z of the angular velocity and of the quaternion; or look at the order of latitude \
                and longitude, or x and y, of the track",
         shown_by: Aspect::Heading,
@@ -227,7 +229,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "ned-orientation",
-        text: "the orientation alone is told in NED/FRD axes",
+        text: "the orientation alone is expressed in NED/FRD axes",
         help: "convert the orientation: `R_enu_flu = P * R_ned_frd * F`",
         shown_by: Aspect::Turn,
         is_of_driver: true,
@@ -280,7 +282,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "sensor-frd",
-        text: "gyro and accelerometer are told in FRD axes (y right, z down), the orientation is not",
+        text: "gyro and accelerometer are expressed in FRD axes (y right, z down), the orientation is not",
         help: "negate y and z of gyro and accelerometer, or give them a frame of their own that TF turns by 180 deg about x",
         shown_by: Aspect::Turn,
         is_of_mounting: true,
@@ -302,7 +304,7 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
     Cause {
         word: "gyro-frd",
-        text: "the gyro alone is told in FRD axes (y right, z down)",
+        text: "the gyro alone is expressed in FRD axes (y right, z down)",
         help: "negate y and z of the angular velocity",
         shown_by: Aspect::Turn,
         turn: &[Turn::Frd, Turn::Reversed],
@@ -362,17 +364,17 @@ pub(crate) const CAUSES: &[Cause] = &[
     },
 ];
 
-/// What the first of the faults is of a sensor that is said to be told in NED.
+/// What the first of the faults is of a sensor that is said to be expressed in NED.
 const NOT_NED: Cause = Cause {
     word: "enu-flu",
-    text: "all of it is told in ENU and FLU axes (x forward, y left, z up, in a world of east, north, up)",
+    text: "all of it is expressed in ENU and FLU axes (x forward, y left, z up, in a world of east, north, up)",
     help: "correct the declaration or the frame's name; or switch the driver to NED",
     is_of_driver: false,
     ..NED
 };
 
 impl Cause {
-    /// What the fault is of a sensor whose numbers were brought from what they are said to be told in.
+    /// What the fault is of a sensor whose numbers were brought from what they are said to be expressed in.
     pub(crate) fn seen_from(&'static self, told_in: &ToldIn) -> &'static Self {
         if *self == NED && told_in.is_ned() {
             &NOT_NED

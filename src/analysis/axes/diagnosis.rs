@@ -26,7 +26,7 @@ pub(crate) struct Diagnosis {
     pub(crate) causes: Vec<&'static Cause>,
     /// The measurement that shows them best.
     pub(crate) shown_by: Option<Aspect>,
-    /// What the sensor's numbers were told in.
+    /// What the sensor's numbers were expressed in.
     pub(crate) told_in: ToldIn,
     /// The driver, where names tell it.
     driver: Option<Arc<InsDriver>>,

@@ -1,15 +1,11 @@
 //! What the mounting of a lidar lacks in yaw.
 
-use crate::analysis::Estimates;
-use crate::analysis::hand_eye::HandEye;
-use crate::analysis::lidar::Clouds;
-use crate::math::circular::circular_mean;
-use crate::math::circular::difference;
-use crate::verdict::Measured;
-use crate::verdict::NotEvaluated;
 use serde::Deserialize;
 
-/// Limits of AXES12.
+use crate::analysis::{Estimates, hand_eye::HandEye, lidar::Clouds};
+use crate::math::circular::{circular_mean, difference};
+use crate::verdict::{Measured, NotEvaluated};
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -1,19 +1,16 @@
 //! Whether the gyro turns with the track.
 
-use crate::analysis::axes::causes::Sense;
-use crate::analysis::axes::rates::Integrals;
-use crate::analysis::axes::rates::Rates;
-use crate::analysis::axes::rates::Slope;
-use crate::analysis::look::Look;
-use crate::analysis::look::needed;
-use crate::analysis::motion::Imu;
-use crate::analysis::motion::Track;
-use crate::source::Place;
-use crate::verdict::NotEvaluated;
-use serde::Deserialize;
 use std::sync::Arc;
 
-/// Limits of AXES05.
+use serde::Deserialize;
+
+use crate::analysis::axes::causes::Sense;
+use crate::analysis::axes::rates::{Integrals, Rates, Slope};
+use crate::analysis::look::{Look, needed};
+use crate::analysis::motion::{Imu, Track};
+use crate::source::Place;
+use crate::verdict::NotEvaluated;
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

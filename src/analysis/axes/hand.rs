@@ -2,10 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::analysis::axes::handedness::Limits;
-use crate::analysis::axes::handedness::Votes;
-use crate::analysis::motion::Stream;
-use crate::analysis::motion::Track;
+use crate::analysis::axes::handedness::{Limits, Votes};
+use crate::analysis::motion::{Stream, Track};
 use crate::math::stats::median;
 use crate::verdict::Measured;
 use crate::world::motion::FixRow;

@@ -26,6 +26,8 @@ pub(crate) struct Votes {
     pub(crate) longest_m: f64,
     /// Largest standard deviation of the odometry across its main direction in any window, metres.
     pub(crate) widest_m: f64,
+    /// Of each window the part of the satellites' spread that the better fit leaves: 0 fits, 1 says nothing.
+    remains: Vec<f64>,
     /// When the windows that voted began and ended, seconds after the recording's start.
     voted_s: Vec<(f64, f64)>,
 }
@@ -136,6 +138,12 @@ impl Votes {
         (turned + mirrored > 0 && 2.0 * self.agreement() - 1.0 >= limits.min_agreement).then_some(mirrored > turned)
     }
 
+    /// The least part of the satellites' spread that any window leaves, where there are enough and none can be explained.
+    pub(crate) fn unexplained(&self, limits: &Limits) -> Option<f64> {
+        let least = self.remains.iter().copied().fold(f64::INFINITY, f64::min);
+        (self.remains.len() >= limits.unexplained_windows && least >= limits.unexplained).then_some(least)
+    }
+
     /// Whether the window spreads enough to tell; counts its vote.
     fn look(&mut self, window: &[Both], min_minor_m: f64, rms: &mut Fits, limits: &Limits) -> bool {
         let odometry: Vec<_> = window.iter().map(|both| both.odometry).collect();
@@ -160,6 +168,8 @@ impl Votes {
         self.windows += 1;
         let (turned, mirrored) = (fits.proper.rms_m, fits.improper.rms_m);
         let (best, other) = (turned.min(mirrored), turned.max(mirrored));
+        self.remains
+            .push(best / by_satellites.major_sd_m.hypot(by_satellites.minor_sd_m));
         if best <= limits.max_residual * way_m && other >= limits.min_ratio * best {
             let [for_turned, for_mirrored] = &mut self.says;
             *(if turned < mirrored { for_turned } else { for_mirrored }) += 1;
@@ -172,7 +182,6 @@ impl Votes {
     }
 }
 
-/// Limits of AXES07.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -186,4 +195,6 @@ pub(crate) struct Limits {
     pub(crate) max_residual: f64,
     pub(crate) min_agreement: f64,
     pub(crate) drift_deg_s: f64,
+    pub(crate) unexplained: f64,
+    pub(crate) unexplained_windows: usize,
 }

@@ -2,10 +2,12 @@
 //!
 //! Must not judge.
 
+use std::f64::consts::TAU;
+
+use serde::Deserialize;
+
 use crate::analysis::motion::{Course, Yaws};
 use crate::math::circular::{Span, circular_mean, wrapped};
-use serde::Deserialize;
-use std::f64::consts::TAU;
 
 /// Which way a yaw turns.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -193,7 +195,6 @@ fn way_m(courses: &[Course]) -> f64 {
     courses.windows(2).map(step).sum()
 }
 
-/// Limits of AXES04.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -1,9 +1,8 @@
 //! What the rules on axes give to be looked at. Must not judge.
 
+use crate::analysis::axes::heading::{Heading, Sense};
 use crate::math::circular::wrapped;
 use crate::verdict::plot::{Axis, Level, Plot, Series};
-
-use crate::analysis::axes::heading::{Heading, Sense};
 
 /// Yaw over course, with the line that fits, and that which a yaw of REP-103 lies on.
 pub(crate) fn yaw(title: String, heading: &Heading, is_geodetic: bool) -> Plot {

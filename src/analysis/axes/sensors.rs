@@ -3,27 +3,20 @@
 //! Made once, by the limits of the rules' pages: each of the rules reports what it sees, or points to the one that reports
 //! the fault.
 
-use crate::analysis::Estimates;
-use crate::analysis::look::Look;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use crate::analysis::axes::bases::{Base, Bases};
+use crate::analysis::axes::causes::{Cause, Seen};
+use crate::analysis::axes::{causes, diagnosis};
 use crate::analysis::motion::{BagMotion, Imu, Motion};
+use crate::analysis::{
+    Estimates, axes::base_up::Up, axes::diagnosis::Diagnosis, axes::push::Pushed, axes::rates::Integrals,
+    axes::world_up::Above, axes::worlds::Worlds, axes::yaw_vs_course::Decided, look::Look,
+};
 use crate::tables::{Offset, Simulator};
 use crate::verdict::NotEvaluated;
 use crate::world::FrameId;
-
-use crate::analysis::axes::base_up::Up;
-use crate::analysis::axes::bases::{Base, Bases};
-use crate::analysis::axes::causes;
-use crate::analysis::axes::causes::{Cause, Seen};
-use crate::analysis::axes::diagnosis;
-use crate::analysis::axes::diagnosis::Diagnosis;
-use crate::analysis::axes::push::Pushed;
-use crate::analysis::axes::rates::Integrals;
-use crate::analysis::axes::world_up::Above;
-use crate::analysis::axes::worlds::Worlds;
-use crate::analysis::axes::yaw_vs_course::Decided;
 
 /// One inertial sensor.
 pub(crate) struct Sensor {
@@ -163,7 +156,13 @@ impl Sensor {
 
     /// Angle between the acceleration and the world's up, by the orientation, radians; or why it was not measured.
     pub(crate) fn up_rad(&self) -> Look<f64> {
-        self.world.as_ref().map(Above::off_up_rad).map_err(Clone::clone)
+        match &self.world {
+            Ok(above) if above.class == causes::World::Far => {
+                let why = "the acceleration points to no one place in the world".to_owned();
+                Err((NotEvaluated::TooLittleEvidence, why))
+            }
+            world => world.as_ref().map(Above::off_up_rad).map_err(Clone::clone),
+        }
     }
 
     /// Yaw minus course, radians, where the track knows where east is; or why it was not measured.
@@ -193,7 +192,7 @@ impl Sensor {
         }
         Seen {
             base: class(&self.base, |seen| seen.class),
-            world: class(&self.world, |seen| seen.class),
+            world: class(&self.world, |seen| seen.class).filter(|world| *world != causes::World::Far),
             turn: class(&self.turn, |seen| seen.class),
             heading,
             sense,

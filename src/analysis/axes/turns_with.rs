@@ -1,9 +1,8 @@
 //! Whether a pose turns with the gyro of a sensor on its body.
 
-use crate::analysis::motion::Imu;
-use crate::analysis::motion::Turned;
-use nalgebra::UnitQuaternion;
-use nalgebra::Vector3;
+use nalgebra::{UnitQuaternion, Vector3};
+
+use crate::analysis::motion::{Imu, Turned};
 
 /// Squared turns of half a second that a pose and a gyro must show to contradict each other, rad²: four of 0.25 rad.
 const MIN_TURN_RAD2: f64 = 0.25;

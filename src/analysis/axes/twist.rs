@@ -67,7 +67,7 @@ impl Reading {
     pub(crate) fn words(self) -> &'static str {
         match self {
             Self::Body => "in the child frame",
-            Self::World => "told in the header's frame",
+            Self::World => "expressed in the header's frame",
             Self::Backwards => {
                 "told backwards (-x, -y), or the orientation is turned by 180 deg about z against the position"
             }
@@ -133,6 +133,8 @@ pub(crate) struct Twists {
     pub(crate) aside: f64,
     /// For each reading the part of the motion that it leaves unexplained (root of the ratio of squares), the best first.
     pub(crate) residuals: Vec<(Reading, f64)>,
+    /// What the velocity in the child frame has to be divided by to explain most, and the part that is unexplained then.
+    pub(crate) scale: (f64, f64),
     /// The turning.
     pub(crate) turning: Turning,
 }
@@ -155,6 +157,7 @@ impl Twists {
         let mut sums = [0.0; READINGS.len()];
         let (mut windows, mut distance_m, mut squares, mut is_zero) = (0, 0.0, 0.0, true);
         let (mut apart, mut up) = (0.0, 0.0);
+        let (mut along, mut predicted) = (0.0, 0.0);
         let (mut turned_rad, mut crossed, mut poses, mut rates) = (0.0, 0.0, 0.0, 0.0);
         for window in stream.windows(limits.window_s, limits.max_step_s) {
             let Some(moved) = Moved::of(window) else { continue };
@@ -167,6 +170,8 @@ impl Twists {
             }
             let [as_defined, _, _, right_hand, ..] = moved.predicted;
             up += moved.up;
+            along += as_defined.dot(&moved.shift);
+            predicted += as_defined.norm_squared();
             apart += (right_hand - as_defined).norm_squared();
             turned_rad += moved.turned.abs();
             crossed += moved.turned * moved.rated;
@@ -188,6 +193,12 @@ impl Twists {
             // With y negated it is twice that from what it was.
             aside: ratio(apart, squares).sqrt() / 2.0,
             residuals,
+            scale: (
+                ratio(predicted, along),
+                (1.0 - ratio(along, (predicted * squares).sqrt()).powi(2))
+                    .max(0.0)
+                    .sqrt(),
+            ),
             turning: Turning {
                 windows,
                 turned_rad,
@@ -282,7 +293,6 @@ fn orientation(row: &PoseRow) -> Option<UnitQuaternion<f64>> {
     UnitQuaternion::try_new(Quaternion::new(w, x, y, z), 0.5)
 }
 
-/// Limits of AXES08.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -1,14 +1,11 @@
 //! Where the acceleration points in the world, by the orientation.
 
-use crate::analysis::axes::causes::World;
-use crate::analysis::look::Look;
-use crate::analysis::motion::Imu;
-use crate::math::gravity::WorldForce;
-use crate::math::readings::Reading;
-use crate::verdict::NotEvaluated;
 use serde::Deserialize;
 
-/// Limits of AXES03.
+use crate::analysis::{axes::causes::World, look::Look, motion::Imu};
+use crate::math::{gravity::WorldForce, readings::Reading};
+use crate::verdict::NotEvaluated;
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -17,7 +14,9 @@ pub(crate) struct Limits {
     pub(crate) min_concentration: f64,
     pub(crate) max_tilt_deg: f64,
     pub(crate) steady_concentration: f64,
-    pub(crate) tilted_deg: f64,
+    pub(crate) tilted: f64,
+    pub(crate) far_deg: f64,
+    pub(crate) far_concentration: f64,
     pub(crate) gravity: f64,
     pub(crate) gravity_share: f64,
 }
@@ -67,8 +66,15 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Above> {
         World::Up
     } else if force.concentration >= limits.min_concentration && degrees >= 180.0 - limits.max_tilt_deg {
         World::Down
-    } else if force.concentration >= limits.steady_concentration && degrees > limits.tilted_deg {
+    } else if force.concentration >= limits.steady_concentration && degrees > limits.tilted * limits.max_tilt_deg {
         World::Elsewhere
+    } else if force.concentration >= limits.far_concentration && degrees >= limits.far_deg {
+        World::Far
+    } else if force.concentration >= limits.min_concentration {
+        return little(format!(
+            "the acceleration points {degrees:.2} deg away from up in the mean, steadily to {:.3}: more than {} deg, and too little to be surely a fault",
+            force.concentration, limits.max_tilt_deg
+        ));
     } else {
         return little(format!(
             "the acceleration points to no one place in the world: {degrees:.0} deg from up in the mean, concentration {:.3}",

@@ -1,27 +1,20 @@
-//! Where gravity and altitude say that up is, in the frames that poses are told in.
+//! Where gravity and altitude say that up is, in the frames that poses are expressed in.
 //!
 //! Made once: what else looks wrong in a frame whose z does not point up is left to AXES14. Must not report.
 
-use crate::analysis::Estimates;
-use crate::analysis::axes::turns_with::turns_with;
-use serde::Deserialize;
 use std::cell::OnceCell;
 use std::rc::Rc;
 
 use nalgebra::{UnitQuaternion, Vector3};
+use serde::Deserialize;
 
-use crate::analysis::axes::base_up;
 use crate::analysis::motion::{BagMotion, Imu, Motion, Stream, ToldIn, Turned};
-use crate::analysis::names;
+use crate::analysis::{Estimates, axes::base_up, axes::causes::Base, axes::turns_with::turns_with, look::Look, names};
 use crate::math::stats::median;
 use crate::source::Place;
 use crate::verdict::NotEvaluated;
 use crate::world::motion::{FixRow, PoseRow};
 use crate::world::{FrameId, World};
-
-use crate::analysis::axes::causes::Base;
-
-use crate::analysis::look::Look;
 
 /// Gravity in a frame.
 pub(crate) struct Gravity {
@@ -59,7 +52,7 @@ pub(crate) struct Heights {
     pub(crate) receiver: String,
 }
 
-/// A frame that poses are told in.
+/// A frame that poses are expressed in.
 pub(crate) struct Frame {
     pub(crate) name: FrameId,
     pub(crate) stream: String,
@@ -309,7 +302,6 @@ fn heights(stream: &Stream<PoseRow>, fixes: &Stream<FixRow>, limits: &Limits) ->
     })
 }
 
-/// Limits of AXES14.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

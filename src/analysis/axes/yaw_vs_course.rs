@@ -1,23 +1,17 @@
 //! Whether the yaw of an orientation turns with the course, and what it is more than it.
 
-use crate::analysis::axes::causes;
-use crate::analysis::axes::heading::Heading;
-use crate::analysis::axes::heading::Limits;
-use crate::analysis::axes::heading::Sense;
-use crate::analysis::axes::plots;
-use crate::analysis::look::Look;
-use crate::analysis::look::needed;
-use crate::analysis::motion::Imu;
-use crate::analysis::motion::Track;
-use crate::analysis::motion::Yaws;
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+
+use crate::analysis::axes::heading::{Heading, Limits, Sense};
+use crate::analysis::axes::{causes, plots};
+use crate::analysis::look::{Look, needed};
+use crate::analysis::motion::{Imu, Track, Yaws};
 use crate::math::readings::Reading;
 use crate::source::Place;
 use crate::tables::Offset;
-use crate::verdict::Measured;
-use crate::verdict::NotEvaluated;
-use crate::verdict::Plot;
-use nalgebra::Vector3;
-use std::sync::Arc;
+use crate::verdict::{Measured, NotEvaluated, Plot};
 
 /// What was seen.
 pub(crate) struct Decided {

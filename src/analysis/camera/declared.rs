@@ -2,8 +2,7 @@
 
 use globset::Glob;
 
-use crate::world::projection::Projection;
-use crate::world::{World, bag::TopicEvidence};
+use crate::world::{World, bag::TopicEvidence, projection::Projection};
 
 /// What reports call a declaration.
 pub(crate) fn name(world: &World, projection: &Projection) -> String {

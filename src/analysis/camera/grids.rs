@@ -1,15 +1,13 @@
 //! What is wrong with a grid seen from above: by itself, and against the messages that carry it. Must not judge.
 
+use serde::Deserialize;
+
+use crate::analysis::{camera::declared::is_about, camera::fault::Fault};
 use crate::math::circular::difference;
 use crate::source::Place;
 use crate::verdict::Measured;
-use crate::world::World;
-use crate::world::bag::TopicEvidence;
 use crate::world::projection::{Axis, Cell, Grid, GridAt, Projection};
-use serde::Deserialize;
-
-use crate::analysis::camera::declared::is_about;
-use crate::analysis::camera::fault::Fault;
+use crate::world::{World, bag::TopicEvidence};
 
 fn resolution(resolution_m: f64, limits: &Limits) -> Option<Fault> {
     let is_sound = resolution_m.is_finite() && resolution_m > 0.0;
@@ -349,7 +347,6 @@ fn differs(grid: &Grid, sent: &GridAt, frame: Option<&String>, limits: &Limits) 
     ))
 }
 
-/// Limits of CAMERA09.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

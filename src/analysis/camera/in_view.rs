@@ -1,15 +1,11 @@
 //! What lidars show of the cameras of a recording.
 
-use crate::analysis::Estimates;
-use crate::analysis::camera::looks::Shown;
-use crate::analysis::camera::looks::Why;
-use crate::analysis::camera::looks::look;
-use crate::analysis::camera::published::Published;
-use crate::analysis::ground::Planes;
-use crate::world::FrameId;
-use crate::world::World;
 use std::collections::BTreeMap;
 use std::rc::Rc;
+
+use crate::analysis::camera::looks::{Shown, Why, look};
+use crate::analysis::{Estimates, camera::published::Published, ground::Planes};
+use crate::world::{FrameId, World};
 
 /// What lidars show of every camera of a world: by recording and frame.
 pub(crate) struct Views(pub(crate) BTreeMap<(usize, FrameId), Result<Shown, Why>>);

@@ -1,18 +1,14 @@
 //! What a lidar shows of one camera: which of its readings of a mounting can be. Must not report.
 
-use crate::analysis::Estimates;
 use nalgebra::{Isometry3, Vector3};
 use serde::Deserialize;
 
-use crate::analysis::ground::{Ground, Planes};
-use crate::analysis::lidar::Clouds;
-use crate::analysis::motion::mount::mount;
-use crate::analysis::names;
-use crate::verdict::NotEvaluated;
-use crate::world::FrameId;
-
 use crate::analysis::camera::published::{Published, VERTICAL, Ways, looks_against_its_name};
 use crate::analysis::camera::views::{Attitude, Image, Mistake, Scene};
+use crate::analysis::ground::{Ground, Planes};
+use crate::analysis::{Estimates, lidar::Clouds, motion::mount::mount, names};
+use crate::verdict::NotEvaluated;
+use crate::world::FrameId;
 
 /// Why nothing can be said.
 pub(crate) type Why = (NotEvaluated, String);
@@ -231,8 +227,8 @@ impl Camera<'_> {
     }
 
     fn mistaken(&self, found: Vec<Mistake>) -> Fault {
-        let mended = found.first().map(|mistake| mistake.mended(&self.told));
-        let share = mended.map_or(0.0, |mended| self.scene.share(self.image, &mended));
+        let corrected = found.first().map(|mistake| mistake.corrected(&self.told));
+        let share = corrected.map_or(0.0, |corrected| self.scene.share(self.image, &corrected));
         Fault::Mistaken(found, share)
     }
 
@@ -245,27 +241,26 @@ impl Camera<'_> {
     /// Whether the mounting without a mistake is one that cameras have: upright, over the ground, on the vehicle, with points in view.
     fn fits(&self, mistake: Mistake) -> bool {
         let limits = self.limits;
-        let mended = mistake.mended(&self.told);
-        let attitude = self.scene.attitude(&mended);
-        let looks = mended.rotation * Vector3::z();
+        let corrected = mistake.corrected(&self.told);
+        let attitude = self.scene.attitude(&corrected);
+        let looks = corrected.rotation * Vector3::z();
         // Turned by a quarter about its view or about the vertical any camera becomes another upright one: what is told must be impossible, or
-        // what is mended must look where cameras look.
+        // what is fixed must look where cameras look.
         let is_expected = match looks_against_its_name(self.frame, &looks) {
             Ways::Fit => true,
             Ways::Against => false,
             Ways::Unnamed => looks.angle(&Vector3::x()).to_degrees() <= limits.ahead_deg,
         };
         let is_impossible = mistake != Mistake::NotTurned && self.scene.attitude(&self.told).height_m < -limits.under_m;
-        attitude.roll_deg.abs() <= limits.mended_roll_deg
-            && attitude.pitch_deg.abs() <= limits.mended_pitch_deg
+        attitude.roll_deg.abs() <= limits.corrected_roll_deg
+            && attitude.pitch_deg.abs() <= limits.corrected_pitch_deg
             && attitude.height_m > 0.0
-            && mended.translation.vector.norm() <= limits.max_away_m
+            && corrected.translation.vector.norm() <= limits.max_away_m
             && (is_expected || is_impossible)
-            && self.scene.share(self.image, &mended) >= limits.seeing * self.most
+            && self.scene.share(self.image, &corrected) >= limits.seeing * self.most
     }
 }
 
-/// Limits of CAMERA05.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -278,8 +273,8 @@ pub(crate) struct Limits {
     pub(crate) seeing: f64,
     pub(crate) max_pitch_deg: f64,
     pub(crate) max_roll_deg: f64,
-    pub(crate) mended_roll_deg: f64,
-    pub(crate) mended_pitch_deg: f64,
+    pub(crate) corrected_roll_deg: f64,
+    pub(crate) corrected_pitch_deg: f64,
     pub(crate) max_lean_deg: f64,
     pub(crate) max_away_m: f64,
     pub(crate) under_m: f64,

@@ -4,8 +4,7 @@ use nalgebra::Vector3;
 
 use crate::analysis::names;
 use crate::source::Place;
-use crate::world::camera::Calibration;
-use crate::world::{BagEvidence, FrameId, World};
+use crate::world::{BagEvidence, FrameId, World, camera::Calibration};
 
 /// Words of cameras that look up or down on purpose.
 pub(crate) const VERTICAL: &[&str] = &[

@@ -1,16 +1,14 @@
 //! What is wrong with a declared range image: by itself, and against the clouds that it is made of. Must not judge.
 
-use serde::Deserialize;
 use std::f64::consts::{PI, TAU};
 
-use crate::analysis::lidar::Clouds;
-use crate::analysis::names;
+use serde::Deserialize;
+
+use crate::analysis::{camera::declared::is_about, lidar::Clouds, names};
 use crate::math::stats::quantile;
 use crate::verdict::Measured;
 use crate::world::World;
 use crate::world::projection::{Projection, RangeImage, Seam, Sense};
-
-use crate::analysis::camera::declared::is_about;
 
 /// What is wrong, with its word, what to do, and its number.
 pub(crate) struct Fault {
@@ -91,7 +89,7 @@ pub(crate) fn against(
         .is_some_and(|frame| names::is_base(&frame) && !names::is_device(&frame))
     {
         return Err(format!(
-            "the clouds on `{topic}` are told in the base: their elevations are not the sensor's"
+            "the clouds on `{topic}` are expressed in the base: their elevations are not the sensor's"
         ));
     }
     let elevations: Vec<f64> = clouds
@@ -300,7 +298,6 @@ pub(crate) fn beams(
     })
 }
 
-/// Limits of CAMERA08.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

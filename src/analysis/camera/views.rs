@@ -6,10 +6,8 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 
 use crate::analysis::ground::{Ground, sensor_in_cloud};
 use crate::analysis::lidar::Clouds;
-use crate::math::constants::AxisTurn;
-use crate::math::lens::Lens;
-use crate::world::World;
-use crate::world::camera::Calibration;
+use crate::math::{constants::AxisTurn, lens::Lens};
+use crate::world::{World, camera::Calibration};
 
 /// Clouds of which points are projected.
 const CLOUDS: usize = 10;
@@ -47,7 +45,7 @@ impl Image {
     }
 }
 
-/// What a lidar sees around a platform, in the axes that mountings are told in: the base, or the lidar itself.
+/// What a lidar sees around a platform, in the axes that mountings are expressed in: the base, or the lidar itself.
 pub(crate) struct Scene {
     points: Vec<Vector3<f64>>,
     /// Away from the ground.
@@ -172,7 +170,7 @@ impl Mistake {
     ];
 
     /// The mounting that is right, if this mistake was made.
-    pub(crate) fn mended(self, told: &Isometry3<f64>) -> Isometry3<f64> {
+    pub(crate) fn corrected(self, told: &Isometry3<f64>) -> Isometry3<f64> {
         let turned = |by: UnitQuaternion<f64>| Isometry3::from_parts(told.translation, told.rotation * by);
         match self {
             Self::NotTurned => turned(AxisTurn::Optical.quaternion()),

@@ -2,19 +2,15 @@
 //!
 //! Must not judge.
 
-use crate::analysis::Estimates;
 use std::borrow::Cow;
 
+use crate::analysis::Estimates;
+use crate::analysis::cov::noise::{Variances, yaw};
 use crate::analysis::motion::{Motion, Stream};
 use crate::math::circular::{circular_mean, diversity};
-use crate::math::noise::Ellipse;
-use crate::math::stats::median;
-use crate::world::BagEvidence;
-use crate::world::bag::TopicEvidence;
+use crate::math::{noise::Ellipse, stats::median};
 use crate::world::content::{CovarianceAt, CovarianceEvidence};
-use crate::world::motion::PoseRow;
-
-use crate::analysis::cov::noise::{Variances, yaw};
+use crate::world::{BagEvidence, bag::TopicEvidence, motion::PoseRow};
 
 /// A pose at the time of a matrix is no further away than this, nanoseconds.
 const MAX_APART_NS: u64 = 200_000_000;
@@ -60,7 +56,7 @@ pub(crate) struct Axes {
     pub(crate) stretch: f64,
     /// Sum of both variances, of half of the matrices.
     pub(crate) trace: f64,
-    /// How constant its direction is in the axes that the matrix is told in, 0..=1.
+    /// How constant its direction is in the axes that the matrix is expressed in, 0..=1.
     pub(crate) constant: f64,
     /// How constant its direction less the yaw is.
     pub(crate) less_yaw: f64,

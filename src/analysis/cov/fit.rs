@@ -2,12 +2,10 @@
 //!
 //! Must not judge. Shared by COV02 (the order of the blocks) and COV05 (units): each reports its own readings.
 
-use crate::analysis::motion::Stream;
+use crate::analysis::cov::noise::{Noise, Variances};
+use crate::analysis::{cov::declared::Declared, motion::Stream};
 use crate::math::noise::DEG2_PER_RAD2;
 use crate::world::motion::PoseRow;
-
-use crate::analysis::cov::declared::Declared;
-use crate::analysis::cov::noise::{Noise, Variances};
 
 /// What the stated variances may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

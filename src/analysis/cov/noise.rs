@@ -8,8 +8,7 @@ use crate::analysis::motion::{Stream, Timed};
 use crate::math::noise::{Ellipse, fourth_difference};
 use crate::math::readings::Reading;
 use crate::math::stats::{mad, median};
-use crate::world::bag::TopicEvidence;
-use crate::world::motion::PoseRow;
+use crate::world::{bag::TopicEvidence, motion::PoseRow};
 
 /// Steps between poses may differ by this share from the usual one.
 const UNEVEN: f64 = 0.25;

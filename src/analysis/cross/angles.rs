@@ -5,12 +5,10 @@
 use nalgebra::{Isometry3, UnitQuaternion};
 use serde::Deserialize;
 
-use crate::math::euler::Order;
-use crate::math::relation::{Relation, Tolerance};
-use crate::math::rotation::rotation_angle_between;
-
 use crate::analysis::cross::blame::either_way;
 use crate::analysis::cross::pair::{Direction, Pair, Statement};
+use crate::math::relation::{Relation, Tolerance};
+use crate::math::{euler::Order, rotation::rotation_angle_between};
 
 /// The limits of the search; they stand on QUAT03's page.
 #[derive(Clone, Copy, Debug, Deserialize)]

@@ -2,9 +2,8 @@
 //!
 //! Must not word a finding.
 
-use crate::math::relation::{Classification, EitherWay, Relation, Tolerance, classify, classify_either_way};
-
 use crate::analysis::cross::pair::{Direction, Pair, Statement};
+use crate::math::relation::{Classification, EitherWay, Relation, Tolerance, classify, classify_either_way};
 
 /// Puts the statement that holds the error second, and names the relation from the first to it. The reference is taken
 /// for right unless the numbers, or most of the other sources, say otherwise.

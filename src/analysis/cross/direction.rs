@@ -1,19 +1,13 @@
 //! Which direction of a mounting brings scans together.
 
-use crate::analysis::Estimates;
-use crate::analysis::hand_eye::HandEye;
-use crate::analysis::hand_eye::Pair;
-use crate::analysis::hand_eye::half_turn;
-use crate::analysis::hand_eye::in_plane;
-use crate::analysis::lidar::Clouds;
-use crate::analysis::scan_motion::moved::Moved;
-use crate::math::circular::difference;
-use crate::math::stats::median;
-use crate::verdict::NotEvaluated;
 use nalgebra::Isometry3;
 use serde::Deserialize;
 
-/// Limits of CROSS04.
+use crate::analysis::hand_eye::{HandEye, Pair, half_turn, in_plane};
+use crate::analysis::{Estimates, lidar::Clouds, scan_motion::moved::Moved};
+use crate::math::{circular::difference, stats::median};
+use crate::verdict::NotEvaluated;
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -8,7 +8,6 @@ use serde::Deserialize;
 use crate::analysis::cross::pair::Pair;
 use crate::math::relation::{Classification, Relation};
 
-/// Limits of CROSS02.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -39,6 +38,12 @@ impl Limits {
             .filter(|part| part.abs() > self.telling_m)
             .count();
         off_axes_deg(pose) >= self.alternatives_turn_deg || lengths > 1
+    }
+
+    /// Whether a transform is not met by chance among all frames of a platform: it lies along no axis, or has three lengths.
+    pub(crate) fn tells_alone(&self, pose: &Isometry3<f64>) -> bool {
+        let is_long = |part: &f64| part.abs() > self.telling_m;
+        off_axes_deg(pose) >= self.alternatives_turn_deg || pose.translation.vector.iter().all(is_long)
     }
 
     /// Whether as many sensors of the same two sources differ in the same way.

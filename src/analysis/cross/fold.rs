@@ -2,9 +2,8 @@
 //!
 //! Must not know limits of rules.
 
-use crate::world::World;
-
 use crate::analysis::cross::pair::{Pair, Statement};
+use crate::world::World;
 
 /// An odd source differs from each of those that agree: only the first of such pairs speaks, and the others second it.
 /// `earlier` are the pairs before this one about the same two frames.

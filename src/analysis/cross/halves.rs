@@ -1,8 +1,7 @@
 //! Rotations and translations that a source states apart.
 
-use crate::math::rotation;
-
 use crate::analysis::cross::pair::Statement;
+use crate::math::rotation;
 
 /// A rotation and a translation of one pair that a source states apart, perhaps one of them the other way round, speak as one statement.
 pub(crate) fn join_halves(statements: &mut Vec<Statement>) {

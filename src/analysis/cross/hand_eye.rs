@@ -1,19 +1,13 @@
 //! The mounting that the motion of scans and of the body gives.
 
-use crate::analysis::hand_eye::HandEye;
-use crate::analysis::hand_eye::Pair;
-use crate::analysis::hand_eye::in_plane;
-use crate::math::planar_hand_eye::Mounted;
-use crate::math::planar_hand_eye::mounted;
-use crate::math::stats::median;
-use crate::verdict::NotEvaluated;
-use nalgebra::Isometry3;
-use nalgebra::Translation3;
-use nalgebra::UnitQuaternion;
-use nalgebra::Vector3;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
 
-/// Limits of CROSS05.
+use crate::analysis::hand_eye::{HandEye, Pair, in_plane};
+use crate::math::planar_hand_eye::{Mounted, mounted};
+use crate::math::stats::median;
+use crate::verdict::NotEvaluated;
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -65,7 +59,7 @@ pub(crate) fn solved(known: &HandEye, limits: &Limits) -> Result<Mounted, (NotEv
     Ok(found)
 }
 
-/// What is left of a mounting that is told, in the plane of the body: its yaw and its place.
+/// The correction of a stated mounting, in the plane of the body: its yaw and its place.
 pub(crate) fn estimated(known: &HandEye, limits: &Limits) -> Result<Mounted, (NotEvaluated, String)> {
     let little = |why: String| (NotEvaluated::TooLittleEvidence, why);
     let turn = Isometry3::from_parts(nalgebra::Translation3::identity(), known.told.rotation);

@@ -7,15 +7,11 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use crate::analysis::cross::pair::{Direction, Pair, Rank, Statement, TURNED};
+use crate::analysis::{cross::blame::oriented, cross::fold::fold, cross::halves::join_halves, cross::roles};
 use crate::source::{Confidence, Place, SourceId, SourceKind};
 use crate::world::graph::{Edge, EdgeOrigin};
 use crate::world::{Claim, ClaimKind, FrameId, Spelling, World};
-
-use crate::analysis::cross::blame::oriented;
-use crate::analysis::cross::fold::fold;
-use crate::analysis::cross::halves::join_halves;
-use crate::analysis::cross::pair::{Direction, Pair, Rank, Statement, TURNED};
-use crate::analysis::cross::roles;
 
 /// All pairs of a world, in a fixed order.
 pub(crate) fn pairs(world: &World) -> Vec<Pair> {

@@ -1,4 +1,4 @@
-//! Positions by the frame that they are told in: poses, TF and files.
+//! Positions by the frame that they are expressed in: poses, TF and files.
 //!
 //! Must not judge.
 
@@ -6,17 +6,11 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
-use crate::analysis::motion::BagMotion;
-use crate::analysis::names;
-use crate::math::geodesy::Geodetic;
-use crate::math::stats::median;
+use crate::analysis::geo::kinds::{Kind, Limits, kind};
+use crate::analysis::{geo::earth::is_earth, geo::overlay::geodetic, motion::BagMotion, names};
+use crate::math::{geodesy::Geodetic, stats::median};
 use crate::source::{Confidence, Place};
 use crate::world::{BagEvidence, ClaimKind, FrameId, World};
-
-use crate::analysis::geo::earth::is_earth;
-use crate::analysis::geo::kinds::Limits;
-use crate::analysis::geo::kinds::{Kind, kind};
-use crate::analysis::geo::overlay::geodetic;
 
 /// Positions of one stream or statement.
 #[derive(Clone, Debug)]
@@ -48,7 +42,7 @@ pub(crate) fn columns(
     let fixes = of.map(|(_, motion)| middles(motion)).unwrap_or_default();
     let mut add = |frame: &FrameId, child: Option<&FrameId>, made: Option<Column>| {
         let Some(column) = made else { return };
-        // The origin of one map in another may lie anywhere, and says nothing of what is told in either.
+        // The origin of one map in another may lie anywhere, and says nothing of what is expressed in either.
         // The Earth's centre lies 6370 km from every map: GEO02 judges how a map lies on the Earth.
         if child.is_some_and(is_earth) {
             return;

@@ -2,11 +2,9 @@
 //!
 //! Must not judge.
 
-use crate::math::effective::effective_count;
-use crate::math::geodesy::Geodetic;
-use crate::math::regress::{Through, fit};
-
 use crate::analysis::geo::overlay::Overlay;
+use crate::math::regress::{Through, fit};
+use crate::math::{effective::effective_count, geodesy::Geodetic};
 
 /// How much of the Earth's curvature is in the heights of poses.
 #[derive(Clone, Copy, Debug)]

@@ -2,11 +2,11 @@
 //!
 //! Must not report.
 
-use crate::math::stats::median;
-use crate::world::World;
-use crate::world::bag::TopicEvidence;
-use crate::world::content::{FixAt, FixEvidence};
 use serde::Deserialize;
+
+use crate::math::stats::median;
+use crate::world::content::{FixAt, FixEvidence};
+use crate::world::{World, bag::TopicEvidence};
 
 /// Latitude and longitude, degrees.
 pub(crate) type Position = (f64, f64);
@@ -99,7 +99,6 @@ pub(crate) fn misread<'o>(
     confirmed.or(alone)
 }
 
-/// Limits of GEO01.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

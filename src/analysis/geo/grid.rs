@@ -4,12 +4,10 @@
 
 use nalgebra::Vector2;
 
-use crate::math::circular::difference;
-use crate::math::similarity2::{Similarity2, deviations, fit_similarities};
-use crate::math::stats::median;
-use crate::math::utm::{Utm, utm, zone};
-
 use crate::analysis::geo::overlay::Overlay;
+use crate::math::similarity2::{Similarity2, deviations, fit_similarities};
+use crate::math::utm::{Utm, utm, zone};
+use crate::math::{circular::difference, stats::median};
 
 /// Side of the squares of the military grid, metres: positions in a square are eastings and northings without the
 /// leading digits.

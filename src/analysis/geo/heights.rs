@@ -6,11 +6,9 @@ use nalgebra::{Point3, Vector3};
 use serde::Deserialize;
 
 use crate::analysis::motion::{BagMotion, Stream, Timed, around};
-use crate::analysis::names;
-use crate::analysis::names::Standard;
-use crate::math::geodesy::Geodetic;
-use crate::math::geoid::undulation_m;
+use crate::analysis::{names, names::Standard};
 use crate::math::stats::{mad, median};
+use crate::math::{geodesy::Geodetic, geoid::undulation_m};
 use crate::source::Place;
 use crate::world::motion::{FixRow, NmeaRow, PoseRow, Row};
 use crate::world::{FrameId, World};
@@ -169,7 +167,7 @@ impl Heights {
     /// Poses of the platform in a frame that hangs rigidly in `earth`.
     fn of_poses(world: &World, stream: &Stream<PoseRow>) -> Option<Self> {
         let frame = stream.frame.as_ref()?;
-        // TF ties the frame itself to `earth`; rows that were brought to ENU are no longer told in it.
+        // TF ties the frame itself to `earth`; rows that were brought to ENU are no longer expressed in it.
         if stream.told_in.converts() || stream.child.as_ref().is_some_and(|child| !names::is_base(child)) {
             return None;
         }
@@ -192,7 +190,6 @@ impl Heights {
     }
 }
 
-/// Limits of GEO06.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -155,7 +155,6 @@ mod tests {
     }
 }
 
-/// Limits of GEO03.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

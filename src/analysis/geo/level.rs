@@ -5,12 +5,9 @@
 use nalgebra::{Isometry3, Rotation3};
 use serde::Deserialize;
 
-use crate::math::constants::ned_enu;
-use crate::math::earth_turns::beside;
-use crate::math::geodesy::Geodetic;
-use crate::source::Place;
-
 use crate::analysis::geo::earth::OnEarth;
+use crate::math::{constants::ned_enu, earth_turns::beside, geodesy::Geodetic};
+use crate::source::Place;
 
 /// A pose that can be judged.
 pub(crate) struct Seen<'s> {
@@ -61,7 +58,6 @@ pub(crate) fn expected(origin: &Geodetic, is_ned: bool) -> [f64; 4] {
     nalgebra::UnitQuaternion::from_rotation_matrix(&rotation).coords.into()
 }
 
-/// Limits of GEO02.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

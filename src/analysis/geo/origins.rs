@@ -2,26 +2,17 @@
 //!
 //! Must not judge.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
 use std::collections::BTreeSet;
 
 use nalgebra::Vector2;
-
-use crate::analysis::motion::{BagMotion, Motion, Stream, Timed};
-use crate::analysis::names;
-use crate::analysis::names::Standard;
-use crate::math::geodesy::Geodetic;
-use crate::math::similarity2::deviations;
-use crate::source::{Confidence, Place};
-use crate::world::bag::TopicEvidence;
-use crate::world::content::FixAt;
-use crate::world::motion::PoseRow;
-use crate::world::{BagEvidence, EarthOrigin, FrameId, World};
-
-use crate::analysis::geo::earth::OnEarth;
+use serde::Deserialize;
 
 use crate::analysis::geo::overlay::{Overlay, is_way};
+use crate::analysis::motion::{BagMotion, Motion, Stream, Timed};
+use crate::analysis::{Estimates, geo::earth::OnEarth, names, names::Standard};
+use crate::math::{geodesy::Geodetic, similarity2::deviations};
+use crate::source::{Confidence, Place};
+use crate::world::{BagEvidence, EarthOrigin, FrameId, World, bag::TopicEvidence, content::FixAt, motion::PoseRow};
 
 /// Metres of a degree of latitude, for the digits of a file.
 const DEGREE_M: f64 = 111_320.0;
@@ -256,7 +247,6 @@ fn origin_of_track(overlay: &Overlay, limits: &Limits) -> Option<(Geodetic, f64,
     ))
 }
 
-/// Limits of GEO07.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -6,9 +6,8 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector2, Vector3};
 
 use crate::analysis::motion::{Stream, Track};
 use crate::analysis::names;
-use crate::math::geodesy::Geodetic;
 use crate::math::similarity2::{Similarity2, fit_similarities, spread};
-use crate::math::stats::median;
+use crate::math::{geodesy::Geodetic, stats::median};
 use crate::world::World;
 use crate::world::motion::{FixRow, PoseRow};
 

@@ -2,14 +2,11 @@
 //!
 //! Must not judge.
 
-use crate::analysis::motion::BagMotion;
+use crate::analysis::geo::overlay::{Overlay, geodetic};
+use crate::analysis::{geo::curvature::Curvature, geo::earth::OnEarth, motion::BagMotion};
 use crate::math::geodesy::Geodetic;
 use crate::source::Place;
 use crate::world::{FrameId, World};
-
-use crate::analysis::geo::curvature::Curvature;
-use crate::analysis::geo::earth::OnEarth;
-use crate::analysis::geo::overlay::{Overlay, geodetic};
 
 /// A plane that touches the Earth at the origin of a local frame, and how far its use reaches.
 pub(crate) struct Plane<'s> {
@@ -23,7 +20,7 @@ pub(crate) struct Plane<'s> {
     pub(crate) origin: Geodetic,
     /// Largest distance, metres, and who is there.
     pub(crate) reach: Option<(f64, String)>,
-    /// Whether poses are told in the frame.
+    /// Whether poses are expressed in the frame.
     pub(crate) has_poses: bool,
     /// What the heights of poses say, and of which poses.
     pub(crate) curvature: Option<(Curvature, String)>,

@@ -2,10 +2,9 @@
 //!
 //! Owns which they are. Must not judge.
 
+use crate::analysis::motion::stream::{Stream, Timed};
 use crate::source::Place;
 use crate::world::motion::NmeaRow;
-
-use crate::analysis::motion::stream::{Stream, Timed};
 
 /// A course over ground is noise below this speed, m/s.
 const MIN_SPEED_M_S: f64 = 0.5;

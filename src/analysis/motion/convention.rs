@@ -1,4 +1,4 @@
-//! What the numbers of a stream are told in, by the configuration or by the names of its frames, and the way from there
+//! What the numbers of a stream are expressed in, by the configuration or by the names of its frames, and the way from there
 //! to the convention of ROS.
 //!
 //! Rows are converted before anything is measured: what follows its declared convention then looks healthy, and what does
@@ -24,7 +24,7 @@ pub(crate) enum Moving<'a> {
     Child(Option<&'a FrameId>),
 }
 
-/// What a stream is told in, and who says so.
+/// What a stream is expressed in, and who says so.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct ToldIn {
     /// What was said; nothing where the stream is told as ROS has it.
@@ -38,7 +38,7 @@ pub(crate) struct ToldIn {
 }
 
 impl ToldIn {
-    /// What the stream of a topic, or of TF, is told in. The configuration speaks before names.
+    /// What the stream of a topic, or of TF, is expressed in. The configuration speaks before names.
     pub(crate) fn of(
         world: &World,
         source: SourceId,
@@ -119,7 +119,7 @@ impl ToldIn {
             || convention.algebra == Some(QuaternionAlgebra::Jpl)
     }
 
-    /// Whether it is told in NED, which a fault of that name would turn back.
+    /// Whether it is expressed in NED, which a fault of that name would turn back.
     pub(crate) fn is_ned(&self) -> bool {
         self.convention.world == Some(WorldAxes::Ned)
     }
@@ -195,7 +195,7 @@ fn turned(turn: Option<UnitQuaternion<f64>>, vector: [f64; 3]) -> [f64; 3] {
     turn.map_or(vector, |turn| (turn * Vector3::from(vector)).into())
 }
 
-/// A row whose numbers can be told in another convention.
+/// A row whose numbers can be expressed in another convention.
 pub(crate) trait Convert {
     /// Whether the header's frame is that of what moves, not the world's.
     const IS_SENSOR: bool;
@@ -239,7 +239,7 @@ impl Convert for TwistRow {
     const IS_SENSOR: bool = true;
 
     fn convert(&mut self, told_in: &ToldIn, frame: Option<&FrameId>) {
-        // A velocity is told in the header's frame, whichever that is.
+        // A velocity is expressed in the header's frame, whichever that is.
         let is_of_world = frame.is_some_and(names::is_world) || told_in.turn_of_body().is_none();
         let turn = if is_of_world {
             told_in.turn_of_world()
@@ -279,7 +279,7 @@ mod tests {
         (dot.abs() - 1.0).abs() < 1e-12
     }
 
-    /// FACTS of the field: of Euler angles ZYX, `yaw_enu = pi/2 - yaw_ned`, `pitch_enu = -pitch_ned`, `roll_enu = roll_ned`.
+    /// Of Euler angles ZYX, `yaw_enu = pi/2 - yaw_ned`, `pitch_enu = -pitch_ned`, `roll_enu = roll_ned`.
     #[test]
     fn angles_of_ned_and_frd_become_those_of_enu_and_flu() {
         let (roll, pitch, yaw) = (0.2, -0.1, 0.7);

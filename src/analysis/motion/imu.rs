@@ -2,18 +2,13 @@
 
 use std::sync::Arc;
 
-use nalgebra::{UnitQuaternion, Vector3};
+use nalgebra::UnitQuaternion;
 
+use crate::analysis::motion::mount::{Mount, mount};
+use crate::analysis::{motion::inertial::Inertial, motion::stream::Stream};
 use crate::math::readings::Reading;
 use crate::tables::InsDriver;
-use crate::world::bag::Said;
-use crate::world::content::ContentEvidence;
-use crate::world::motion::InertialRow;
-use crate::world::{BagEvidence, World};
-
-use crate::analysis::motion::inertial::Inertial;
-use crate::analysis::motion::mount::{Mount, mount};
-use crate::analysis::motion::stream::Stream;
+use crate::world::{BagEvidence, World, bag::Said, content::ContentEvidence, motion::InertialRow};
 
 /// An inertial sensor.
 #[derive(Clone, Debug)]
@@ -70,9 +65,8 @@ impl Imu {
 /// The stream in the convention of ROS.
 fn in_ros(world: &World, stream: Stream<InertialRow>, mount: Option<&Mount>) -> Stream<InertialRow> {
     let told_in = stream.said(world);
-    // Where TF itself turns the frame, the numbers are told in it as it is.
-    let turns = |mount: &Mount| (mount.base_from_sensor.rotation * Vector3::z()).z < 0.0;
-    let told_in = if mount.is_some_and(turns) {
+    // Where TF itself turns the frame, the numbers are expressed in it as it is.
+    let told_in = if mount.is_some_and(Mount::is_upside_down) {
         told_in.without_body()
     } else {
         told_in

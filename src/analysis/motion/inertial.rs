@@ -2,13 +2,12 @@
 //!
 //! Made once for all rules that judge the sensor. Must not judge.
 
-use crate::math::gravity::{self, Gravity, gravity};
-use crate::math::rest::{self, Rest, rest};
-use crate::math::stats::median;
-use crate::math::turns::{self, Turns, turns};
-use crate::world::motion::InertialRow;
-
 use crate::analysis::motion::stream::{Stream, Timed};
+use crate::math::gravity::{Gravity, gravity};
+use crate::math::rest::{Rest, rest};
+use crate::math::turns::{Turns, turns};
+use crate::math::{gravity, rest, stats::median, turns};
+use crate::world::motion::InertialRow;
 
 /// Length of the windows of gravity, seconds: of a driving car's force the mean of ten seconds is off by 5 degrees.
 const GRAVITY_WINDOW_S: f64 = 2.0;

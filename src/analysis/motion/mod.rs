@@ -1,7 +1,7 @@
 //! The motion of a recording on one clock: inertial sensors, satellite tracks, poses and velocities, aligned.
 //!
 //! Made once for all rules that judge motion. Numbers are as published, or, where the configuration or a frame's name says
-//! that they are told in another convention, brought from there to that of ROS. Must not judge.
+//! that they are expressed in another convention, brought from there to that of ROS. Must not judge.
 
 mod along;
 mod clock;
@@ -17,14 +17,13 @@ mod tracks;
 mod turned;
 mod yaw;
 
-use crate::analysis::Estimates;
 use std::rc::Rc;
 use std::sync::Arc;
 
+use crate::analysis::Estimates;
 use crate::tables::Simulator;
-use crate::world::bag::TopicEvidence;
 use crate::world::motion::{FixRow, NmeaRow, OrientationRow, PoseRow, TwistRow};
-use crate::world::{BagEvidence, FrameId};
+use crate::world::{BagEvidence, FrameId, bag::TopicEvidence};
 
 pub(crate) use along::{Follower, around};
 pub(crate) use compass::Compass;

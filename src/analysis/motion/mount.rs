@@ -1,9 +1,8 @@
 //! How a sensor is mounted: its pose on the platform's base, by URDF and static TF.
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Vector3};
 
-use crate::analysis::names;
-use crate::analysis::names::Standard;
+use crate::analysis::{names, names::Standard};
 use crate::world::{FrameId, World};
 
 /// A sensor's place on its platform.
@@ -15,6 +14,13 @@ pub(crate) struct Mount {
     pub(crate) base_from_sensor: Isometry3<f64>,
     /// Whether the sensor's frame is the base itself.
     pub(crate) is_base: bool,
+}
+
+impl Mount {
+    /// Whether z of the sensor's frame points down.
+    pub(crate) fn is_upside_down(&self) -> bool {
+        (self.base_from_sensor.rotation * Vector3::z()).z < 0.0
+    }
 }
 
 /// Where a sensor with this frame is mounted: on `base_link` or `base_footprint` of its tree, else on a frame called like

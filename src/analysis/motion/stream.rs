@@ -6,17 +6,13 @@ use std::sync::{Arc, OnceLock};
 use nalgebra::Vector3;
 
 use crate::analysis::geo::kinds::{Limits, is_earth_centred};
-use crate::analysis::names;
-use crate::math::circular::wrapped;
-use crate::math::geodesy::Geodetic;
+use crate::analysis::motion::convention::{Convert, Moving, ToldIn};
+use crate::analysis::{motion::clock::Clock, motion::mount::mount, motion::track::Track, names};
+use crate::math::{circular::wrapped, geodesy::Geodetic};
 use crate::source::{MessageRef, Place, SourceId};
 use crate::world::bag::{HeaderFrame, Said, TfEdge};
 use crate::world::motion::{FixRow, PoseRow, Row, Series};
 use crate::world::{BagEvidence, FrameId, World};
-
-use crate::analysis::motion::clock::Clock;
-use crate::analysis::motion::convention::{Convert, Moving, ToldIn};
-use crate::analysis::motion::track::Track;
 
 /// A row with its time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,7 +36,7 @@ pub(crate) struct Stream<R> {
     pub(crate) subject: String,
     /// Whether only the names of plain fields say what it is.
     pub(crate) guessed: bool,
-    /// The frame that the numbers are told in (header frame, or parent), canonical; `None` where the headers name none or
+    /// The frame that the numbers are expressed in (header frame, or parent), canonical; `None` where the headers name none or
     /// several.
     pub(crate) frame: Option<FrameId>,
     /// The frame that moves, canonical, where the stream says it.
@@ -49,7 +45,7 @@ pub(crate) struct Stream<R> {
     pub(crate) stamp_offset_s: Option<f64>,
     /// First message.
     first: Option<MessageRef>,
-    /// What the rows were told in; they stand here in the convention of ROS.
+    /// What the rows were expressed in; they stand here in the convention of ROS.
     pub(crate) told_in: ToldIn,
     /// Runs of rows without a hole, times growing inside each.
     pub(crate) stretches: Vec<Vec<Timed<R>>>,
@@ -131,7 +127,7 @@ impl<R: Row> Stream<R> {
         Arc::clone(self.made.track.get_or_init(|| Arc::new(track())))
     }
 
-    /// Whether it is told in a frame of the world, or in none that is named: joints move, too, and say nothing of the
+    /// Whether it is expressed in a frame of the world, or in none that is named: joints move, too, and say nothing of the
     /// platform's way.
     pub(crate) fn is_of_world(&self) -> bool {
         self.frame.as_ref().is_none_or(names::is_world)
@@ -147,10 +143,18 @@ impl<R: Row + Convert> Stream<R> {
     /// The stream in the convention of ROS, by what the configuration or names say of it.
     pub(crate) fn in_ros(self, world: &World) -> Self {
         let told_in = self.said(world);
+        // Where TF itself turns the frame that moves, as `base_link_frd`, the numbers are expressed in it as it is.
+        let is_turned = |child| mount(world, child).is_some_and(|mount| mount.is_upside_down());
+        let told_in = match &self.child {
+            Some(child) if !R::IS_SENSOR && told_in.convention.body.is_some() && is_turned(child) => {
+                told_in.without_body()
+            }
+            _ => told_in,
+        };
         self.converted(told_in)
     }
 
-    /// What the configuration or names say that the stream is told in.
+    /// What the configuration or names say that the stream is expressed in.
     pub(crate) fn said(&self, world: &World) -> ToldIn {
         let moving = if R::IS_SENSOR {
             Moving::Frame

@@ -6,9 +6,8 @@ use std::sync::OnceLock;
 
 use nalgebra::{Vector2, Vector3};
 
-use crate::source::Place;
-
 use crate::analysis::motion::along::{Follower, around};
+use crate::source::Place;
 
 /// A course is taken over this long, seconds: noise of a position weighs less over a longer way, turns blur.
 const COURSE_OVER_S: f64 = 2.0;

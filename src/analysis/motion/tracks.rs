@@ -4,9 +4,8 @@
 
 use std::sync::Arc;
 
-use crate::world::motion::{FixRow, PoseRow};
-
 use crate::analysis::motion::{Stream, Track};
+use crate::world::motion::{FixRow, PoseRow};
 
 /// So many receivers, and so many streams of poses, say where a platform went; a recording of more is of a fleet.
 const MOST: usize = 16;

@@ -2,11 +2,8 @@
 
 use nalgebra::UnitQuaternion;
 
+use crate::analysis::{motion::along::near, motion::stream::Stream, motion::yaw::Oriented};
 use crate::math::readings::Reading;
-
-use crate::analysis::motion::along::near;
-use crate::analysis::motion::stream::Stream;
-use crate::analysis::motion::yaw::Oriented;
 
 /// `world_from_body` over time, as published.
 pub(crate) struct Turned {

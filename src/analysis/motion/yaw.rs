@@ -2,12 +2,9 @@
 
 use nalgebra::{UnitQuaternion, Vector3};
 
-use crate::math::circular::wrapped;
-use crate::math::readings::Reading;
+use crate::analysis::{motion::along::near, motion::stream::Stream};
+use crate::math::{circular::wrapped, readings::Reading};
 use crate::world::motion::{InertialRow, OrientationRow, PoseRow};
-
-use crate::analysis::motion::along::near;
-use crate::analysis::motion::stream::Stream;
 
 /// Longest step between two orientations that a yaw is interpolated over, seconds.
 const MAX_STEP_S: f64 = 2.5;

@@ -6,9 +6,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
-use crate::analysis::names;
-use crate::analysis::names::has_word;
-use crate::analysis::suffix::off_deg;
+use crate::analysis::{names, names::has_word, suffix::off_deg};
 use crate::math::constants::AxisTurn;
 use crate::source::{MessageRef, Place};
 use crate::world::{BagEvidence, FrameId, World};

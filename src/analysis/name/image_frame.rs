@@ -1,15 +1,11 @@
 //! Frames of images that are no optical ones.
 
-use crate::analysis::Estimates;
-use crate::analysis::name::cameras::cameras;
-use crate::analysis::name::cameras::optical_beside;
-use crate::analysis::name::cameras::up;
-use crate::analysis::names::has_word;
-use crate::world::BagEvidence;
-use crate::world::FrameId;
 use serde::Deserialize;
 
-/// Limits of the page.
+use crate::analysis::name::cameras::{cameras, optical_beside, up};
+use crate::analysis::{Estimates, names::has_word};
+use crate::world::{BagEvidence, FrameId};
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -1,16 +1,12 @@
 //! Frames that are called optical, and their axes.
 
-use crate::analysis::Estimates;
-use crate::analysis::names;
-use crate::analysis::optical::Mount;
-use crate::analysis::optical::mounts;
-use crate::math::constants::AxisTurn;
-use crate::math::rotation::rotation_angle_between;
-use crate::world::FrameId;
-use crate::world::graph::FrameGraph;
 use serde::Deserialize;
 
-/// Limits of the page.
+use crate::analysis::optical::{Mount, mounts};
+use crate::analysis::{Estimates, names};
+use crate::math::{constants::AxisTurn, rotation::rotation_angle_between};
+use crate::world::{FrameId, graph::FrameGraph};
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -6,9 +6,8 @@
 use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::analysis::motion::Imu;
-use crate::math::euler::Order;
-use crate::math::readings::Reading;
 use crate::math::turns::{Options, Row, Turns, turns};
+use crate::math::{euler::Order, readings::Reading};
 
 /// An order that was found.
 #[derive(Clone, Debug)]
@@ -46,7 +45,7 @@ pub(crate) fn ordered(imu: &Imu, as_published: f64, margins: &Margins) -> Option
     let mut tried: Vec<(Order, Turns, f64)> = candidates()
         .filter(|order| !contradicts_gravity(oriented(imu, *order)))
         .filter_map(|order| {
-            let turns = turns(&mended(imu, order), &Options::new(WINDOW_S))?;
+            let turns = turns(&corrected(imu, order), &Options::new(WINDOW_S))?;
             let residual = turns.score(Reading::Xyzw)?.residual;
             residual.is_finite().then_some((order, turns, residual))
         })
@@ -126,7 +125,7 @@ fn contradicts_gravity(oriented: impl Iterator<Item = (UnitQuaternion<f64>, Vect
 }
 
 /// The rows of a sensor with the orientation that it would have, had its angles been put together as ROS does.
-fn mended(imu: &Imu, order: Order) -> Vec<Vec<Row>> {
+fn corrected(imu: &Imu, order: Order) -> Vec<Vec<Row>> {
     let slots = |published: [f64; 4]| -> [f64; 4] {
         in_order_of_ros(published, order).map_or([f64::NAN; 4], |q| [q.coords.x, q.coords.y, q.coords.z, q.coords.w])
     };

@@ -1,16 +1,13 @@
 //! Whether an orientation is level in one order of its numbers.
 
-use crate::analysis::motion::Stream;
-use crate::analysis::names;
-use crate::math::level::Level;
-use crate::math::level::level;
-use crate::math::readings::Reading;
-use crate::verdict::Measured;
-use crate::world::FrameId;
-use crate::world::motion::PoseRow;
 use nalgebra::UnitQuaternion;
 
-/// Limits of QUAT02.
+use crate::analysis::{motion::Stream, names};
+use crate::math::level::{Level, level};
+use crate::math::readings::Reading;
+use crate::verdict::Measured;
+use crate::world::{FrameId, motion::PoseRow};
+
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

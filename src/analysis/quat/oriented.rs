@@ -2,12 +2,10 @@
 //!
 //! Must not judge.
 
-use crate::analysis::Estimates;
 use nalgebra::UnitQuaternion;
 
-use crate::analysis::axes::causes::Aspect;
-use crate::analysis::axes::sensors::Sensors;
 use crate::analysis::motion::{BagMotion, Motion, Turned};
+use crate::analysis::{Estimates, axes::causes::Aspect, axes::sensors::Sensors};
 use crate::source::Place;
 use crate::world::{FrameId, World};
 
@@ -15,7 +13,7 @@ use crate::world::{FrameId, World};
 pub(crate) struct Oriented {
     pub(crate) subject: String,
     pub(crate) place: Place,
-    /// The frame that it is told in, where it has a name.
+    /// The frame that it is expressed in, where it has a name.
     pub(crate) world: Option<FrameId>,
     /// The frame that it is the orientation of.
     pub(crate) body: Option<FrameId>,
@@ -55,7 +53,7 @@ pub(crate) fn oriented(world: &Estimates, motion: &Motion, bag: &BagMotion) -> V
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Claim {
     /// `a_from_b` of their bodies, where these are tied to each other: then only a change of the world is left.
-    /// Else both are told in a frame of one name, and only a change of the body is left.
+    /// Else both are expressed in a frame of one name, and only a change of the body is left.
     pub(crate) bodies: Option<UnitQuaternion<f64>>,
 }
 

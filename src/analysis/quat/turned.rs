@@ -1,13 +1,8 @@
 //! Whether an orientation turns as the integral of its gyro.
 
-use crate::analysis::axes::causes::Turn;
-use crate::analysis::look::Look;
-use crate::analysis::motion::Imu;
-use crate::analysis::quat::by_gyro::Margins;
-use crate::analysis::quat::by_gyro::Ordered;
-use crate::analysis::quat::by_gyro::ordered;
-use crate::analysis::quat::ways::Ways;
-use crate::analysis::quat::ways::{Limits, Turned};
+use crate::analysis::quat::by_gyro::{Margins, Ordered, ordered};
+use crate::analysis::quat::ways::{Limits, Turned, Ways};
+use crate::analysis::{axes::causes::Turn, look::Look, motion::Imu};
 use crate::verdict::NotEvaluated;
 
 /// How the orientation turns against the gyro.
@@ -71,7 +66,8 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
             limits.min_rotation_deg
         ));
     }
-    if fast.is_unrelated(limits) {
+    let is_unexplained = || slow.as_ref().is_some_and(|slow| fast.is_unexplained(slow, limits));
+    if fast.is_unrelated(limits) || is_unexplained() {
         return Ok(fast.found(Turn::Unrelated, None, limits));
     }
     little(fast.unclear(limits))

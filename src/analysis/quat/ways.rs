@@ -2,14 +2,13 @@
 //!
 //! Owns the comparisons, by the limits of QUAT01's page. Must not judge.
 
-use crate::analysis::quat::by_gyro::Ordered;
 use nalgebra::Matrix3;
 use serde::Deserialize;
 
 use crate::analysis::axes::causes::{Readings, Turn};
-use crate::math::readings::Reading;
-use crate::math::rotation::singular_values;
+use crate::analysis::quat::by_gyro::Ordered;
 use crate::math::turns::{Score, Turns};
+use crate::math::{readings::Reading, rotation::singular_values};
 
 /// An axis of which it cannot be told whether the orientation follows its gyro about it.
 pub(crate) struct Unclear;
@@ -92,6 +91,7 @@ impl<'a> Ways<'a> {
             as_published: self.as_published,
             inverse: self.inverse,
             reordered: self.reordered,
+            other_axes: self.unnamed,
             windows: self.turns.active,
             rotation_deg: self.rotation_deg(),
             limit: if is_slow {
@@ -231,13 +231,36 @@ impl<'a> Ways<'a> {
     pub(crate) fn is_unrelated(&self, limits: &Limits) -> bool {
         let follows = self.turns.scores.iter().map(explained);
         let own = self.as_published;
-        // A gyro in degrees has a bias as large as a turn, and nothing turns.
-        let turns = own.turn_power >= limits.standing * own.gyro_power;
+        // A gyro in degrees has a bias as large as a turn, and nothing turns; but no noise of an orientation turns so far.
+        let turned_deg = (own.turn_power / self.turns.active.max(1) as f64).sqrt().to_degrees();
+        let turns = own.turn_power >= limits.standing * own.gyro_power || turned_deg >= limits.turning_deg;
         own.residual > limits.unrelated
             && self.best() > limits.unrelated
             && self.rotation_deg() >= limits.unrelated_deg
             && follows.fold(0.0, f64::max) <= limits.unrelated_correlation
             && turns
+    }
+
+    /// Whether no reading, no other axes and no turn of them explains these windows and longer ones, though noise does not hide it: the noise
+    /// of an orientation is as large in a long window as in a short one, and a turn that is not the gyro's grows.
+    pub(crate) fn is_unexplained(&self, slow: &Self, limits: &Limits) -> bool {
+        let turns = |ways: &Self| {
+            let own = ways.as_published;
+            ways.rotation_deg() >= limits.unrelated_deg && own.turn_power >= limits.standing * own.gyro_power
+        };
+        let remains = |ways: &Self| {
+            let least = ways.as_published.residual.min(ways.best()).min(ways.unnamed);
+            let follows = ways.turns.scores.iter().map(explained).fold(0.0, f64::max);
+            least > limits.unrelated && follows <= limits.unexplained_correlation
+        };
+        let of_window = |ways: &Self| {
+            let own = ways.as_published;
+            own.residual.powi(2) * own.gyro_power / ways.turns.active.max(1) as f64
+        };
+        let both = [self, slow];
+        both.into_iter().all(turns)
+            && both.into_iter().all(remains)
+            && of_window(slow) >= limits.grows * of_window(self)
     }
 
     /// For an orientation that follows its gyro on the whole, the axis about which it does not, if there is one; an error where
@@ -332,7 +355,6 @@ fn maps(as_published: &Score) -> Vec<(Option<Turn>, f64)> {
         .collect()
 }
 
-/// Limits of QUAT01.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -350,7 +372,10 @@ pub(crate) struct Limits {
     pub(crate) slow_alike: f64,
     pub(crate) slow_short: f64,
     pub(crate) unrelated_correlation: f64,
+    pub(crate) unexplained_correlation: f64,
+    pub(crate) grows: f64,
     pub(crate) standing: f64,
+    pub(crate) turning_deg: f64,
     pub(crate) noise: f64,
     pub(crate) axis_deg_s: f64,
     pub(crate) axis_step_s: f64,
@@ -368,6 +393,8 @@ pub(crate) struct Turned {
     pub(crate) as_published: Score,
     pub(crate) inverse: Score,
     pub(crate) reordered: Score,
+    /// The smallest residual of the gyro with axes that have no name.
+    pub(crate) other_axes: f64,
     pub(crate) windows: usize,
     pub(crate) rotation_deg: f64,
     /// The largest residual that agrees, in the windows that told.

@@ -2,8 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::analysis::names::has_word;
-use crate::analysis::places::cover;
+use crate::analysis::{names::has_word, places::cover};
 use crate::source::{Place, SourceId};
 use crate::world::{ClaimKind, FrameId, Literal, World};
 

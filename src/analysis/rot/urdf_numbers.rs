@@ -4,8 +4,7 @@ use std::collections::BTreeSet;
 use std::fmt;
 
 use crate::source::Place;
-use crate::world::robot::NumberList;
-use crate::world::{Literal, Robot};
+use crate::world::{Literal, Robot, robot::NumberList};
 
 /// What a list of numbers belongs to; spelled out only where something is wrong with it.
 #[derive(Clone, Copy, Debug)]

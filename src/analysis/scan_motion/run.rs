@@ -5,10 +5,9 @@
 
 use nalgebra::{Isometry2, Vector2, Vector3};
 
+use crate::analysis::scan_motion::moved::{Moment, Moved};
 use crate::math::scan_match::{Matched, Scan, matched};
 use crate::world::cloud::CloudSlice;
-
-use crate::analysis::scan_motion::moved::{Moment, Moved};
 
 /// Where a first scan may have come from, metres in x and y.
 const GUESSES: [[f64; 2]; 5] = [[0.0, 0.0], [0.8, 0.0], [-0.8, 0.0], [0.0, 0.8], [0.0, -0.8]];

@@ -1,13 +1,10 @@
 //! Rotations that a dataset has by convention.
 
-use crate::tables::Axes;
-use nalgebra::Matrix3;
-use nalgebra::Rotation3;
-use nalgebra::UnitQuaternion;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Rotation3, UnitQuaternion, Vector3};
 use serde::Deserialize;
 
-/// Limits of SENSOR10.
+use crate::tables::Axes;
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -2,13 +2,10 @@
 //!
 //! Must not measure.
 
-use crate::analysis::Estimates;
 use std::sync::Arc;
 
-use crate::analysis::hand_eye::HandEye;
-use crate::analysis::lidar::Clouds;
-use crate::analysis::ouster;
 use crate::analysis::ouster::{Axes, Part};
+use crate::analysis::{Estimates, hand_eye::HandEye, lidar::Clouds, ouster};
 use crate::tables::{Forward, Lidar, OusterPart};
 use crate::world::{FrameId, World};
 
@@ -49,7 +46,7 @@ pub(crate) fn half_turn(world: &Estimates, clouds: &Clouds, body: &FrameId, lida
     is_off.then_some(Origin::OusterTf)
 }
 
-/// The axes that the clouds of an Ouster are told in, where they show.
+/// The axes that the clouds of an Ouster are expressed in, where they show.
 pub(crate) fn axes(world: &Estimates, clouds: &Clouds) -> Option<Axes> {
     let limits = world.limits::<crate::analysis::sensor::ouster_look::Limits>();
     crate::analysis::sensor::ouster_look::look(clouds, &limits).ok()?.axes

@@ -1,15 +1,14 @@
 //! Which of the two frames of an Ouster its clouds are expressed in.
 
-use crate::analysis::lidar::Clouds;
-use crate::analysis::ouster::Axes;
-use crate::math::circular::circular_mean;
-use crate::math::circular::difference;
-use crate::verdict::Measured;
-use crate::world::cloud::CloudSample;
-use serde::Deserialize;
 use std::f64::consts::TAU;
 
-/// Limits of SENSOR01.
+use serde::Deserialize;
+
+use crate::analysis::{lidar::Clouds, ouster::Axes};
+use crate::math::circular::{circular_mean, difference};
+use crate::verdict::Measured;
+use crate::world::cloud::CloudSample;
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -36,7 +35,7 @@ pub(crate) struct Seen {
     pub(crate) measured: [Measured; 3],
 }
 
-/// Which axes the clouds are told in; the error says why that does not show.
+/// Which axes the clouds are expressed in; the error says why that does not show.
 pub(crate) fn look(clouds: &Clouds, limits: &Limits) -> Result<Seen, String> {
     let firsts: Vec<First> = clouds
         .evidence

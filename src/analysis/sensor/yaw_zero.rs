@@ -2,8 +2,9 @@
 //!
 //! Must not report.
 
-use serde::Deserialize;
 use std::f64::consts::FRAC_PI_2;
+
+use serde::Deserialize;
 
 use crate::analysis::axes::heading::{Heading, Sense};
 use crate::analysis::motion::{Compass, Track, Yaws};
@@ -106,7 +107,6 @@ pub(crate) fn by_track(
     })
 }
 
-/// Limits of SENSOR08.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

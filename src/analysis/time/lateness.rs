@@ -1,10 +1,9 @@
 //! How late messages are logged.
 
-use crate::analysis::time::naming::Naming;
-use crate::analysis::time::streams::Stream;
 use serde::Deserialize;
 
-/// Limits of TIME02.
+use crate::analysis::{time::naming::Naming, time::streams::Stream};
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -2,14 +2,13 @@
 //!
 //! Must not report.
 
-use crate::math::stats::median;
-use crate::world::BagEvidence;
 use serde::Deserialize;
 
 use crate::analysis::time::known_offsets::{Explanation, Tolerance, explain};
-use crate::analysis::time::simulated::Time;
 use crate::analysis::time::streams::{Clock, Of, Stream, log_clock, log_start_s};
-use crate::analysis::time::units::unit_error;
+use crate::analysis::{time::simulated::Time, time::units::unit_error};
+use crate::math::stats::median;
+use crate::world::BagEvidence;
 
 /// What the offsets of a recording's streams are held against.
 pub(crate) struct Naming<'l> {
@@ -93,7 +92,6 @@ impl<'l> Naming<'l> {
     }
 }
 
-/// Limits of TIME01.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

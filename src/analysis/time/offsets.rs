@@ -2,11 +2,11 @@
 //!
 //! Owns what makes a lag count. Must not say whether it is too large.
 
-use crate::math::lag::{Lag, Options, Peak, lag};
-use crate::world::World;
 use serde::Deserialize;
 
 use crate::analysis::time::turning::{Kind, Runs, Signal};
+use crate::math::lag::{Lag, Options, Peak, lag};
+use crate::world::World;
 
 /// Lags farther from the best one than this are others, seconds.
 const GUARD_S: f64 = 2.0;
@@ -232,7 +232,6 @@ fn either_sign(first: &Runs, second: &Runs, options: &Options) -> Option<Lag> {
     lag(&negated, second, options)
 }
 
-/// Limits of TIME09.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -270,7 +269,7 @@ mod tests {
 
     const LATE_S: f64 = 0.1;
 
-    /// Simulation S4: a gyro at 50 Hz, and a yaw rate at 10 Hz with this noise, late by 0.1 s, or another one.
+    /// Simulation S4 of `tests/rates/lines.rs`: a gyro at 50 Hz, and a yaw rate at 10 Hz with this noise, late by 0.1 s, or another one.
     fn drive(rng: &mut Rng, seconds: f64, noise: f64, related: bool) -> [Runs; 2] {
         let mut wander = || Wander::new(rng, 0.12, 4.0, 0.02);
         let (mut yaw_rate, mut other) = (wander(), wander());

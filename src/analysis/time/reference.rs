@@ -2,13 +2,9 @@
 //!
 //! Owns how many pairs are tried. Must not judge.
 
-use crate::analysis::time::turning::Kind;
+use crate::analysis::time::offsets::{Limits, Offset, Without, held};
+use crate::analysis::time::turning::{Kind, Signal};
 use crate::world::World;
-
-use crate::analysis::time::offsets::Limits;
-use crate::analysis::time::offsets::{Offset, Without, held};
-
-use crate::analysis::time::turning::Signal;
 
 /// A signal, and the offsets of those behind it.
 type Found<'s> = (&'s Signal, Vec<(&'s Signal, Result<Offset, Without>)>);

@@ -1,9 +1,6 @@
 //! Whether a recording lives in simulated time.
 
-use crate::analysis::time::streams::Clock;
-use crate::analysis::time::streams::Of;
-use crate::analysis::time::streams::Stream;
-use crate::analysis::time::streams::log_clock;
+use crate::analysis::time::streams::{Clock, Of, Stream, log_clock};
 use crate::world::BagEvidence;
 
 /// The time that a recording's data live in.

@@ -2,15 +2,15 @@
 //!
 //! Latched topics and static TF are left out: their stamps are older than their log time by right.
 
+use serde::Deserialize;
+
 use crate::analysis::tf::{HeaderUse, header_use};
 use crate::math::stats::{mad, median};
 use crate::source::{Place, SourceId};
 use crate::tables::leap_seconds;
 use crate::verdict::plot::{Axis, Level, Plot, Series};
 use crate::world::bag::{StampEvidence, TfEdge, TopicEvidence};
-use crate::world::conventions::TimeScale;
-use crate::world::{BagEvidence, FrameId, World};
-use serde::Deserialize;
+use crate::world::{BagEvidence, FrameId, World, conventions::TimeScale};
 
 /// Stamps below this are no calendar time: a clock that counts from power-up, or the time of day (1973-03-03).
 pub(crate) const UPTIME_BELOW_S: f64 = 1e8;
@@ -317,7 +317,6 @@ pub(crate) fn log_clock(bag: &BagEvidence) -> Clock {
     Clock::of(log_start_s(bag))
 }
 
-/// Limits of TIME10.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -1,13 +1,14 @@
 //! The way that points of a scan sweep.
 
+use std::f64::consts::TAU;
+
+use serde::Deserialize;
+
 use crate::analysis::lidar::Clouds;
 use crate::math::circular::circular_mean;
 use crate::tables::Sweep;
 use crate::world::cloud::CloudSample;
-use serde::Deserialize;
-use std::f64::consts::TAU;
 
-/// Limits of TIME07.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -2,9 +2,8 @@
 //!
 //! Must not judge, nor know what the limits are.
 
-use crate::math::stats::{mad, median};
-
 use crate::analysis::time::streams::Stream;
+use crate::math::stats::{mad, median};
 
 /// Bins of time; the median of each stands for it.
 const BINS: usize = 12;
@@ -18,7 +17,7 @@ pub(crate) struct Drift {
     pub(crate) rate: f64,
     /// Length of the log, seconds.
     pub(crate) span_s: f64,
-    /// What is left of the bins' medians without the drift (1.4826 MAD), seconds.
+    /// Residual of the bins' medians without the drift (1.4826 MAD), seconds.
     pub(crate) residual_s: f64,
 }
 

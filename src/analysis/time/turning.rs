@@ -6,12 +6,9 @@ use nalgebra::{UnitQuaternion, Vector3};
 
 use crate::analysis::motion::{BagMotion, Course, Imu, Stream, Timed, Track};
 use crate::analysis::names;
-use crate::math::circular::wrapped;
-use crate::math::readings::Reading;
-use crate::math::stats::median;
+use crate::math::{circular::wrapped, readings::Reading, stats::median};
 use crate::source::Place;
-use crate::world::FrameId;
-use crate::world::motion::Row;
+use crate::world::{FrameId, motion::Row};
 
 /// Runs of `(seconds after the recording's start, value)` without a hole.
 pub(crate) type Runs = Vec<Vec<(f64, f64)>>;

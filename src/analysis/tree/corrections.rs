@@ -4,12 +4,8 @@
 
 use nalgebra::Point3;
 
-use crate::analysis::names;
-use crate::analysis::tf;
-use crate::analysis::tf::HeaderUse;
-use crate::world::bag::TfEdge;
-use crate::world::content::StepAt;
-use crate::world::{BagEvidence, FrameId};
+use crate::analysis::{names, tf, tf::HeaderUse};
+use crate::world::{BagEvidence, FrameId, bag::TfEdge, content::StepAt};
 
 /// A correction with what it does.
 pub(crate) struct Jump<'a> {

@@ -3,18 +3,17 @@
 //! Each third is laid over the other track by a turn and a shift of its own; the drift is how far apart the two put the middle
 //! of the last third. Must not judge.
 
-use serde::Deserialize;
 use std::sync::Arc;
 
 use nalgebra::{Rotation2, Vector2, Vector3};
+use serde::Deserialize;
 
 use crate::analysis::motion::{BagMotion, Stream, Track};
 use crate::analysis::names;
 use crate::math::similarity2::{fit_similarities, path_length, spread};
 use crate::math::stats::median;
 use crate::verdict::Measured;
-use crate::world::FrameId;
-use crate::world::motion::PoseRow;
+use crate::world::{FrameId, motion::PoseRow};
 
 /// A drift.
 pub(crate) struct Drift {
@@ -103,9 +102,9 @@ struct Laid {
     middle: Vector2<f64>,
     turn: Rotation2<f64>,
     image: Vector2<f64>,
-    /// What is left, root mean square, metres.
+    /// Root mean square of the residual, metres.
     rms_m: f64,
-    /// What is left once the odometry's scale is taken off, too: the noise of both.
+    /// The residual once the odometry's scale is taken off, too: the noise of both.
     noise_m: f64,
     /// How many metres of the other track one of the odometry is.
     scale: f64,
@@ -189,7 +188,6 @@ fn of(odometry: &Track, other: &Track, sigma_m: f64, limits: &Limits) -> Result<
     })
 }
 
-/// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -5,8 +5,7 @@
 use nalgebra::{Isometry3, Vector3};
 use serde::Deserialize;
 
-use crate::analysis::names;
-use crate::analysis::names::Standard;
+use crate::analysis::{names, names::Standard};
 use crate::source::Place;
 use crate::world::graph::{Edge, EdgeOrigin};
 use crate::world::{FrameId, World};
@@ -127,7 +126,6 @@ pub(crate) fn level_paths<'a>(world: &'a World, footprint: &FrameId, namespace: 
     moving.filter_map(path).collect()
 }
 
-/// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

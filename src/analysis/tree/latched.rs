@@ -2,8 +2,9 @@
 //!
 //! Must not know whether the values come from one recording or from several.
 
-use serde::Deserialize;
 use std::collections::BTreeMap;
+
+use serde::Deserialize;
 
 use crate::analysis::relate::{Difference, Same};
 use crate::verdict::Severity;
@@ -84,7 +85,6 @@ pub(crate) fn difference(a: &TfSample, b: &TfSample, limits: &Limits) -> Differe
     Difference::between(&a.pose.isometry(), &b.pose.isometry(), same)
 }
 
-/// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -2,12 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
-use crate::analysis::names;
-use crate::analysis::names::Standard;
+use crate::analysis::{names, names::Standard};
 use crate::math::stats::median;
-use crate::world::FrameId;
 use crate::world::bag::{BagEvidence, StampEvidence, TfEdge, TopicEvidence};
-use crate::world::tf2::{self, Buffer, Extrapolation, LookupError};
+use crate::world::tf2::{Buffer, Extrapolation, LookupError};
+use crate::world::{FrameId, tf2};
 
 /// Edges to the tops of both frames from which fewer stamps are asked for.
 const DEEP: usize = 64;

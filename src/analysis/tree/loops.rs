@@ -1,11 +1,9 @@
 //! Loops of the frame tree.
 
-use crate::world::FrameId;
-use crate::world::World;
-use crate::world::graph::Edge;
-use crate::world::graph::EdgeOrigin;
-use crate::world::graph::FrameGraph;
 use std::collections::BTreeSet;
+
+use crate::world::graph::{Edge, EdgeOrigin, FrameGraph};
+use crate::world::{FrameId, World};
 
 /// The loops that this rule reports: their frames, each before its parent, and the edges from each frame up to the next.
 pub(crate) fn loops(world: &World) -> Vec<(Vec<FrameId>, Vec<&Edge>)> {

@@ -1,18 +1,18 @@
 //! Streams of odometry in a recording: transforms below `odom`, and odometry messages in it; and how fast they go.
 
-use serde::Deserialize;
 use std::collections::BTreeMap;
 
+use serde::Deserialize;
+
 use crate::analysis::names;
+use crate::analysis::tree::steps::{of_moving, seconds};
 use crate::world::bag::{HeaderFrame, TopicEvidence};
 use crate::world::content::{Step, StepEvidence};
 use crate::world::{BagEvidence, FrameId};
 
-use crate::analysis::tree::steps::{of_moving, seconds};
-
 /// One stream.
 pub(crate) struct Stream<'a> {
-    /// The frame it is told in, canonical.
+    /// The frame it is expressed in, canonical.
     pub(crate) odom: FrameId,
     /// The frame that moves, canonical.
     pub(crate) child: FrameId,
@@ -114,7 +114,6 @@ impl Bound {
     }
 }
 
-/// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -1,9 +1,7 @@
 //! How robots, joints and links are called in rows.
 
 use crate::world::World;
-use crate::world::robot::Joint;
-use crate::world::robot::Link;
-use crate::world::robot::Robot;
+use crate::world::robot::{Joint, Link, Robot};
 
 /// "robot `cart` of robot.urdf".
 pub(crate) fn robot(world: &World, robot: &Robot) -> String {

@@ -60,6 +60,6 @@ pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
     let compared = room.compare(&worlds, &drives, whole);
     for (mut verdict, labels) in [Some(rest), compared].into_iter().flatten() {
         renumber.all(&mut [], &mut verdict);
-        whole.lay(verdict, &labels, room.gate);
+        whole.lay(verdict, &labels, room.policy);
     }
 }

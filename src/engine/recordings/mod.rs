@@ -9,7 +9,7 @@ mod whole;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::gate::Laid;
+use crate::policy::Laid;
 use crate::progress::Progress;
 use crate::read::discover::Inputs;
 use crate::rules::Kind;
@@ -22,7 +22,7 @@ use crate::world::{Facts, World};
 use super::evidence::Saved;
 use super::gather::source_id;
 use super::{
-    Declared, Demanded, Gate, Member, Reading, Renumber, Setup, UsageError, judge, judge_all, merged, parallel,
+    Declared, Demanded, Member, Reading, Renumber, RunPolicy, Setup, UsageError, judge, judge_all, merged, parallel,
     platform, sampling,
 };
 use whole::Whole;
@@ -48,7 +48,7 @@ pub(super) fn check(
         .config
         .as_ref()
         .map(|config| Declared::new(config, &mut shared.sources));
-    let gate = Gate::new(
+    let policy = RunPolicy::new(
         setup.options,
         setup.config.as_ref(),
         &setup.choice.rules,
@@ -59,7 +59,7 @@ pub(super) fn check(
         reading,
         shared: &shared,
         declared: declared.as_ref(),
-        gate: &gate,
+        policy: &policy,
         beside: Mutex::default(),
     };
     let mut whole = Whole::new(setup.run(shared.sources.clone(), inputs.skipped.clone()), told);
@@ -130,7 +130,7 @@ struct Room<'a> {
     reading: Reading<'a>,
     shared: &'a Shared,
     declared: Option<&'a Declared>,
-    gate: &'a Gate<'a>,
+    policy: &'a RunPolicy<'a>,
     /// Verdicts of the platforms that a recording does not belong to, by their sources.
     beside: Mutex<BTreeMap<Vec<SourceId>, Arc<Verdict>>>,
 }
@@ -199,13 +199,13 @@ impl Room<'_> {
             .first()
             .map(|world| Arc::clone(&world.sources))
             .unwrap_or_default();
-        let mut laid = self.gate.lay(&mut verdict, &sources, &platforms);
+        let mut laid = self.policy.lay(&mut verdict, &sources, &platforms);
         let demanded = Demanded {
             rows: &verdict.rows,
             beside: &self.beside(others),
             recording: Some(&label),
         };
-        self.gate.demand(&mut laid, &demanded, &platforms);
+        self.policy.demand(&mut laid, &demanded, &platforms);
         verdict.sort();
         let covered: Vec<SourceId> = worlds.iter().flat_map(|world| world.members.iter().copied()).collect();
         let read = covered.iter().filter_map(|id| sources.get(id.0 as usize));
@@ -262,7 +262,7 @@ impl Room<'_> {
 
     /// What was judged of platforms beside a recording, where something is required that may have been judged there.
     fn beside(&self, others: &[World]) -> Vec<Row> {
-        if others.is_empty() || !self.gate.demands() {
+        if others.is_empty() || !self.policy.demands() {
             return Vec::new();
         }
         let known = |members: &[SourceId]| {
@@ -297,7 +297,7 @@ impl Room<'_> {
         let verdict = merged(judge_all(&worlds, &self.setup.choice, true));
         whole.run.seen.extend(self.setup.seen(&worlds));
         let labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
-        whole.lay(verdict, &labels, self.gate);
+        whole.lay(verdict, &labels, self.policy);
     }
 
     /// What compares the recordings of a platform. Of what it says, everything is left out that was said of one of them.
@@ -319,7 +319,7 @@ impl Room<'_> {
         drop(worlds);
         whole.run.sources = Arc::unwrap_or_clone(sources);
         if let Some((verdict, labels)) = compared {
-            whole.lay(verdict, &labels, self.gate);
+            whole.lay(verdict, &labels, self.policy);
         }
     }
 

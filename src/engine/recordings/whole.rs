@@ -2,13 +2,13 @@
 
 use std::collections::BTreeSet;
 
-use crate::gate::Laid;
+use crate::policy::Laid;
 use crate::run::{Grown, Recording, Run};
 use crate::source::{Derived, Source};
 use crate::verdict::waiver::plain_subject;
 use crate::verdict::{Finding, Label, Outcome, Row, Verdict};
 
-use super::super::{Gate, Renumber};
+use super::super::{Renumber, RunPolicy};
 use super::{Drive, Room, put};
 
 /// The run as it grows.
@@ -99,9 +99,9 @@ impl<'a> Whole<'a> {
         self.take(verdict, drive.laid, new, Some(drive.recording));
     }
 
-    /// Lays what is asked of the gate over what was judged apart from the recordings, and adds it.
-    pub(super) fn lay(&mut self, mut verdict: Verdict, labels: &[String], gate: &Gate) {
-        let laid = gate.lay(&mut verdict, &self.run.sources, labels);
+    /// Lays the policy over what was judged apart from the recordings, and adds it.
+    pub(super) fn lay(&mut self, mut verdict: Verdict, labels: &[String], policy: &RunPolicy) {
+        let laid = policy.lay(&mut verdict, &self.run.sources, labels);
         verdict.sort();
         self.run.platforms.extend(labels.iter().cloned());
         self.take(verdict, laid, Vec::new(), None);
@@ -130,7 +130,7 @@ impl<'a> Whole<'a> {
     /// The run, with what is said when everything is there.
     pub(super) fn end(mut self, room: &Room) -> Run {
         let (rows, findings) = (self.run.verdict.rows.len(), self.run.verdict.findings.len());
-        room.gate
+        room.policy
             .close(std::mem::take(&mut self.laid), &mut self.run, &room.setup.choice.rules);
         self.tell(Vec::new(), rows, findings, None);
         self.run.verdict.sort();

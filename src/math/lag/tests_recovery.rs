@@ -1,5 +1,5 @@
-//! How often is an offset found, how well, and how often is one invented? Monte Carlo, seeded: simulation S4 of the
-//! domain facts.
+//! How often is an offset found, how well, and how often is one invented? Monte Carlo, seeded: simulation S4 of
+//! `tests/rates/lines.rs`.
 #![allow(
     clippy::unwrap_used,
     clippy::print_stdout,

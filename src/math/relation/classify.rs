@@ -8,7 +8,7 @@ use super::Relation;
 use super::apply::is_finite;
 use crate::math::rotation::rotation_angle_between;
 
-/// The limits of [`classify`]. The defaults are those of the catalogue (CROSS02), chosen by simulation S8.
+/// The limits of [`classify`]. The defaults were chosen by the simulations of `tests_detection.rs` and `tests_false_names.rs`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tolerance {
     /// A relation can explain a difference that it leaves within this angle, in radians.
@@ -119,7 +119,7 @@ struct Candidate {
 ///    most six times the best score or fits exactly (0.04 degrees, 1 mm).
 /// 4. Where the two are nearly equal (12 degrees and 0.3 m) the named one must score at most 0.35, and `Equal` at least
 ///    `6 * sqrt(n)` times as much, `n` being the number of different predictions that near: else a small genuine
-///    misalignment would be explained away by an Euler-angle order. The catalogue has no `n`; see below.
+///    misalignment would be explained away by an Euler-angle order. See below for `n`.
 ///
 /// Measured (seeded Monte Carlo in `tests_detection.rs` and `tests_false_names.rs`; 43 relations, 0.3 degrees and 1 cm per
 /// axis of noise on `t2`, |t| up to 3 m; "named" is out of 10 000 genuine misalignments each of 3, 5 and 8 degrees):

@@ -1,4 +1,4 @@
-//! Is the truth found? Monte Carlo, seeded: catalogue CROSS02, simulations S8 and S8d.
+//! Is the truth found? Monte Carlo, seeded: the mounts of `tests_setup.rs`.
 #![allow(clippy::unwrap_used, clippy::print_stdout)]
 
 use super::tests_setup::{Mount, calibration_noise, holds};

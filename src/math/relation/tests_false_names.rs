@@ -1,4 +1,4 @@
-//! Is silence kept when there is no convention error? Monte Carlo, seeded: catalogue CROSS02, simulation S8d.
+//! Is silence kept when there is no convention error? Monte Carlo, seeded: the mounts of `tests_setup.rs`.
 #![allow(clippy::print_stdout)]
 
 use nalgebra::{Isometry3, Vector3};

@@ -1,4 +1,4 @@
-//! Test support: the mount classes of simulation S8 and how a case is counted.
+//! Test support: classes of mounts, and how a case is counted.
 
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 

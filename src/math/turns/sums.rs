@@ -148,7 +148,7 @@ const OTHER_AXES: f64 = 0.8;
 
 /// The bias of the gyro, rad/s: how far on the whole the gyro turns beyond the orientation, by the reading that makes it the
 /// smallest: a steady turn under a wrong reading looks like a larger one. Zero where it is larger than a bias may be about an
-/// axis, and where the gyro is explained only under other axes: what is left then is no bias.
+/// axis, and where the gyro is explained only under other axes: the residual then is no bias.
 pub(super) fn bias(windows: &[Window], by_reading: &[(Best, &[Turned]); 4], limit_rad_s: f64) -> Vector3<f64> {
     let (r2, explained) = by_reading.iter().fold((0.0, 0.0), |(r2, explained), (best, _)| {
         (f64::max(r2, best.r2()), f64::max(explained, best.explained()))

@@ -15,7 +15,7 @@ use nalgebra::{UnitQuaternion, Vector3};
 const RATE_HZ: u32 = 25;
 
 /// A class of instrument: white noise of the gyro (rad/s), its bias, noise of the orientation (degrees over all
-/// three axes, correlated over 0.5 s) and how late the orientation is, as in S1.
+/// three axes, correlated over 0.5 s) and how late the orientation is, as in simulation S1 of `tests/rates/lines.rs`.
 #[derive(Clone, Copy)]
 struct Grade {
     gyro: f64,
@@ -80,7 +80,7 @@ fn by_r2(found: &Turns, limit: f64) -> Option<Reading> {
     sure.then_some(best.reading)
 }
 
-/// What held up on real recordings, (a): 10 degrees of rotation in active windows; one of body and inverse under 0.35
+/// On real recordings: 10 degrees of rotation in active windows; one of body and inverse under 0.35
 /// with the other over 1.3. The two readings of exchanged slots are treated alike.
 fn by_residual(found: &Turns) -> Option<Reading> {
     let residual = |reading| found.score(reading).map(|s| s.residual);

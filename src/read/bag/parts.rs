@@ -194,7 +194,7 @@ struct Joined<'v> {
     several: bool,
     /// Channels of this file, as they are handed on.
     channels: Vec<Channel>,
-    /// Channels told in the files before.
+    /// Channels expressed in the files before.
     told: usize,
     /// Whether messages were left out before the next one.
     seam: bool,

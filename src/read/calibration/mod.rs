@@ -55,8 +55,8 @@ pub fn read_yaml(source: &mut Source, dialects: &Dialects) -> Facts {
         };
         let mut best = strict;
         for tab in widths {
-            let (mended, map, notes) = repair::lenient(&body, base, *tab);
-            let documents = events::build(&mended, &map);
+            let (corrected, map, notes) = repair::lenient(&body, base, *tab);
+            let documents = events::build(&corrected, &map);
             let reach = |documents: &Documents| documents.fault.as_ref().map_or(usize::MAX, |fault| fault.at);
             if documents.fault.is_none() {
                 return (documents, notes);
@@ -106,9 +106,9 @@ pub fn read_plain(source: &mut Source, dialects: &Dialects) -> Facts {
     facts
 }
 
-type Mended = Vec<(usize, &'static str)>;
+type Corrected = Vec<(usize, &'static str)>;
 
-fn read(source: &mut Source, dialects: &Dialects, parse: impl Fn(&str, usize) -> (Documents, Mended)) -> Facts {
+fn read(source: &mut Source, dialects: &Dialects, parse: impl Fn(&str, usize) -> (Documents, Corrected)) -> Facts {
     let text = std::mem::take(&mut source.text);
     let facts = read_text(source, &text, dialects, parse);
     source.text = text;
@@ -119,7 +119,7 @@ fn read_text(
     source: &mut Source,
     text: &str,
     dialects: &Dialects,
-    parse: impl Fn(&str, usize) -> (Documents, Mended),
+    parse: impl Fn(&str, usize) -> (Documents, Corrected),
 ) -> Facts {
     source.examined.bytes_total = source.examined.bytes_total.max(text.len() as u64);
     if let Some(why) = refused(text) {
@@ -136,7 +136,7 @@ fn read_text(
         source.detail = Some("empty file: no transforms found".to_owned());
         return Facts::default();
     }
-    let (documents, mended) = parse(body, bom);
+    let (documents, corrected) = parse(body, bom);
     let dialect = dialect::recognise(&documents.roots, dialects);
     let mut walk = walk::Walk::new(source.id, text, dialect.as_deref());
     for root in &documents.roots {
@@ -160,7 +160,7 @@ fn read_text(
     for (span, message) in problems {
         source.problem(ReadStatus::Partial, Place::text(source.id, span), message);
     }
-    describe(source, text, &documents, &mended, &facts, dialect.as_deref());
+    describe(source, text, &documents, &corrected, &facts, dialect.as_deref());
     facts
 }
 
@@ -223,12 +223,12 @@ fn template(text: &str) -> Option<usize> {
     None
 }
 
-/// The line of words on a source: what was found, what was mended, what stands twice.
+/// The line of words on a source: what was found, what was fixed, what stands twice.
 fn describe(
     source: &mut Source,
     text: &str,
     documents: &Documents,
-    mended: &Mended,
+    corrected: &Corrected,
     facts: &Facts,
     dialect: Option<&Dialect>,
 ) {
@@ -242,8 +242,8 @@ fn describe(
     } else if facts.claims.is_empty() && facts.chains.is_empty() {
         notes.push("no transforms found".to_owned());
     }
-    if let Some((line, what)) = mended.first() {
-        let more = match mended.len() - 1 {
+    if let Some((line, what)) = corrected.first() {
+        let more = match corrected.len() - 1 {
             0 => String::new(),
             1 => " (and 1 more line)".to_owned(),
             n => format!(" (and {n} more lines)"),

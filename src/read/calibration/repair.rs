@@ -132,7 +132,7 @@ pub(super) fn has_leading_tabs(text: &str) -> bool {
 }
 
 /// Rewrites line by line what OpenCV's reader would take, a tab counting as `tab` spaces. Returns the text, the map
-/// back (on top of `base`, the source offset of the text's first byte) and what was mended, by line.
+/// back (on top of `base`, the source offset of the text's first byte) and what was fixed, by line.
 pub(super) fn lenient(text: &str, base: usize, tab: usize) -> (String, OffsetMap, Vec<(usize, &'static str)>) {
     let mut out = Output {
         text: String::with_capacity(text.len() + 64),
@@ -159,7 +159,7 @@ pub(super) fn lenient(text: &str, base: usize, tab: usize) -> (String, OffsetMap
                 notes.push((index + 1, "it is indented with tabs"));
             }
             out.insert(&" ".repeat(indent));
-            if let Some(note) = mend(body, start + lead, &mut out) {
+            if let Some(note) = correct(body, start + lead, &mut out) {
                 notes.push((index + 1, note));
             }
         }
@@ -172,7 +172,7 @@ pub(super) fn lenient(text: &str, base: usize, tab: usize) -> (String, OffsetMap
 const MATRIX: &str = "!!opencv-matrix";
 
 /// Copies a line's content, with a space after its first colon where it lacks one, and without words after a tag.
-fn mend(body: &str, source: usize, out: &mut Output) -> Option<&'static str> {
+fn correct(body: &str, source: usize, out: &mut Output) -> Option<&'static str> {
     let mut note = None;
     let is_key = |key: &str| !key.is_empty() && key.chars().all(|c| c.is_alphanumeric() || "_.-/ ".contains(c));
     let mut rest_start = 0;

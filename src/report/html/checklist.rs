@@ -27,7 +27,7 @@ const MAX_ITEMS: usize = 6000;
 /// Numbers of one item.
 const MAX_MEASURED: usize = 8;
 
-/// The families, in the order of the catalogue, with what they are about.
+/// The families, in the order of the registry, with what they are about.
 const FAMILIES: &[(&str, &str)] = &[
     ("TREE", "The frame tree"),
     ("NAME", "Names of frames"),

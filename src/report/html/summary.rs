@@ -195,7 +195,7 @@ pub(super) fn decision(page: &Page) -> Markup {
     let advice = match summary.verdict {
         VerdictWord::Clean => "Every check that counts passed.",
         VerdictWord::Findings => {
-            "Findings count against this dataset: mend them or accept each with a reason before it is used."
+            "Findings count against this dataset: fix them or accept each with a reason before it is used."
         }
         VerdictWord::Incomplete => "Something that had to be looked at was not: the result is no pass.",
     };

@@ -11,7 +11,7 @@ use super::super::Style;
 use super::super::style::Ink;
 use super::super::text::{list, one_line, plural, wrap};
 use super::Options;
-use super::gate::unmet_words;
+use super::policy::unmet_words;
 use super::recordings;
 
 pub(super) fn ending(run: &Run, options: &Options, out: &mut String) {

@@ -4,8 +4,8 @@
 
 mod ending;
 mod finding;
-mod gate;
 mod inputs;
+mod policy;
 mod recordings;
 mod rows;
 mod snippet;
@@ -53,8 +53,8 @@ pub fn render(run: &Run, options: &Options) -> String {
     let painter = Painter::new(&locator, options.style);
     let mut out = String::new();
     findings(run, options, &locator, &painter, &mut out);
-    gate::waived(run, options, &locator, &mut out);
-    gate::unmet(run, options.style, &mut out);
+    policy::waived(run, options, &locator, &mut out);
+    policy::unmet(run, options.style, &mut out);
     inputs::unread(run, &locator, &painter, options.style, &mut out);
     inputs::partly_examined(run, options.style, &mut out);
     inputs::skipped(run, options, &mut out);
@@ -72,7 +72,7 @@ pub fn render_concise(run: &Run, options: &Options) -> String {
     for finding in run.verdict.open() {
         finding::line(finding, &locator, options.style, &mut out);
     }
-    gate::concise(run, &locator, options.style, &mut out);
+    policy::concise(run, &locator, options.style, &mut out);
     for source in run.unread() {
         let detail = source.shortfall();
         let _ = writeln!(out, "{}: {}", one_line(&locator.name(source.id)), one_line(detail));

@@ -1,22 +1,14 @@
 //! AUTH03: latched transforms that no description and no calibration file states.
 
-use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 
-use serde::Deserialize;
-
 use crate::analysis::{names, tf};
-use crate::rules::{Need, Rule};
-use crate::source::Place;
+use crate::rules::prelude::*;
 use crate::tables::Tables;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
-use crate::world::bag::TfEdge;
-use crate::world::{BagEvidence, ClaimKind, FrameId, World};
+use crate::world::{BagEvidence, ClaimKind, FrameId, World, bag::TfEdge};
 
-/// AUTH03.
 pub(crate) struct AdhocStaticTransform;
 
-/// Limits of AUTH03.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -48,11 +40,9 @@ fn links(world: &World) -> BTreeSet<FrameId> {
 
 /// Frames that calibration files state a transform of, in either direction.
 fn stated(world: &World) -> BTreeSet<FrameId> {
-    let files = world
-        .claims
-        .iter()
-        .filter(|claim| matches!(claim.kind, ClaimKind::File { .. }));
-    files
+    let claims = world.claims.iter();
+    claims
+        .filter(|claim| matches!(claim.kind, ClaimKind::File { .. }))
         .filter_map(|claim| claim.frames.as_ref())
         .flat_map(|(target, source)| [target.canonical(), source.canonical()])
         .collect()
@@ -68,13 +58,10 @@ fn judge_bag(
     let subject = format!("latched transforms of {}", world.path(bag.source));
     let latched: Vec<&TfEdge> = bag.tf.iter().filter(|edge| edge.is_static).collect();
     if latched.is_empty() {
-        out.not_evaluated(subject, NotEvaluated::MissingInput, "no latched transforms");
-        return;
+        return out.missing(subject, "no latched transforms");
     }
     if tf::frames(bag).is_disjoint(links) {
-        let why = "no frame of TF is a link of the robot: it describes another one";
-        out.not_evaluated(subject, NotEvaluated::MissingInput, why);
-        return;
+        return out.missing(subject, "no frame of TF is a link of the robot: it describes another one");
     }
     // A frame that hangs under the robot itself; what hangs under that frame follows it.
     let adhoc: Vec<&TfEdge> = latched
@@ -82,9 +69,8 @@ fn judge_bag(
         .copied()
         .filter(|edge| links.contains(&edge.parent.canonical()) && !is_stated(edge, links, stated, &world.tables))
         .collect();
-    let measured = Measured::count("latched transforms that nothing states", adhoc.len())
-        .limit(limits.max_edges)
-        .samples(latched.len() as u64);
+    let measured = Measured::count("latched transforms that nothing states", adhoc.len()).limit(limits.max_edges);
+    let measured = measured.samples(latched.len() as u64);
     if adhoc.len() as f64 <= limits.max_edges {
         out.pass(subject, [measured]);
     } else if let Some(finding) = finding(bag, subject, &adhoc) {
@@ -120,18 +106,14 @@ fn finding(bag: &BagEvidence, subject: String, adhoc: &[&TfEdge]) -> Option<Find
         adhoc.len(),
         tf::listed(&children),
     );
-    let mut finding = Finding::new(
-        severity,
-        subject,
-        message,
-        Place::message(bag.source, first.first_at.clone()),
-    )
-    .likely()
-    .label(format!("`{}` from `{}`", first.parent, first.child))
-    .help("state them in the URDF or in a calibration file that is kept with it, and publish them from there");
+    let place = |edge: &TfEdge| Place::message(bag.source, edge.first_at.clone());
+    let words = |edge: &TfEdge| format!("`{}` from `{}`", edge.parent, edge.child);
+    let mut finding = Finding::new(severity, subject, message, place(first))
+        .likely()
+        .label(words(first))
+        .help("state them in the URDF or in a calibration file that is kept with it, and publish them from there");
     for edge in adhoc.iter().filter(|edge| edge.child != first.child).take(3) {
-        let place = Place::message(bag.source, edge.first_at.clone());
-        finding = finding.related(place, format!("`{}` from `{}`", edge.parent, edge.child));
+        finding = finding.related(place(edge), words(edge));
     }
     Some(finding)
 }

@@ -1,16 +1,9 @@
 //! AUTH02: which calibration and which description a recording was made with.
 
-use crate::analysis::Estimates;
-use crate::analysis::auth::revision::{Limits, is_recorded};
-
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::analysis::auth::revision::{Differences, Limits, counterpart, differences, is_recorded};
+use crate::rules::prelude::*;
 use crate::world::{BagEvidence, FrameId, Robot, World};
 
-use crate::analysis::auth::revision::{Differences, counterpart, differences};
-
-/// AUTH02.
 pub(crate) struct CalibrationArtifactId;
 
 /// Words of names and keys that say which calibration, or which vehicle.
@@ -46,12 +39,9 @@ fn judge_description(world: &World, recorded: &Robot, limits: &Limits, out: &mut
         world.path(recorded.source)
     );
     let Some(file) = counterpart(world, recorded, limits) else {
-        out.not_evaluated(
-            subject,
-            NotEvaluated::MissingInput,
-            "no URDF file of this robot to hold it against",
+        return out.missing(
+            subject, "no URDF file of this robot to hold it against",
         );
-        return;
     };
     let Differences { found, rigid } = differences(file, recorded, limits);
     let measured = Measured::count("links and joints that differ", found.len()).limit(limits.max_differences);
@@ -60,7 +50,7 @@ fn judge_description(world: &World, recorded: &Robot, limits: &Limits, out: &mut
             out.pass(subject, [measured]);
         } else {
             let why = format!("{rigid} fixed joint(s) differ in their origin only: two statements of one mounting");
-            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            out.not_applicable(subject, why);
         }
         return;
     };
@@ -98,13 +88,10 @@ fn judge_notes(world: &World, bag: &BagEvidence, out: &mut Judge) {
     let naming = fields().filter(|(name, key)| says(name) || says(key)).count();
     let measured = Measured::count("fields that may name a calibration", naming).samples(written as u64);
     if naming > 0 {
-        out.pass(subject, [measured]);
-        return;
+        return out.pass(subject, [measured]);
     }
     if written == 0 {
-        let why = "the recording carries no metadata of its maker's";
-        out.not_evaluated(subject, NotEvaluated::MissingInput, why);
-        return;
+        return out.missing(subject, "the recording carries no metadata of its maker's");
     }
     let message = format!(
         "none of the {written} fields of metadata names a calibration: which one the recording was made with is not known",

@@ -1,18 +1,12 @@
 //! AUTH05: a calibration file is named but not there, or there but empty, and an identity stands in for it.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
 use crate::analysis::names;
-use crate::rules::{Need, Rule};
-use crate::source::{Place, ReadStatus, Source, SourceKind};
-use crate::verdict::{Finding, Judge, Measured};
+use crate::rules::prelude::*;
+use crate::source::{ReadStatus, Source, SourceKind};
 use crate::world::{Claim, ClaimKind, FileReference, FrameId, ReferenceState, World};
 
-/// AUTH05.
 pub(crate) struct CalibrationMissingDefault;
 
-/// Limits of AUTH05.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -38,17 +32,10 @@ impl Rule for CalibrationMissingDefault {
         }
         for source in world.members.iter().filter_map(|id| world.source(*id)) {
             if is_calibration(source) && source.status == ReadStatus::Unreadable {
-                out.fail(finding(
-                    format!("calibration {}", source.path),
-                    format!(
-                        "calibration file {} gives no transform: {}",
-                        source.path,
-                        source.detail.as_deref().unwrap_or("it cannot be read")
-                    ),
-                    Place::whole(source.id),
-                    stand_in,
-                    true,
-                ));
+                let why = source.detail.as_deref().unwrap_or("it cannot be read");
+                let message = format!("calibration file {} gives no transform: {why}", source.path);
+                let subject = format!("calibration {}", source.path);
+                out.fail(finding(subject, message, Place::whole(source.id), stand_in, true));
             }
         }
     }
@@ -58,16 +45,12 @@ fn judge_reference(reference: &FileReference, stand_in: Option<&Claim>, out: &mu
     let subject = format!("reference `{}` to {}", reference.key, reference.path.value);
     let what = match reference.state {
         ReferenceState::Found => {
-            out.pass(
-                subject,
-                [Measured::count("calibration files that are not there", 0).limit(0.0)],
-            );
-            return;
+            let absent = Measured::count("calibration files that are not there", 0);
+            return out.pass(subject, absent.limit(0.0));
         }
         ReferenceState::Unknown => {
             let why = "an absolute path that does not exist here: it may exist where the robot runs";
-            out.not_evaluated(subject, crate::verdict::NotEvaluated::MissingInput, why);
-            return;
+            return out.missing(subject, why);
         }
         ReferenceState::Empty => "is empty",
         ReferenceState::Missing => "is not there",

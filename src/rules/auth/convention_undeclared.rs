@@ -1,15 +1,10 @@
 //! AUTH04: topics with orientations or velocities that the configuration leaves out.
 
-use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 
-use crate::rules::{Need, NoLimits, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-use crate::world::bag::TopicEvidence;
-use crate::world::{BagEvidence, FrameId, World};
+use crate::rules::prelude::*;
+use crate::world::{BagEvidence, FrameId, World, bag::TopicEvidence};
 
-/// AUTH04.
 pub(crate) struct ConventionUndeclared;
 
 /// Topics that are named in a finding.
@@ -35,25 +30,20 @@ fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
         .filter_map(|topic| told(world, bag, topic))
         .collect();
     if told.is_empty() {
-        out.not_evaluated(
-            subject,
-            NotEvaluated::MissingInput,
-            "no topic with inertial messages or odometry",
+        return out.missing(
+            subject, "no topic with inertial messages or odometry",
         );
-        return;
     }
     if world.conventions.is_empty() {
-        let why = "nothing is declared: `conventions:` in frames-lint.yaml says what each topic is told in";
-        out.not_evaluated(subject, NotEvaluated::MissingInput, why);
-        return;
+        let why = "nothing is declared: `conventions:` in frames-lint.yaml says what each topic is expressed in";
+        return out.missing(subject, why);
     }
     let open: Vec<&(&str, bool, &str)> = told.iter().filter(|(_, is_declared, _)| !is_declared).collect();
     let measured = Measured::count("topics without a declaration", open.len())
         .limit(0.0)
         .samples(told.len() as u64);
     if open.is_empty() {
-        out.pass(subject, [measured]);
-        return;
+        return out.pass(subject, [measured]);
     }
     let names: Vec<String> = open
         .iter()
@@ -70,7 +60,7 @@ fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
         .map(|(topic, _, line)| format!("- {{topic: {topic}, {line}}}"))
         .collect();
     let message = format!(
-        "the configuration declares what some topics are told in, and leaves out {}{more}",
+        "the configuration declares what some topics are expressed in, and leaves out {}{more}",
         names.join(", ")
     );
     let help = format!(
@@ -83,7 +73,7 @@ fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
     out.fail(finding.measured(measured));
 }
 
-/// A topic that is told in axes of the world or of a body: whether it is declared, and the line that would declare it as usual.
+/// A topic that is expressed in axes of the world or of a body: whether it is declared, and the line that would declare it as usual.
 fn told<'w>(world: &World, bag: &BagEvidence, topic: &'w TopicEvidence) -> Option<(&'w str, bool, &'static str)> {
     let said: Vec<_> = topic.said().filter(|said| !said.guessed).collect();
     let has = |test: fn(&crate::world::content::ContentEvidence) -> bool| said.iter().any(|said| test(said.content));

@@ -1,22 +1,13 @@
 //! AUTH01: two programs publish one transform.
 
-use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 
-use serde::Deserialize;
-
 use crate::math::stats::median;
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
-use crate::world::BagEvidence;
-use crate::world::bag::TfEdge;
-use crate::world::content::Step;
+use crate::rules::prelude::*;
+use crate::world::{BagEvidence, bag::TfEdge, content::Step};
 
-/// AUTH01.
 pub(crate) struct MultipleAuthorities;
 
-/// Limits of AUTH01.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -54,8 +45,7 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
     let takes_turns = takes_turns(edge, share, limits);
     if !takes_turns && programs.len() < 2 {
         if edge.writers.is_empty() && edge.steps.count < limits.min_steps {
-            let why = "the recording does not say who writes, and holds too few transforms to see it";
-            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            out.too_little(subject, "the recording does not say who writes, and holds too few transforms to see it");
         } else {
             out.pass(
                 subject,
@@ -66,32 +56,23 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
     }
     let who = match edge.writers.len() {
         0 | 1 => "two publishers".to_owned(),
-        _ => edge
-            .writers
-            .keys()
-            .map(|name| format!("`{name}`"))
-            .collect::<Vec<_>>()
-            .join(", "),
+        _ => {
+            let names: Vec<String> = edge.writers.keys().map(|name| format!("`{name}`")).collect();
+            names.join(", ")
+        }
     };
-    let (severity, message) = if takes_turns {
-        (
-            Severity::Error,
-            format!(
-                "{who} publish {subject} in turn: {} of {} steps are undone by the next one",
-                edge.steps.undone, edge.steps.count
-            ),
-        )
+    let (severity, how) = if takes_turns {
+        let (undone, count) = (edge.steps.undone, edge.steps.count);
+        let how = format!(" in turn: {undone} of {count} steps are undone by the next one");
+        (Severity::Error, how)
     } else if moves(edge, limits) {
-        (
-            Severity::Warning,
-            format!("{who} publish {subject}, which moves: look-ups interpolate between what they say"),
-        )
+        let how = ", which moves: look-ups interpolate between what they say";
+        (Severity::Warning, how.to_owned())
     } else {
-        (
-            Severity::Note,
-            format!("{who} publish {subject}, with equal values until one of them changes"),
-        )
+        let how = ", with equal values until one of them changes";
+        (Severity::Note, how.to_owned())
     };
+    let message = format!("{who} publish {subject}{how}");
     let at = edge.steps.first_undone.as_ref().filter(|_| takes_turns);
     let place = at.map_or(&edge.first_at, |step| &step.after.at);
     let finding = Finding::new(severity, subject, message, Place::message(bag.source, place.clone()))

@@ -1,19 +1,12 @@
 //! AXES06: the acceleration along the base's axes against the change of speed.
 
-use crate::analysis::Estimates;
-use crate::analysis::axes::push::{Limits, Pushed};
-
-use crate::analysis::motion::{Imu, Motion};
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, Measured};
-
 use crate::advice::diagnosis::explain;
 use crate::analysis::axes::causes::{Aspect, Push};
-use crate::analysis::axes::diagnosis::Diagnosis;
-use crate::analysis::axes::sensors::Sensors;
-use crate::analysis::look::TRACK;
+use crate::analysis::axes::push::{Limits, Pushed};
+use crate::analysis::motion::{Imu, Motion};
+use crate::analysis::{axes::diagnosis::Diagnosis, axes::sensors::Sensors, look::TRACK};
+use crate::rules::prelude::*;
 
-/// AXES06.
 pub(crate) struct AccelVsSpeed;
 
 impl Rule for AccelVsSpeed {
@@ -77,5 +70,5 @@ fn judge_pushed(imu: &Imu, subject: String, pushed: &Pushed, diagnosis: &Diagnos
         otherwise,
     );
     let finding = finding.related(pushed.track_at.clone(), TRACK);
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }

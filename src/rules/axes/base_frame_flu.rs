@@ -1,15 +1,10 @@
 //! AXES13: the axes of a platform's own frame: x forward, y left, z up.
 
-use crate::analysis::Estimates;
-use crate::analysis::axes::bases::Limits;
 use nalgebra::Vector3;
 
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::analysis::axes::bases::{Axis, Base, Bases, Limits, Seen};
+use crate::rules::prelude::*;
 
-use crate::analysis::axes::bases::{Axis, Base, Bases, Seen};
-
-/// AXES13.
 pub(crate) struct BaseFrameFlu;
 
 impl Rule for BaseFrameFlu {
@@ -35,20 +30,14 @@ fn judge_seen(base: &Base, subject: String, seen: &Seen, limits: &Limits, out: &
         Measured::new("way", seen.way_m, "m").limit(limits.min_way_m),
     ];
     let Some(up) = seen.up else {
-        let why = "by its pose, no axis of it points up steadily";
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, "by its pose, no axis of it points up steadily");
     };
     let says = |word: &str| base.frame.has_token(word);
     if says("frd") || says("ned") {
-        let why = "its name says that its axes are others";
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, "its name says that its axes are others");
     }
     if seen.is_turned() {
-        return out.fail(
-            measured
-                .into_iter()
-                .fold(turned(base, subject, seen, up), Finding::measured),
-        );
+        return out.fail(turned(base, subject, seen, up).measured(measured));
     }
     if let Some((axis, sensor)) = seen.gravity.as_ref().filter(|(axis, _)| *axis != up) {
         let why = format!(
@@ -56,20 +45,20 @@ fn judge_seen(base: &Base, subject: String, seen: &Seen, limits: &Limits, out: &
             up.word(),
             axis.word()
         );
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     }
     if up.index != 2 {
         let why = format!(
-            "{} points along z of the frame that the pose is told in: that frame is not level",
+            "{} points along z of the frame that the pose is expressed in: that frame is not level",
             up.word()
         );
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     }
     if let Some(sensor) = &seen.against {
         let why = format!(
             "the pose turns against the gyro of {sensor}: all of the pose is expressed in NED/FRD, or the gyro is wrong"
         );
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     }
     match seen.forward {
         Some(forward) if forward.index == 0 && !forward.is_negative => out.pass(subject, measured),
@@ -82,21 +71,21 @@ fn judge_seen(base: &Base, subject: String, seen: &Seen, limits: &Limits, out: &
             let finding = finding.help(
                 "x points forward (REP-103): turn the base frame by 180 deg about z if this was no drive in reverse",
             );
-            out.fail(measured.into_iter().fold(finding, Finding::measured));
+            out.fail(finding.measured(measured));
         }
         Some(forward) => {
             let why = format!(
                 "by its pose it goes along {}, by its velocity it does not",
                 forward.word()
             );
-            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            out.not_applicable(subject, why);
         }
         None => {
             let why = format!(
                 "it goes in several directions, or aslant to its axes (agreement {:.2}): no front shows",
                 seen.concentration
             );
-            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            out.too_little(subject, why);
         }
     }
 }
@@ -126,9 +115,9 @@ fn turned(base: &Base, subject: String, seen: &Seen, up: Axis) -> Finding {
     };
     let doubt = if seen.is_upside_down() && seen.gravity.is_none() {
         if seen.is_up_reordered {
-            "; or the frame that the pose is told in has z down; or the four numbers of the orientation stand as w, x, y, z"
+            "; or the frame that the pose is expressed in has z down; or the four numbers of the orientation stand as w, x, y, z"
         } else {
-            "; or the frame that the pose is told in has z down"
+            "; or the frame that the pose is expressed in has z down"
         }
     } else if !seen.is_upside_down() && seen.twist_agrees.is_none() {
         "; or the orientation counts its yaw from another direction than the position"

@@ -1,26 +1,15 @@
 //! AXES11: whether a cloud is a mirror image, by how it turns against a gyro.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
-use crate::analysis::hand_eye::HandEye;
-use crate::analysis::lidar::Clouds;
-use crate::analysis::motion::{Imu, Motion, mount::mount};
-use crate::analysis::scan_motion::moved::Moved;
+use crate::analysis::axes::sensors::{Sensor, Sensors};
+use crate::analysis::motion::{Imu, Motion};
 use crate::analysis::scan_motion::{ScanMotion, Steps};
+use crate::analysis::{axes::rates::Integrals, hand_eye::HandEye, lidar::Clouds, motion::mount::mount, scan_motion::moved::Moved};
 use crate::math::regress::{Through, fit_huber};
-use crate::rules::{Evidence, Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::rules::prelude::*;
 use crate::world::{FrameId, World};
 
-use crate::analysis::axes::rates::Integrals;
-use crate::analysis::axes::sensors::{Sensor, Sensors};
-
-/// AXES11.
 pub(crate) struct CloudMirror;
 
-/// Limits of AXES11.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -66,8 +55,7 @@ impl Rule for CloudMirror {
         for clouds in Clouds::scanners(world) {
             let subject = clouds.subject("handedness");
             if !clouds.is_of_a_lidar() {
-                let why = "nothing says that these are the points of a lidar as it measured them";
-                out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                out.not_applicable(subject, "nothing says that these are the points of a lidar as it measured them");
                 continue;
             }
             let imus = motion.bags.get(clouds.index).map_or(&[][..], |bag| &bag.imus);
@@ -79,12 +67,12 @@ impl Rule for CloudMirror {
                 }
                 (Some(steps), Err(why)) => match Beside::poses(world, &clouds, limits) {
                     Some(beside) => judge_clouds(world, &clouds, steps, &beside, limits, out),
-                    None => out.not_evaluated(subject, NotEvaluated::MissingInput, why),
+                    None => out.missing(subject, why),
                 },
                 (None, _) => {
                     let why =
                         "no gyro turns beside it: a mirror image has every distance right, and shows in turns alone";
-                    out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+                    out.missing(subject, why);
                 }
             }
         }
@@ -166,11 +154,11 @@ impl Beside {
 fn judge_clouds(world: &World, clouds: &Clouds, steps: &Steps, beside: &Beside, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("handedness");
     if let (Some(_), None) = (clouds.laser, steps.is_up) {
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, steps.why);
+        return out.missing(subject, steps.why);
     }
     let turned = match turned(steps, &beside.pairs, limits) {
         Ok(turned) => turned,
-        Err(why) => return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+        Err(why) => return out.too_little(subject, why),
     };
     let measured = [
         Measured::new("turning of the scans over that of the gyro", turned.gain, "1").samples(turned.pairs as u64),
@@ -182,7 +170,7 @@ fn judge_clouds(world: &World, clouds: &Clouds, steps: &Steps, beside: &Beside, 
             "it turns {:+.2} times as {} does, and no ground shows whether its z points up: with z down that is right",
             turned.gain, beside.name
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     };
     // A proper cloud with z up turns with the gyro, one with z down against it.
     if is_up == (turned.gain > 0.0) {
@@ -191,7 +179,7 @@ fn judge_clouds(world: &World, clouds: &Clouds, steps: &Steps, beside: &Beside, 
     let (relation, what, help) = if clouds.laser.is_some() {
         (
             if is_up { "upside-down" } else { "upright" },
-            "it hangs the other way up than its transform says, or its ranges are told in the other order, which is the same in one plane",
+            "it hangs the other way up than its transform says, or its ranges are expressed in the other order, which is the same in one plane",
             "give the transform a roll of 180 deg more if the scanner hangs so; if not, let its driver tell the ranges in the order of \
              growing angles (`inverted`, `flip_x_axis` or the like, once)",
         )
@@ -240,7 +228,7 @@ fn judge_clouds(world: &World, clouds: &Clouds, steps: &Steps, beside: &Beside, 
     } else {
         finding
     };
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }
 
 /// How the scans turn against a gyro, by pairs of their turning.

@@ -1,21 +1,15 @@
 //! AXES07: a track of odometry that is the mirror image of the satellites' one.
 
-use crate::analysis::Estimates;
-use crate::analysis::axes::hand::{exchanged_track, min_minor_m};
-
-use crate::analysis::axes::handedness::Limits;
 use std::cell::OnceCell;
 
+use crate::analysis::axes::hand::{exchanged_track, min_minor_m};
+use crate::analysis::axes::handedness::{Limits, Votes};
 use crate::analysis::motion::{Motion, Stream, Track};
-use crate::rules::{Evidence, Need, Rule, codes};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Plot};
+use crate::analysis::{axes::plots, axes::worlds::Worlds, names};
+use crate::rules::prelude::*;
+use crate::verdict::{Plot, UNEXPLAINED};
 use crate::world::motion::{FixRow, PoseRow};
 
-use crate::analysis::axes::handedness::Votes;
-use crate::analysis::axes::plots;
-use crate::analysis::axes::worlds::Worlds;
-
-/// AXES07.
 pub(crate) struct GnssVsOdomHandedness;
 
 impl Rule for GnssVsOdomHandedness {
@@ -35,7 +29,7 @@ impl Rule for GnssVsOdomHandedness {
                     let subject = format!("{} against {}", poses.subject, fixes.subject);
                     if poses.is_earth_centred() {
                         let why = "the poses are metres from the Earth's centre: x and y lie in no level plane";
-                        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                        out.not_applicable(subject, why);
                         continue;
                     }
                     let votes = Votes::of(&satellites, &poses.track(), minor_m, limits);
@@ -78,18 +72,15 @@ fn plot(
     plots::tracks(title, laid, votes.majority(limits) != Some(false))
 }
 
-fn judge_votes<R, S>(
+fn judge_votes(
     subject: &str,
-    poses: &Stream<R>,
-    fixes: &Stream<S>,
+    poses: &Stream<PoseRow>,
+    fixes: &Stream<FixRow>,
     (votes, better): (&Votes, impl FnOnce(Finding) -> Finding),
     minor_m: f64,
     limits: &Limits,
     out: &mut Judge,
-) where
-    R: crate::world::motion::Row,
-    S: crate::world::motion::Row,
-{
+) {
     let [turned, mirrored] = votes.says;
     let all = turned + mirrored;
     if votes.windows == 0 {
@@ -97,15 +88,20 @@ fn judge_votes<R, S>(
             "the odometry spreads {:.1} m to the side of its way while both are there ({:.0} m long), {minor_m:.1} m are needed",
             votes.widest_m, votes.longest_m
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let agreement = votes.agreement();
     let Some(is_mirrored) = votes.majority(limits) else {
+        // What is tracked may be another body.
+        let is_of_platform = poses.is_way() && poses.child.as_ref().is_some_and(names::is_base);
+        if let Some(least) = votes.unexplained(limits).filter(|_| is_of_platform) {
+            return out.fail(better(unexplained(subject, poses, fixes, votes, least, limits)));
+        }
         let why = format!(
             "of {} windows {turned} say turned and {mirrored} mirrored: the tracks differ by more than that",
             votes.windows
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     };
     let [rms_turned, rms_mirrored] = votes.rms_m;
     let measured = [
@@ -130,11 +126,39 @@ fn judge_votes<R, S>(
             "one of the two has x and y changed (north and east taken for x and y), or one of them negated: NED positions \
              become ENU as (y, x, -z); latitude comes before longitude",
         );
-    out.fail(better(
-        measured
-            .into_iter()
-            .fold(poses.told_in.tell(finding), Finding::measured),
-    ));
+    out.fail(better(poses.told_in.tell(finding).measured(measured)));
+}
+
+/// A finding on two tracks of which neither is the other, turned or mirrored.
+fn unexplained(
+    subject: &str,
+    poses: &Stream<PoseRow>,
+    fixes: &Stream<FixRow>,
+    votes: &Votes,
+    least: f64,
+    limits: &Limits,
+) -> Finding {
+    let message = format!(
+        "the tracks on {} and {} contradict each other: in each of {} windows the better of the two fits, turned and mirrored, leaves at least \
+         {:.0} % of the satellites' spread, with the scale and an even drift of the heading free",
+        poses.topic,
+        fixes.topic,
+        votes.windows,
+        100.0 * least
+    );
+    let finding = Finding::error(subject, message, poses.place())
+        .likely()
+        .relation(UNEXPLAINED)
+        .related(fixes.place(), "the satellites' track")
+        .unless(codes::TIME01)
+        .unless(codes::TIME02)
+        .unless(codes::TIME04)
+        .help("compare both with a map of the drive: one of them is not where the platform was, or not when");
+    finding.measured(
+        Measured::new("least part that the better fit leaves", least, "1")
+            .limit(limits.unexplained)
+            .samples(votes.windows as u64),
+    )
 }
 
 /// A finding, where the tracks fit once latitude and longitude are exchanged, and as told neither turned nor, by far, mirrored.

@@ -1,25 +1,18 @@
 //! AXES09: where the ground is under a lidar, and whether it is level.
 
-use crate::analysis::Estimates;
 use std::rc::Rc;
 
 use nalgebra::{Isometry3, Vector3};
-use serde::Deserialize;
 
-use crate::analysis::axes::plots;
-use crate::analysis::ground;
 use crate::analysis::ground::{Ground, Planes, SIDES};
-use crate::analysis::lidar::Clouds;
-use crate::analysis::motion::{Motion, mount::mount};
+use crate::analysis::{axes::plots, ground, lidar::Clouds, motion::Motion, motion::mount::mount};
 use crate::math::stats::{mad, median};
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Plot};
+use crate::rules::prelude::*;
+use crate::verdict::Plot;
 use crate::world::{FrameId, World};
 
-/// AXES09.
 pub(crate) struct GroundZ;
 
-/// Limits of AXES09.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -37,7 +30,7 @@ pub(crate) struct Limits {
 /// A lidar over its ground.
 struct Over {
     base: FrameId,
-    /// `base_from_cloud`, without its place where the cloud is told in the base.
+    /// `base_from_cloud`, without its place where the cloud is expressed in the base.
     mount: Isometry3<f64>,
     /// Where TF has the sensor, metres in the base.
     sensor: Vector3<f64>,
@@ -91,7 +84,7 @@ impl Over {
         };
         let sensor = if mount.is_base {
             let Some(sensor) = ground::sensor_in_cloud(world, clouds) else {
-                let why = format!("the cloud is told in `{frame}`, and no transform says where on it the lidar is");
+                let why = format!("the cloud is expressed in `{frame}`, and no transform says where on it the lidar is");
                 return Err((NotEvaluated::MissingInput, why));
             };
             sensor
@@ -172,7 +165,7 @@ fn judge_over(
             if let Some(finding) = applied_already(clouds, over, &subject, (limits, up)) {
                 return out.fail(finding);
             }
-            return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            return out.too_little(subject, why);
         }
     };
     let axis = SIDES.get(side).map_or(Vector3::z(), |(axis, _)| Vector3::from(*axis));
@@ -182,7 +175,7 @@ fn judge_over(
             "the ground lies {lean_deg:.0} deg away from under `{}`: that is a turned axis, and no height",
             over.base
         );
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     }
     let grounds: Vec<&Ground> = grounds.iter().filter(|ground| ground.side == side).collect();
     out.plot(&subject, || over.plot(clouds, &by_cloud, side, limits));
@@ -207,20 +200,20 @@ fn judge_height(clouds: &Clouds, over: &Over, height: &Height, limits: &Limits, 
         // How high the origin of a base is over the ground nothing says; beneath it is none.
         if height.ground_m > limits.likely_off_m + limits.sigmas * height.sigma_m {
             let finding = off(clouds, over, height, 0.0, limits);
-            return out.fail(measured(height.ground_m).into_iter().fold(finding, Finding::measured));
+            return out.fail(finding.measured(measured(height.ground_m)));
         }
         let why = format!(
             "the ground lies at z = {:.2} m in `{}`, and nothing says how high that is over the ground (a `base_footprint` would)",
             height.ground_m, over.base
         );
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, why);
     };
     let off_m = height.ground_m - expected_m;
     if off_m.abs() <= tolerance_m {
         return out.pass(subject, measured(off_m));
     }
     let finding = off(clouds, over, height, expected_m, limits);
-    out.fail(measured(off_m).into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured(off_m)));
 }
 
 /// A ground that is not where it should be.
@@ -235,7 +228,7 @@ fn off(clouds: &Clouds, over: &Over, height: &Height, expected_m: f64, limits: &
         Some((
             "not-applied",
             format!(
-                "the cloud says `{}` and is told in the axes of the lidar: its extrinsic was not applied",
+                "the cloud says `{}` and is expressed in the axes of the lidar: its extrinsic was not applied",
                 over.base
             ),
         ))
@@ -270,7 +263,7 @@ fn off(clouds: &Clouds, over: &Over, height: &Height, expected_m: f64, limits: &
         if off_m > 0.0 { "above" } else { "below" }
     );
     let help = format!(
-        "measure how high the lidar is over the ground ({:.2} m by its own cloud, {told_m:.2} m by the transforms) and mend the transform of its \
+        "measure how high the lidar is over the ground ({:.2} m by its own cloud, {told_m:.2} m by the transforms) and fix the transform of its \
          mounting, or that of `base_footprint`",
         height.sensor_m
     );
@@ -317,7 +310,7 @@ fn applied_already(
             .likely()
             .relation("twice")
             .measured(
-                Measured::new("sensor over the ground, were the points told in the base", seen_m, "m")
+                Measured::new("sensor over the ground, were the points expressed in the base", seen_m, "m")
                     .samples(grounds.len() as u64),
             )
             .measured(Measured::new("the same by the transforms", told_m, "m"))
@@ -339,7 +332,7 @@ fn judge_tilt(
             "the platform went {way_m:.0} m: a ground that leans by itself looks like a tilted sensor; {} m are needed",
             limits.min_way_m
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let mut logged = clouds.evidence.samples.iter().map(|sample| sample.at.log_ns);
     let lasts_s = match (logged.next(), logged.next_back()) {
@@ -351,7 +344,7 @@ fn judge_tilt(
             "the clouds are of {lasts_s:.0} s: a road that leans for so long looks like a tilted sensor; {} are needed",
             limits.min_lasts_s
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let normals: Vec<Vector3<f64>> = grounds
         .iter()
@@ -379,7 +372,7 @@ fn judge_tilt(
             "the ground leans by {tilt_deg:.1} deg, give or take {sigma_deg:.1}, and {} are allowed",
             limits.max_tilt_deg
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     // What turns the normal back to z, first order: of a sensor that is rolled by r more than TF has it, the normal is Rx(-r) z.
     let (roll_deg, pitch_deg) = (y.asin().to_degrees(), (-x).asin().to_degrees());

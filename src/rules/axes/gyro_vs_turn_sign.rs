@@ -1,19 +1,13 @@
 //! AXES05: the gyro's yaw rate against the turning of the track.
 
-use crate::analysis::Estimates;
-use crate::analysis::axes::gyro_vs_track::{Limits, Turned};
-
-use crate::analysis::motion::{Imu, Motion};
-use crate::rules::{Evidence, Need, Rule, codes};
-use crate::verdict::{Finding, Judge, Measured};
-
 use crate::advice::diagnosis::explain;
 use crate::analysis::axes::causes::{Aspect, Sense};
-use crate::analysis::axes::rates::Slope;
+use crate::analysis::axes::gyro_vs_track::{Limits, Turned};
 use crate::analysis::axes::sensors::{Sensor, Sensors};
-use crate::analysis::look::TRACK;
+use crate::analysis::motion::{Imu, Motion};
+use crate::analysis::{axes::rates::Slope, look::TRACK};
+use crate::rules::prelude::*;
 
-/// AXES05.
 pub(crate) struct GyroVsTurnSign;
 
 impl Rule for GyroVsTurnSign {
@@ -74,5 +68,5 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, sensor: &Sensor, li
     } else {
         finding
     };
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }

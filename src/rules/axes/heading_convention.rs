@@ -1,20 +1,12 @@
 //! AXES04: which way the yaw of an orientation turns, and where its zero is.
 
-use crate::analysis::Estimates;
-use crate::analysis::axes::heading::Limits;
-use crate::analysis::axes::yaw_vs_course::{Decided, apart_deg, is_upright};
-
-use crate::analysis::motion::{Imu, Motion};
-use crate::rules::{Evidence, Need, Rule, codes};
-use crate::verdict::{Finding, Judge, NotEvaluated};
-
 use crate::advice::diagnosis::{defer, explain};
-use crate::analysis::axes::causes::{self, Aspect};
-use crate::analysis::axes::diagnosis::Diagnosis;
 use crate::analysis::axes::sensors::{Sensor, Sensors};
-use crate::analysis::look::TRACK;
+use crate::analysis::axes::yaw_vs_course::{Decided, apart_deg, is_upright};
+use crate::analysis::motion::{Imu, Motion};
+use crate::analysis::{axes::causes, axes::causes::Aspect, axes::diagnosis::Diagnosis, axes::heading::Limits, look::TRACK};
+use crate::rules::prelude::*;
 
-/// AXES04.
 pub(crate) struct HeadingConvention;
 
 impl Rule for HeadingConvention {
@@ -88,7 +80,7 @@ fn clockwise(imu: &Imu, subject: &str, decided: &Decided, diagnosis: &Diagnosis,
         .likely()
         .relation("clockwise-yaw");
     let finding = explain(diagnosis, imu, Aspect::Heading, finding, otherwise).related(decided.track_at.clone(), TRACK);
-    decided.measured(limits).into_iter().fold(finding, Finding::measured)
+    finding.measured(decided.measured(limits))
 }
 
 /// Where the zero of a yaw is that turns with the course.
@@ -98,8 +90,7 @@ fn judge_zero(imu: &Imu, subject: String, decided: &Decided, sensor: &Sensor, li
         Err((why, reason)) => return out.not_evaluated(subject, why, reason),
     };
     if decided.heading.offset_resultant < limits.min_resultant {
-        let why = format!("{offset} from the course on the whole, and not steadily so");
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, format!("{offset} from the course on the whole, and not steadily so"));
     }
     let Some(finding) = offset_finding(imu, &subject, decided, limits) else {
         return out.pass(subject, [decided.offset()]);
@@ -109,7 +100,7 @@ fn judge_zero(imu: &Imu, subject: String, decided: &Decided, sensor: &Sensor, li
         let why = format!(
             "{offset} from the course, by an orientation on its side or on its head: that is no matter of its zero"
         );
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     }
     // A base whose x does not point forward turns every sensor on it.
     let by_base = |rad: f64| {
@@ -124,7 +115,7 @@ fn judge_zero(imu: &Imu, subject: String, decided: &Decided, sensor: &Sensor, li
     if sensor.offset.is_some() {
         finding = finding.unless(codes::SENSOR06);
     }
-    out.fail(decided.measured(limits).into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(decided.measured(limits)));
 }
 
 /// A zero that is far from east, where the track knows east.

@@ -1,18 +1,12 @@
 //! AXES01: where an accelerometer's up is, in the platform's base.
 
-use crate::analysis::Estimates;
-use crate::analysis::axes::base_up::{Limits, Up};
-
-use crate::analysis::motion::{Imu, Motion};
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, Severity};
-
 use crate::advice::diagnosis::explain;
+use crate::analysis::axes::base_up::{Limits, Up};
 use crate::analysis::axes::causes::{Aspect, Base};
-use crate::analysis::axes::diagnosis::Diagnosis;
-use crate::analysis::axes::sensors::Sensors;
+use crate::analysis::motion::{Imu, Motion};
+use crate::analysis::{axes::diagnosis::Diagnosis, axes::sensors::Sensors};
+use crate::rules::prelude::*;
 
-/// AXES01.
 pub(crate) struct ImuGravitySign;
 
 impl Rule for ImuGravitySign {
@@ -60,7 +54,7 @@ fn judge_up(imu: &Imu, subject: String, up: &Up, diagnosis: &Diagnosis, limits: 
                      up (REP-145)";
     let finding = Finding::new(severity, subject, message, imu.stream.place()).likely();
     let finding = explain(diagnosis, imu, Aspect::Base, finding, otherwise);
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }
 
 /// Where the acceleration points, in words.

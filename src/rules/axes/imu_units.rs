@@ -1,21 +1,15 @@
 //! AXES02: the units of an inertial sensor.
 
-use crate::analysis::Estimates;
 use nalgebra::Vector3;
-use serde::Deserialize;
 
 use crate::analysis::motion::{Imu, Motion, Timed};
-use crate::math::readings::Reading;
-use crate::math::regress::bound_that_reaches_one;
-use crate::math::stats::median;
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::math::{readings::Reading, regress::bound_that_reaches_one, stats::median};
+use crate::rules::prelude::*;
+use crate::verdict::UNEXPLAINED;
 use crate::world::motion::InertialRow;
 
-/// AXES02.
 pub(crate) struct ImuUnits;
 
-/// Limits of AXES02.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -54,13 +48,11 @@ impl Rule for ImuUnits {
 fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
     let subject = format!("acceleration of {}", imu.stream.subject);
     let Some(force) = imu.inertial.force.filter(|force| *force > 0.0) else {
-        let why = "it gives no acceleration: zeros in every message";
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, "it gives no acceleration: zeros in every message");
     };
     let seconds = imu.stream.seconds();
     if seconds < limits.min_s {
-        let why = format!("{seconds:.1} s of it, {} s are needed", limits.min_s);
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, format!("{seconds:.1} s of it, {} s are needed", limits.min_s));
     }
     let measured = Measured::new("median length of the acceleration", force, "m/s2")
         .limit(limits.gravity)
@@ -78,38 +70,36 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
         let why = format!(
             "its length is {force:.2} in the median, as in units of g, or of a vehicle that speeds up without gravity"
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
-    let (what, help) = if near(1.0) && !is_free {
-        (
-            "as in units of gravity (g)",
-            "multiply it by 9.80665: REP-145 and sensor_msgs/Imu want m/s2",
-        )
+    let (what, help, relation) = if near(1.0) && !is_free {
+        let help = "multiply it by 9.80665: REP-145 and sensor_msgs/Imu want m/s2";
+        ("as in units of gravity (g)", help, None)
     } else if near(100.0 * limits.gravity) || near(1000.0) {
         // 981 and 1000: no drive tells them apart.
-        (
-            "as in cm/s2 or in thousandths of g",
-            "divide it by 100, or multiply it by 0.00980665, as the data sheet says: sensor_msgs/Imu wants m/s2",
-        )
+        let help = "divide it by 100, or multiply it by 0.00980665, as the data sheet says: sensor_msgs/Imu wants m/s2";
+        ("as in cm/s2 or in thousandths of g", help, None)
     } else if near(1000.0 * limits.gravity) {
-        ("as in mm/s2", "divide it by 1000: sensor_msgs/Imu wants m/s2")
+        ("as in mm/s2", "divide it by 1000: sensor_msgs/Imu wants m/s2", None)
     } else if is_removed {
-        (
-            "as where gravity was taken off",
-            "publish the specific force, gravity included (REP-145): filters take it off themselves",
-        )
+        let help = "publish the specific force, gravity included (REP-145): filters take it off themselves";
+        ("as where gravity was taken off", help, None)
+    } else if seconds >= limits.min_motion_s && is_steady(imu, force, limits) {
+        let help = "compare the full scale of the accelerometer (LSB per g) with its data sheet, and the fields with the message's";
+        ("steady, and gravity in no unit that is known", help, Some(UNEXPLAINED))
     } else {
         let why = format!("its length is {force:.2} in the median, which is gravity in no unit that is known");
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     };
     let message = format!(
         "the acceleration of `{}` is {force:.3} long in the median of {seconds:.0} s, {what}, where m/s2 with gravity are 9.81",
         imu.stream.topic
     );
-    let finding = if is_removed {
-        Finding::warning(subject, message, imu.stream.place())
-    } else {
-        Finding::error(subject, message, imu.stream.place())
+    let place = imu.stream.place();
+    let finding = match relation {
+        None if is_removed => Finding::warning(subject, message, place),
+        None => Finding::error(subject, message, place),
+        Some(relation) => Finding::error(subject, message, place).relation(relation),
     };
     out.fail(finding.likely().help(help).measured(measured));
 }
@@ -142,11 +132,10 @@ fn is_steady(imu: &Imu, force: f64, limits: &Limits) -> bool {
 fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
     let subject = format!("angular velocity of {}", imu.stream.subject);
     if let Some(why) = imu.no_orientation {
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     }
     let Some(turns) = &imu.inertial.turns else {
-        let why = "no unbroken second of orientation and rate";
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, "no unbroken second of orientation and rate");
     };
     let Some(score) = turns
         .scores
@@ -162,14 +151,14 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
             "the orientation turns by {turned_deg:.0} deg in windows with a rate, {} deg are needed",
             limits.min_rotation_deg
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     if turns.covered_s < limits.min_turning_s {
         let why = format!(
             "{:.1} s of orientation and rate: what a scale looks like in so short a time may be noise, {} s are needed",
             turns.covered_s, limits.min_turning_s
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     if score.gain_correlation.abs() < limits.min_correlation {
         let why = format!(
@@ -177,7 +166,7 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
             score.gain_correlation,
             score.reading.word()
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let gain = score.gain.abs();
     let measured = Measured::new("turning of the orientation, over that of the gyro", gain, "1")
@@ -189,7 +178,7 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
     let error = gain / score.gain_correlation.abs() * (rest / (3.0 * turns.active as f64 - 1.0).max(1.0)).sqrt();
     if !near(1.0) && (gain - 1.0).abs() < limits.min_t * error {
         let why = format!("the orientation turns {gain:.2} times as far as its gyro says, give or take {error:.2}");
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     if near(1.0) {
         return out.pass(subject, [measured]);
@@ -198,7 +187,7 @@ fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {
         let why = format!(
             "the orientation turns {gain:.2} to {upper:.2} times as far as its gyro says, by which of the two is noise"
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let (what, help) = if near(1f64.to_radians()) {
         (

@@ -1,15 +1,9 @@
 //! AXES12: where the x axis of a lidar points, by the way it goes.
 
-use crate::analysis::Estimates;
 use crate::analysis::axes::forward::{Limits, Yaw, look};
+use crate::analysis::{hand_eye::HandEye, lidar::Clouds, sensor::lidar_turn, sensor::lidar_turn::Origin};
+use crate::rules::prelude::*;
 
-use crate::analysis::hand_eye::HandEye;
-use crate::analysis::lidar::Clouds;
-use crate::analysis::sensor::lidar_turn::{self, Origin};
-use crate::rules::{Evidence, Need, Rule, codes};
-use crate::verdict::{Finding, Judge, NotEvaluated};
-
-/// AXES12.
 pub(crate) struct LidarForwardAxis;
 
 impl Rule for LidarForwardAxis {
@@ -41,7 +35,7 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
             "the mounting lacks a yaw of {off_deg:.1} deg, give or take {:.1}, and {} are allowed",
             yaw.error_deg, limits.pass_deg
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let direction = crate::analysis::cross::direction::seen(world, clouds);
     let quarters = yaw.quarters(limits);
@@ -86,5 +80,5 @@ fn judge_yaw(world: &Estimates, clouds: &Clouds, known: &HandEye, yaw: &Yaw, lim
         Some(Origin::Driver) => finding.unless(codes::SENSOR04),
         None => finding,
     };
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }

@@ -1,14 +1,8 @@
-//! AXES14: z of the frames that poses are told in points up.
+//! AXES14: z of the frames that poses are expressed in points up.
 
-use crate::analysis::Estimates;
-use crate::analysis::axes::worlds::Limits;
+use crate::analysis::axes::worlds::{Frame, Gravity, Heights, Limits, Worlds};
+use crate::rules::prelude::*;
 
-use crate::rules::{Evidence, Need, Rule, codes};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
-
-use crate::analysis::axes::worlds::{Frame, Gravity, Heights, Worlds};
-
-/// AXES14.
 pub(crate) struct MapZUp;
 
 impl Rule for MapZUp {
@@ -59,7 +53,7 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
             "gravity's up is {degrees:.0} deg from z: a slope, to poses that know no roll and pitch, or {} s of a manoeuvre",
             gravity.seconds.round()
         );
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        out.too_little(subject, why);
         return false;
     }
     // A sensor that is turned about z of the body leans as far as the body does, and to another side.
@@ -70,7 +64,7 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
              a sensor that is turned on its mount looks alike",
             gravity.sensor
         );
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        out.too_little(subject, why);
         return false;
     }
     // Of a sensor that is not on a base nobody else looks at the sign.
@@ -83,7 +77,7 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
     }
     if !gravity.turns_with && !is_small {
         doubt.push_str(
-            "; or the orientation is told in other axes of the body, or with w first: it does not turn enough with the gyro to tell",
+            "; or the orientation is expressed in other axes of the body, or with w first: it does not turn enough with the gyro to tell",
         );
     }
     let message = format!(
@@ -98,7 +92,7 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
     if gravity.sensor_is_right == Some(false) {
         finding = finding.unless_about(codes::AXES01, gravity.sensor.as_str());
     }
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
     true
 }
 
@@ -168,5 +162,5 @@ fn judge_heights(
         .relation("z-down")
         .help("z points up (REP-103): negate z, or convert poses from NED, (y, x, -z)");
     let finding = cause.into_iter().fold(finding, Finding::same_cause_as);
-    out.fail(measured.into_iter().fold(by_name(frame, finding), Finding::measured));
+    out.fail(by_name(frame, finding).measured(measured));
 }

@@ -1,19 +1,22 @@
 //! AXES08: the velocity of odometry against the motion of its own pose.
 
-use crate::analysis::Estimates;
-use crate::analysis::axes::twist::Limits;
+use crate::analysis::axes::twist::{Limits, Reading, Twists};
 use crate::analysis::axes::twist_frame::{SIDE_BETTER, has_twist};
-
 use crate::analysis::motion::{Motion, Stream};
 use crate::analysis::quat::level::is_reordered;
 use crate::math::regress::bound_that_reaches_one;
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::rules::prelude::*;
 use crate::world::motion::PoseRow;
 
-use crate::analysis::axes::twist::{Reading, Twists};
+/// Metres per second in other units.
+const UNITS: [(f64, &str); 5] = [
+    (3.6, "km/h"),
+    (1.0 / 0.447_04, "miles per hour"),
+    (1.0 / 0.514_444, "knots"),
+    (100.0, "cm/s"),
+    (1000.0, "mm/s"),
+];
 
-/// AXES08.
 pub(crate) struct OdomTwistFrame;
 
 impl Rule for OdomTwistFrame {
@@ -28,7 +31,7 @@ impl Rule for OdomTwistFrame {
                 if is_reordered(stream, &world.limits()) {
                     let subject = format!("velocity of {}", stream.subject);
                     let why = "the orientation is level only when it is read as w x y z: its axes say nothing of the velocity";
-                    out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                    out.not_applicable(subject, why);
                     continue;
                 }
                 let twists = Twists::of(stream, limits);
@@ -73,7 +76,7 @@ fn fail_pose(
     // A position that is a mirror image of a plane is one that is turned about an axis in it: z of the orientation tells.
     let (words, word, help) = if twists.is_upside_down && best.0 != Reading::Inverse {
         (
-            "right, and the orientation is told in a world with z down, the position in one with z up",
+            "right, and the orientation is expressed in a world with z down, the position in one with z up",
             "z-down",
             "tell position and orientation in one world: `R_enu = P * R_ned`, and (y, x, -z) of the position",
         )
@@ -108,7 +111,7 @@ fn fail_pose(
 
 fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out: &mut Judge) {
     let subject = format!("velocity of {}", stream.subject);
-    let little = |why: String, out: &mut Judge| out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
+    let little = |why: String, out: &mut Judge| out.too_little(&subject, why);
     if twists.distance_m < limits.min_distance_m {
         let why = format!(
             "the pose moves {:.2} m within unbroken windows, {} m are needed",
@@ -118,7 +121,7 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
     }
     if twists.is_zero {
         let why = "the velocity is zero in every message, though the pose moves: it is not filled in";
-        return out.not_evaluated(&subject, NotEvaluated::MissingInput, why);
+        return out.missing(&subject, why);
     }
     let told = twists.told(limits.least_aside);
     let [best, second, ..] = told.as_slice() else {
@@ -130,6 +133,10 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
             .samples(twists.windows)
     };
     if best.1 > limits.max_residual {
+        let (times, left) = twists.scale;
+        if times > 0.0 && best.1 >= limits.min_ratio * left.max(limits.max_residual / 10.0) {
+            return out.fail(scaled(stream, subject, twists, limits));
+        }
         let why = format!(
             "no reading of the velocity explains the motion of the pose: the best, {}, leaves {:.0} % of it",
             best.0.word(),
@@ -158,8 +165,7 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
             );
             return little(why, out);
         }
-        out.pass(&subject, [measured(best), measured(second)]);
-        return;
+        return out.pass(&subject, [measured(best), measured(second)]);
     }
     let as_defined = twists.residual(Reading::Body);
     let child = stream
@@ -188,6 +194,29 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
     );
 }
 
+/// A velocity that has the direction of the motion, and another size.
+fn scaled(stream: &Stream<PoseRow>, subject: String, twists: &Twists, limits: &Limits) -> Finding {
+    let (times, left) = twists.scale;
+    let unit = UNITS.iter().find(|(factor, _)| (times / factor - 1.0).abs() <= limits.max_residual / 10.0);
+    let message = format!(
+        "the velocity on {} is {times:.4} times that of its own pose, in the same direction{}: divided by that it leaves {:.1} % of the \
+         motion of the pose, as published {:.0} %",
+        stream.topic,
+        unit.map_or_else(String::new, |(_, word)| format!(", as in {word}")),
+        100.0 * left,
+        100.0 * twists.residual(Reading::Body)
+    );
+    let residual = Measured::new("residual, as defined", twists.residual(Reading::Body), "1").limit(limits.max_residual);
+    let finding = Finding::error(subject, message, stream.place()).likely().relation("scale");
+    stream
+        .told_in
+        .tell(finding)
+        .help("publish metres per second (REP-103); or the position beside it is not in metres: compare a known distance")
+        .measured(Measured::new("velocity over that of the pose", times, "1").samples(twists.windows))
+        .measured(residual)
+        .measured(Measured::new("distance", twists.distance_m, "m"))
+}
+
 /// Whether the motion shows that the orientation is no inverse one.
 fn confirms_orientation(twists: &Twists, limits: &Limits) -> bool {
     let [as_defined, inverse] = [Reading::Body, Reading::Inverse].map(|reading| twists.residual(reading));
@@ -205,11 +234,11 @@ fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, cause: Option<String
             "the pose turns {turned_deg:.0} deg within unbroken windows, {} deg are needed",
             limits.min_turn_deg
         );
-        return out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(&subject, why);
     }
     if turning.slope == 0.0 {
         let why = "the turning velocity is zero in every message, though the pose turns: it is not filled in";
-        return out.not_evaluated(&subject, NotEvaluated::MissingInput, why);
+        return out.missing(&subject, why);
     }
     let measured = Measured::new("yaw rate, over that of the pose", turning.slope, "1").samples(turning.windows);
     let near = |value: f64| (turning.slope / value - 1.0).abs() <= limits.turn_agrees;
@@ -220,13 +249,13 @@ fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, cause: Option<String
             "the yaw rate does not follow the turning of the pose (correlation {:.2})",
             turning.correlation
         );
-        out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
+        out.too_little(&subject, why);
     } else if let Some(upper) = bound_that_reaches_one(turning.slope, turning.correlation, limits.turn_agrees) {
         let why = format!(
             "the yaw rate is {:.2} to {upper:.2} times what its own pose turns, by which of the two is noise",
             turning.slope
         );
-        out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
+        out.too_little(&subject, why);
     } else {
         let (words, help) = if near(-1.0) && is_confirmed {
             (

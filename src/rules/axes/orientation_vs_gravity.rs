@@ -1,18 +1,13 @@
 //! AXES03: where the acceleration points in the world, by the orientation.
 
-use crate::analysis::Estimates;
-use crate::analysis::axes::world_up::{Above, Limits};
-
-use crate::analysis::motion::{Imu, Motion};
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, Severity};
-
 use crate::advice::diagnosis::explain;
 use crate::analysis::axes::causes::{Aspect, World};
-use crate::analysis::axes::diagnosis::Diagnosis;
-use crate::analysis::axes::sensors::Sensors;
+use crate::analysis::axes::world_up::{Above, Limits};
+use crate::analysis::motion::{Imu, Motion};
+use crate::analysis::{axes::diagnosis::Diagnosis, axes::sensors::Sensors};
+use crate::rules::prelude::*;
+use crate::verdict::UNEXPLAINED;
 
-/// AXES03.
 pub(crate) struct OrientationVsGravity;
 
 impl Rule for OrientationVsGravity {
@@ -51,9 +46,13 @@ fn judge_above(imu: &Imu, subject: String, above: &Above, diagnosis: &Diagnosis,
     }
     let (severity, what) = match above.class {
         World::Down => (Severity::Error, "points down".to_owned()),
+        World::Far => (
+            Severity::Error,
+            format!("points {degrees:.0} deg away from up in the mean, where a healthy one stays within some degrees"),
+        ),
         _ => (
             Severity::Warning,
-            format!("points {degrees:.0} deg away from up, steadily"),
+            format!("points {degrees:.1} deg away from up, steadily"),
         ),
     };
     let message = format!(
@@ -67,12 +66,13 @@ fn judge_above(imu: &Imu, subject: String, above: &Above, diagnosis: &Diagnosis,
     );
     let otherwise =
         "align the orientation with gravity: level and at rest `R(q) * acceleration` is +9.81 along z (REP-145)";
-    let finding = explain(
-        diagnosis,
-        imu,
-        Aspect::World,
-        Finding::new(severity, subject, message, imu.stream.place()).likely(),
-        otherwise,
-    );
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    let finding = Finding::new(severity, subject, message, imu.stream.place()).likely();
+    let finding = match above.class {
+        // What turns wrongly points anywhere.
+        World::Far => explain(diagnosis, imu, Aspect::World, finding.relation(UNEXPLAINED), otherwise)
+            .unless(codes::QUAT01)
+            .unless(codes::QUAT03),
+        _ => explain(diagnosis, imu, Aspect::World, finding, otherwise),
+    };
+    out.fail(finding.measured(measured));
 }

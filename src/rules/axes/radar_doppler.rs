@@ -1,25 +1,18 @@
 //! AXES15: a radar's range rates against the motion of its platform: their sign, the yaw of its mounting, and whether the motion has
 //! been taken out of them already.
 
-use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
-use serde::Deserialize;
-
 use crate::analysis::radar::{Radar, Scan, Wanted, Way, found_again, scans};
 use crate::math::circular::{circular_mean, difference, wrapped};
-use crate::math::doppler::Near;
-use crate::math::stats::median;
-use crate::rules::{Evidence, Need, Rule};
+use crate::math::{doppler::Near, stats::median};
+use crate::rules::prelude::*;
 use crate::source::Confidence;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::radar::{RadarForm, SpeedForm};
 
-/// AXES15.
 pub(crate) struct RadarDoppler;
 
-/// Limits of AXES15.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -334,17 +327,15 @@ fn reversed(radar: &Radar, way: &Way, seen: &Seen, is_sure: bool, limits: &Limit
         );
         ("doppler-sign-or-half-turn", message)
     };
-    let finding = Finding::warning(subject(radar), message, radar.place())
+    Finding::warning(subject(radar), message, radar.place())
         .confidence(confidence(radar))
         .relation(relation)
         .related(way.place.clone(), "how it goes")
         .help(
             "publish range rates: negative for what comes nearer, v_r = -v . d for what stands still; or tell every consumer the sign of \
              this driver",
-        );
-    measured(seen, seen.off_rad, limits)
-        .into_iter()
-        .fold(finding, Finding::measured)
+        )
+        .measured(measured(seen, seen.off_rad, limits))
 }
 
 /// The mounting lacks a yaw.
@@ -373,17 +364,15 @@ fn turned(radar: &Radar, way: &Way, seen: &Seen, off_rad: f64, limits: &Limits) 
     } else {
         Finding::warning(subject(radar), message, radar.place())
     };
-    let finding = finding
+    finding
         .confidence(confidence(radar))
         .relation("mount-yaw")
         .related(way.place.clone(), "how it goes")
         .help(format!(
             "turn the mounting by {lacks_deg:+.1} deg about z of `{}`, in front of the rotation that is there",
             way.body
-        ));
-    measured(seen, off_rad, limits)
-        .into_iter()
-        .fold(finding, Finding::measured)
+        ))
+        .measured(measured(seen, off_rad, limits))
 }
 
 fn measured(seen: &Seen, off_rad: f64, limits: &Limits) -> Vec<Measured> {

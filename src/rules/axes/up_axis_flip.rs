@@ -1,23 +1,17 @@
 //! AXES10: a cloud whose ground is not where z says that down is.
 
-use crate::analysis::Estimates;
-use crate::analysis::ground::Limits;
 use std::rc::Rc;
 
 use nalgebra::Vector3;
 
-use crate::analysis::ground;
-use crate::analysis::ground::{Ground, Planes, SIDES};
-use crate::analysis::lidar::Clouds;
-use crate::analysis::motion::{Imu, Motion, mount::mount};
-use crate::math::stats::median;
-use crate::math::support::open_above;
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, SeenPlane};
-use crate::world::cloud::CloudSample;
-use crate::world::{FrameId, World};
+use crate::analysis::ground::{Ground, Limits, Planes, SIDES};
+use crate::analysis::motion::{Imu, Motion, Stream};
+use crate::analysis::{ground, lidar::Clouds, motion::mount::mount};
+use crate::math::{stats::median, support::open_above};
+use crate::rules::prelude::*;
+use crate::verdict::SeenPlane;
+use crate::world::{FrameId, World, cloud::CloudSample};
 
-/// AXES10.
 pub(crate) struct UpAxisFlip;
 
 impl Rule for UpAxisFlip {
@@ -32,8 +26,7 @@ impl Rule for UpAxisFlip {
         for clouds in Clouds::all(world) {
             let subject = clouds.subject("up");
             if !clouds.is_of_a_lidar() {
-                let why = "nothing says that these are the points of a lidar as it measured them";
-                out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                out.not_applicable(subject, "nothing says that these are the points of a lidar as it measured them");
                 continue;
             }
             let by_cloud = planes.grounds_by_cloud(&clouds, &limits.is_ground());
@@ -43,7 +36,7 @@ impl Rule for UpAxisFlip {
                     out.planes(&subject, || seen(world, &clouds, &by_cloud, side));
                     judge_side(world, &motion, &clouds, (side, &grounds), limits, out);
                 }
-                Err(why) => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+                Err(why) => out.too_little(subject, why),
             }
         }
     }
@@ -140,7 +133,7 @@ fn judge_side(
         finding.likely()
     };
     let finding = finding.relation(relation).help(help);
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }
 
 /// Share of the directions in which the highest beams meet nothing, where others do; the median over the clouds. `None` where no beam looks
@@ -165,7 +158,7 @@ fn is_under_open_sky(motion: &Motion, clouds: &Clouds, limits: &Limits) -> bool 
     };
     let has_fix = |sample: &&CloudSample| {
         let t_s = sample.at.log_ns.saturating_sub(start_ns) as f64 * 1e-9;
-        let mut rows = bag.fixes.iter().flat_map(|fixes| fixes.rows());
+        let mut rows = bag.fixes.iter().flat_map(Stream::rows);
         rows.any(|fix| (fix.t_s - t_s).abs() <= limits.fix_s)
     };
     let samples = &clouds.evidence.samples;

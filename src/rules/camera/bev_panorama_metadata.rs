@@ -1,20 +1,11 @@
 //! CAMERA09: what is declared of grids seen from above and of panoramas, against itself, and against their messages.
 
-use crate::analysis::Estimates;
-use crate::analysis::camera::grids::Limits;
-
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Judge, Measured, NotEvaluated};
-use crate::world::bag::TopicEvidence;
-use crate::world::projection::{Form, Grid, GridAt, Panorama, Projection, Sense};
-use crate::world::{BagEvidence, World};
-
 use crate::analysis::camera::declared::{is_about, name};
-use crate::analysis::camera::fault::Fault;
-use crate::analysis::camera::grids;
+use crate::analysis::{camera::fault::Fault, camera::grids, camera::grids::Limits};
+use crate::rules::prelude::*;
+use crate::world::projection::{Form, Grid, GridAt, Panorama, Projection, Sense};
+use crate::world::{BagEvidence, World, bag::TopicEvidence};
 
-/// CAMERA09.
 pub(crate) struct BevPanoramaMetadata;
 
 impl Rule for BevPanoramaMetadata {
@@ -146,8 +137,7 @@ fn judge_panorama(world: &World, projection: &Projection, panorama: &Panorama, l
     }
     if faults.is_empty() {
         let Some([width, height]) = sizes.first() else {
-            let why = "neither its size nor the topic of its images is declared";
-            return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+            return out.missing(subject, "neither its size nor the topic of its images is declared");
         };
         let ratio = Measured::new(
             "width over height",

@@ -1,19 +1,14 @@
 //! CAMERA06: which of its two readings a camera's extrinsics in a file have, by the transforms of the robot.
 
-use crate::analysis::Estimates;
 use nalgebra::Isometry3;
-use serde::Deserialize;
 
 use crate::analysis::names;
-use crate::rules::{Need, Rule};
+use crate::rules::prelude::*;
 use crate::source::Confidence;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::{Claim, ClaimKind, FrameId, World};
 
-/// CAMERA06.
 pub(crate) struct CameraExtrinsicDirection;
 
-/// Limits of CAMERA06.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -145,15 +140,14 @@ fn judge_claim(
     let graph = world.graph();
     if is_named && graph.chain(target, source, |edge| edge.is_rigid).is_some() {
         let why = "both names are the robot's own frames: their transforms are compared as stated";
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     }
     let (of_target, of_source) = match (meant(world, target), meant(world, source)) {
         (Ok(target), Ok(source)) => (target, source),
-        (Err(why), _) | (_, Err(why)) => return out.not_evaluated(subject, NotEvaluated::MissingInput, why),
+        (Err(why), _) | (_, Err(why)) => return out.missing(subject, why),
     };
     let Some((known, _)) = graph.chain(&of_target, &of_source, |edge| edge.is_rigid) else {
-        let why = format!("no rigid chain of transforms ties `{of_source}` to `{of_target}`");
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, format!("no rigid chain of transforms ties `{of_source}` to `{of_target}`"));
     };
     let off = |reading: &Isometry3<f64>| {
         let off_m = (reading.translation.vector - known.translation.vector).norm();
@@ -173,8 +167,7 @@ fn judge_claim(
         // A file that does not say its direction has none that is wrong.
         (false, true) if !is_named => out.pass(subject, measured),
         (true, true) => {
-            let why = format!("both readings are near {pair} of the robot: nothing tells them apart");
-            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            out.too_little(subject, format!("both readings are near {pair} of the robot: nothing tells them apart"));
         }
         (false, false) => {
             let far = if told.translation.vector.norm() > limits.away_m {
@@ -186,7 +179,7 @@ fn judge_claim(
                 "{:.2} m and {:.0} deg off {pair} of the robot as it is read, {:.2} m and {:.0} deg the other way round{far}: neither is it",
                 as_read.0, as_read.1, inverse.0, inverse.1
             );
-            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            out.too_little(subject, why);
         }
         (false, true) => {
             let message = format!(
@@ -199,7 +192,7 @@ fn judge_claim(
                 .relation("inverse")
                 .help("p_camera = R p + t takes points into the camera, whose own place is then -R^T t; its pose holds the place as it is: say in the key which \
                        of the two it is, and invert it where it is read");
-            out.fail(measured.into_iter().fold(finding, Finding::measured));
+            out.fail(finding.measured(measured));
         }
     }
 }

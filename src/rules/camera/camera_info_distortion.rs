@@ -1,18 +1,11 @@
 //! CAMERA03: a distortion that is not that of its model, or folds within the image.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
-use crate::math::distortion::{Radial, Reach};
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-
 use crate::analysis::camera::published::Published;
+use crate::math::distortion::{Radial, Reach};
+use crate::rules::prelude::*;
 
-/// CAMERA03.
 pub(crate) struct CameraInfoDistortion;
 
-/// Limits of CAMERA03.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -69,11 +62,11 @@ fn judge_model(published: &Published, subject: String, limits: &Limits, out: &mu
     }
     if d.is_empty() && matches!(model, "" | "plumb_bob") {
         let why = "no model and no coefficients: an image without distortion, or a camera that nobody calibrated";
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, why);
     }
     let Some(counts) = counts(model) else {
         let why = format!("the model `{model}` is not one of ROS (plumb_bob, rational_polynomial, equidistant)");
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     };
     if !counts.contains(&d.len()) {
         return out.fail(miscounted(published, subject, counts));
@@ -85,12 +78,10 @@ fn judge_model(published: &Published, subject: String, limits: &Limits, out: &mu
         border(published),
         published.calibration.size.iter().all(|pixels| *pixels > 0),
     ) else {
-        let why = "width and height are zero: where the corners are is not known";
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, "width and height are zero: where the corners are is not known");
     };
     let Some(reach) = radial.reach(border) else {
-        let why = "the distortion has no finite value within the image";
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, "the distortion has no finite value within the image");
     };
     let tangential = match d {
         [_, _, p1, p2, ..] if !is_fisheye(model) => p1.abs().max(p2.abs()),

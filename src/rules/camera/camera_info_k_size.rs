@@ -1,22 +1,13 @@
 //! CAMERA02: intrinsics that do not fit the image.
 
-use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
-
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-use crate::world::BagEvidence;
-use crate::world::camera::ImageForm;
-
 use crate::analysis::camera::published::Published;
+use crate::rules::prelude::*;
+use crate::world::{BagEvidence, camera::ImageForm};
 
-/// CAMERA02.
 pub(crate) struct CameraInfoKSize;
 
-/// Limits of CAMERA02.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -45,7 +36,7 @@ impl Rule for CameraInfoKSize {
             if space.calibrations > 1 {
                 let subject = format!("size of the images beside {}", published.subject());
                 let why = "several calibrations share the namespace of these images: nothing says whose they are";
-                out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+                out.missing(subject, why);
                 continue;
             }
             for (topic, form) in &space.images {
@@ -100,8 +91,7 @@ fn judge_k(published: &Published, limits: &Limits, out: &mut Judge) {
     }
     let [width, height] = calibration.size.map(f64::from);
     if width == 0.0 || height == 0.0 {
-        let why = "width and height are zero: whether K fits cannot be told";
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, "width and height are zero: whether K fits cannot be told");
     }
     let view_deg = 2.0 * (width / (2.0 * fx)).atan().to_degrees();
     let measured = [
@@ -153,7 +143,7 @@ fn judge_k(published: &Published, limits: &Limits, out: &mut Judge) {
             let message = format!("`{}`: {words}", published.topic);
             let finding = Finding::warning(subject, message, published.place()).likely();
             let finding = finding.relation(relation).help(help);
-            out.fail(measured.into_iter().fold(finding, Finding::measured));
+            out.fail(finding.measured(measured));
         }
     }
 }
@@ -201,8 +191,7 @@ fn judge_size(published: &Published, topic: &str, form: &ImageForm, limits: &Lim
     };
     let ([width, height], [image_width, image_height]) = ([binned(0), binned(1)], form.size.map(f64::from));
     if width == 0.0 || height == 0.0 || published.is_uncalibrated() {
-        let why = "the calibration has no size, or is none";
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, "the calibration has no size, or is none");
     }
     let (x, y) = (image_width / width, image_height / height);
     let measured = [
@@ -242,5 +231,5 @@ fn judge_size(published: &Published, topic: &str, form: &ImageForm, limits: &Lim
         .relation(relation)
         .related(published.place(), "the calibration")
         .help(help);
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }

@@ -1,19 +1,13 @@
 //! CAMERA04: a rectification that is no rotation, or a projection that does not fit the camera.
 
-use crate::analysis::Estimates;
 use nalgebra::Matrix3;
-use serde::Deserialize;
-
-use crate::math::rotation::orthogonality_error;
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
 use crate::analysis::camera::published::Published;
+use crate::math::rotation::orthogonality_error;
+use crate::rules::prelude::*;
 
-/// CAMERA04.
 pub(crate) struct CameraInfoRP;
 
-/// Limits of CAMERA04.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -45,8 +39,7 @@ impl Rule for CameraInfoRP {
 fn judge_r(published: &Published, subject: String, limits: &Limits, out: &mut Judge) {
     let r = Matrix3::from_row_slice(&published.calibration.r);
     if r == Matrix3::zeros() {
-        let why = "R is all zeros: it was not filled in";
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, "R is all zeros: it was not filled in");
     }
     let (error, determinant) = (orthogonality_error(&r), r.determinant());
     let measured = [
@@ -68,15 +61,14 @@ fn judge_r(published: &Published, subject: String, limits: &Limits, out: &mut Ju
     };
     let finding =
         finding.help("of one camera R is the identity; of a stereo pair it comes from the calibration of both");
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }
 
 fn judge_p(published: &Published, subject: String, limits: &Limits, out: &mut Judge) {
     let p = &published.calibration.p;
     let topic = published.topic;
     if p.iter().all(|value| *value == 0.0) {
-        let why = "P is all zeros: the rectified image is not calibrated";
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, "P is all zeros: the rectified image is not calibrated");
     }
     let [fx, fy, ..] = published.intrinsics();
     let [px, _, pcx, tx, py0, py, pcy, ty, p20, p21, p22, _] = *p;
@@ -122,7 +114,7 @@ fn judge_p(published: &Published, subject: String, limits: &Limits, out: &mut Ju
         Some((words, relation, help)) => {
             let finding = Finding::error(subject, format!("P on `{topic}` {words}"), published.place());
             let finding = finding.likely().relation(relation).help(help);
-            out.fail(measured.into_iter().fold(finding, Finding::measured));
+            out.fail(finding.measured(measured));
         }
     }
 }

@@ -1,18 +1,11 @@
 //! CAMERA05: whether a camera looks at what the lidar sees, and the right way up.
 
-use crate::analysis::Estimates;
 use crate::analysis::camera::in_view::{Views, cameras};
-use crate::analysis::camera::looks::Limits;
-
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, Measured};
+use crate::analysis::camera::looks::{Fault, Limits, Shown};
+use crate::analysis::{camera::published::Published, camera::views::Attitude};
+use crate::rules::prelude::*;
 use crate::world::{FrameId, World};
 
-use crate::analysis::camera::looks::{Fault, Shown};
-use crate::analysis::camera::published::Published;
-use crate::analysis::camera::views::Attitude;
-
-/// CAMERA05.
 pub(crate) struct LidarInView;
 
 impl Rule for LidarInView {
@@ -118,5 +111,5 @@ fn judge_shown(
     let finding = finding
         .related(camera.place(), "the camera")
         .label("where the frame is told");
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }

@@ -1,21 +1,14 @@
 //! CAMERA01: where cameras look, and which way up, by their optical frames.
 
-use crate::analysis::Estimates;
 use nalgebra::Vector3;
-use serde::Deserialize;
-
-use crate::analysis::motion::mount::mount;
-use crate::analysis::names;
-use crate::rules::{Need, Rule, codes};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-use crate::world::FrameId;
 
 use crate::analysis::camera::published::{VERTICAL, Ways, looks_against_its_name};
+use crate::analysis::{motion::mount::mount, names};
+use crate::rules::prelude::*;
+use crate::world::FrameId;
 
-/// CAMERA01.
 pub(crate) struct OpticalRotation;
 
-/// Limits of CAMERA01.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -40,8 +33,7 @@ impl Rule for OpticalRotation {
 fn judge_frame(world: &Estimates, frame: &FrameId, limits: &Limits, out: &mut Judge) {
     let subject = format!("view of `{frame}`");
     let Some(mount) = mount(world, frame) else {
-        let why = "no rigid chain of transforms leads to a base";
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, "no rigid chain of transforms leads to a base");
     };
     let turned = mount.base_from_sensor.rotation;
     let pitch_deg = (turned * Vector3::z()).z.clamp(-1.0, 1.0).asin().to_degrees();
@@ -67,7 +59,7 @@ fn judge_frame(world: &Estimates, frame: &FrameId, limits: &Limits, out: &mut Ju
     if pitch_deg.abs() > limits.max_pitch_deg {
         if names::has_word(frame, VERTICAL) {
             let why = format!("it looks {pitch_deg:.0} deg over the horizon, and its name says that it may");
-            return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            return out.not_applicable(subject, why);
         }
         let message = format!(
             "`{frame}` looks {} in `{}`: its z axis is {:.0} deg {} the horizon",
@@ -80,7 +72,7 @@ fn judge_frame(world: &Estimates, frame: &FrameId, limits: &Limits, out: &mut Ju
             .likely()
             .relation(if pitch_deg > 0.0 { "looks-up" } else { "looks-down" })
             .help("an optical frame has z forward, x right, y down (REP-103); say `up` or `down` in the name of a camera that looks there");
-        return out.fail(better(measured.into_iter().fold(finding, Finding::measured)));
+        return out.fail(better(finding.measured(measured)));
     }
     if down < -limits.min_down {
         let message = format!(
@@ -91,7 +83,7 @@ fn judge_frame(world: &Estimates, frame: &FrameId, limits: &Limits, out: &mut Ju
             .hint()
             .relation("upside-down")
             .help("right for a camera that hangs on its head and whose images are not turned; else turn the frame by 180 deg about its z");
-        return out.fail(better(measured.into_iter().fold(finding, Finding::measured)));
+        return out.fail(better(finding.measured(measured)));
     }
     let looks = turned * Vector3::z();
     if looks_against_its_name(frame, &looks) == Ways::Against {
@@ -105,7 +97,7 @@ fn judge_frame(world: &Estimates, frame: &FrameId, limits: &Limits, out: &mut Ju
             .likely()
             .relation("reversed")
             .help("z is the direction of view (REP-103): RPY(-pi/2, 0, -pi/2) from a link with x forward, not RPY(-pi/2, 0, pi/2)");
-        return out.fail(better(measured.into_iter().fold(finding, Finding::measured)));
+        return out.fail(better(finding.measured(measured)));
     }
     out.pass(subject, measured);
 }

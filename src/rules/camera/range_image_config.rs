@@ -1,16 +1,10 @@
 //! CAMERA08: declared range images against the clouds that they are made of.
 
-use crate::analysis::Estimates;
-use crate::analysis::camera::range_images::Limits;
-
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, NotEvaluated};
+use crate::analysis::camera::declared::name;
+use crate::analysis::camera::range_images::{Limits, against, alone, beams, clouds};
+use crate::rules::prelude::*;
 use crate::world::projection::{Form, Projection, RangeImage};
 
-use crate::analysis::camera::declared::name;
-use crate::analysis::camera::range_images::{against, alone, beams, clouds};
-
-/// CAMERA08.
 pub(crate) struct RangeImageConfig;
 
 impl Rule for RangeImageConfig {
@@ -32,7 +26,7 @@ impl Rule for RangeImageConfig {
             let clouds = match clouds(world, projection, &declared) {
                 Ok(clouds) => clouds,
                 Err(why) if faults.is_empty() => {
-                    out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+                    out.missing(subject, why);
                     continue;
                 }
                 Err(_) => Vec::new(),
@@ -51,7 +45,7 @@ impl Rule for RangeImageConfig {
             }
             if faults.is_empty() {
                 match seen {
-                    Err(why) => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+                    Err(why) => out.too_little(subject, why),
                     Ok(()) => out.pass(subject, measured),
                 }
                 continue;

@@ -1,21 +1,13 @@
 //! CAMERA07: a stereo pair whose baseline is another in TF than in its calibration.
 
-use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
-
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
-use crate::world::World;
-use crate::world::camera::Calibration;
-
 use crate::analysis::camera::published::Published;
+use crate::rules::prelude::*;
+use crate::world::{World, camera::Calibration};
 
-/// CAMERA07.
 pub(crate) struct StereoBaseline;
 
-/// Limits of CAMERA07.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -81,7 +73,7 @@ fn baseline(calibration: &Calibration) -> Option<f64> {
 
 fn judge_pair(world: &World, left: &Published, right: &Published, limits: &Limits, out: &mut Judge) {
     let subject = format!("baseline of `{}` and `{}`", left.topic, right.topic);
-    let missing = |out: &mut Judge, why: &str| out.not_evaluated(&subject, NotEvaluated::MissingInput, why);
+    let missing = |out: &mut Judge, why: &str| out.missing(&subject, why);
     let (Some(of_left), Some(by_p)) = (baseline(left.calibration), baseline(right.calibration)) else {
         return missing(out, "P of one of the two has no focal length");
     };
@@ -149,7 +141,7 @@ fn judge_pair(world: &World, left: &Published, right: &Published, limits: &Limit
         .relation(relation)
         .related(left.place(), "the left camera")
         .help(help);
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }
 
 #[cfg(test)]

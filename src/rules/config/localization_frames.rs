@@ -1,14 +1,11 @@
 //! CONFIG03: frames of `robot_localization` that its filters refuse, or with which they publish nothing.
 
-use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
-use crate::rules::{Need, NoLimits, Rule};
-use crate::source::{Place, SourceId};
-use crate::verdict::{Finding, Judge, Measured};
+use crate::rules::prelude::*;
+use crate::source::SourceId;
 use crate::world::launch::LocalizationSettings;
 
-/// CONFIG03.
 pub(crate) struct LocalizationFrames;
 
 impl Rule for LocalizationFrames {

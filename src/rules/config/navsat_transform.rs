@@ -1,19 +1,11 @@
 //! CONFIG02: headings of `navsat_transform_node` in degrees, or with the sign of the declination the wrong way round.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
 use crate::math::magnetism::declination_deg;
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-use crate::world::World;
-use crate::world::launch::LocalizationSettings;
+use crate::rules::prelude::*;
+use crate::world::{World, launch::LocalizationSettings};
 
-/// CONFIG02.
 pub(crate) struct NavsatTransform;
 
-/// Limits of CONFIG02.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -54,8 +46,7 @@ fn judge_datum(settings: &LocalizationSettings, of: &str, out: &mut Judge) {
     let subject = format!("datum of {of}");
     let numbers: Option<Vec<f64>> = written.value.split_whitespace().map(|word| word.parse().ok()).collect();
     let Some([latitude, longitude, rest @ ..]) = numbers.as_deref() else {
-        out.not_evaluated(subject, NotEvaluated::MissingInput, "the datum is no list of numbers");
-        return;
+        return out.missing(subject, "the datum is no list of numbers");
     };
     let heading = rest.first().copied().unwrap_or(0.0);
     let measured = Measured::new("heading of the datum", heading, "rad").limit(std::f64::consts::TAU);
@@ -101,7 +92,7 @@ fn judge_offset(settings: &LocalizationSettings, of: &str, limits: &Limits, out:
         );
     } else if (offset.to_degrees() + 90.0).abs() <= limits.quarter_deg {
         let message = "`yaw_offset` is a quarter turn clockwise: an IMU that reads 0 facing north and turns counter-clockwise needs \
-                       +1.5707963, and one that turns clockwise cannot be mended by an offset";
+                       +1.5707963, and one that turns clockwise cannot be fixed by an offset";
         let finding = Finding::warning(subject, message, place.clone()).hint();
         out.fail(
             finding
@@ -126,21 +117,17 @@ fn judge_declination(world: &World, settings: &LocalizationSettings, of: &str, l
             .likely()
             .relation("degrees");
         let help = format!("write {:.7}, and mind the sign: west is positive", written.to_radians());
-        out.fail(finding.help(help).measured(size));
-        return;
+        return out.fail(finding.help(help).measured(size));
     }
     if written_deg.abs() < limits.least_deg {
-        out.pass(subject, [size]);
-        return;
+        return out.pass(subject, [size]);
     }
     let Some((position, source)) = position(world, settings) else {
         let why = "nothing says where on the Earth this is used: no datum, and no recording with positions";
-        out.not_evaluated(subject, NotEvaluated::MissingInput, why);
-        return;
+        return out.missing(subject, why);
     };
     let Some(declination) = declination_deg(position.0, position.1, limits.year) else {
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, "no declination there");
-        return;
+        return out.not_applicable(subject, "no declination there");
     };
     let east_or_west = if declination > 0.0 { "east" } else { "west" };
     // The node adds the value to a yaw that turns counter-clockwise; magnetic north in the east makes that yaw too large.

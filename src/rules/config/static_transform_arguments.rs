@@ -1,19 +1,12 @@
 //! CONFIG01: arguments that `static_transform_publisher` refuses, or reads as something else than was meant.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
 use crate::analysis::names;
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::rules::prelude::*;
 use crate::world::launch::{ArgumentForm, StaticPublisher, Unread};
 use crate::world::{Claim, Spelling, World};
 
-/// CONFIG01.
 pub(crate) struct StaticTransformArguments;
 
-/// Limits of CONFIG01.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -91,14 +84,10 @@ fn refused(publisher: &StaticPublisher) -> Option<(String, &'static str)> {
 fn judge_read(world: &World, publisher: &StaticPublisher, subject: String, limits: &Limits, out: &mut Judge) {
     match &publisher.unread {
         Some(Unread::Open(what)) => {
-            let why = format!("`{what}` is filled in when the file is run");
-            out.not_evaluated(subject, NotEvaluated::MissingInput, why);
-            return;
+            return out.missing(subject, format!("`{what}` is filled in when the file is run"));
         }
         Some(Unread::Parameter(name)) => {
-            let why = format!("the transform stands in the parameter `{name}`");
-            out.not_evaluated(subject, NotEvaluated::MissingInput, why);
-            return;
+            return out.missing(subject, format!("the transform stands in the parameter `{name}`"));
         }
         Some(Unread::Misread(_)) | None => {}
     }

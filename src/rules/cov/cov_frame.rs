@@ -1,20 +1,14 @@
-//! COV04: covariances that are told in other axes than the message says.
+//! COV04: covariances that are expressed in other axes than the message says.
 
 mod pairs;
 
 mod limits;
-use crate::analysis::Estimates;
-use crate::rules::cov::cov_frame::limits::Limits;
-
-use crate::analysis::motion::Stream;
-use crate::rules::{Evidence, Need, Rule, codes};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-use crate::world::motion::PoseRow;
 
 use crate::analysis::cov::declared::{Axes, Declared, each};
-use crate::analysis::cov::noise::Noise;
+use crate::analysis::{cov::noise::Noise, motion::Stream};
+use crate::rules::{cov::cov_frame::limits::Limits, prelude::*};
+use crate::world::motion::PoseRow;
 
-/// COV04.
 pub(crate) struct CovFrame;
 
 impl Rule for CovFrame {
@@ -76,8 +70,7 @@ fn judge_twist(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
     let subject = format!("axes of `twist.covariance` on {}", stream.subject);
     let little = NotEvaluated::TooLittleEvidence;
     if declared.is_constant() {
-        let why = "one constant matrix: numbers that were typed in, which do not turn anyhow";
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, "one constant matrix: numbers that were typed in, which do not turn anyhow");
     }
     let axes = match axes(declared, limits) {
         Ok(axes) => axes,
@@ -102,12 +95,12 @@ fn judge_twist(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
     let finding = Finding::warning(subject, message, stream.place()).likely().relation("in-world").unless(codes::AXES08).help(
         "publish it in the child frame: `C_body = R^T C_world R`, with `R` the orientation of the pose, for both blocks of three",
     );
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }
 
 fn judge_pose(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limits, out: &mut Judge) {
     let subject = format!("axes of `pose.covariance` on {}", stream.subject);
-    let little = |why: String, out: &mut Judge| out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
+    let little = |why: String, out: &mut Judge| out.too_little(&subject, why);
     let axes = match axes(declared, limits) {
         Ok(axes) => axes,
         Err(why) => return little(why, out),
@@ -176,5 +169,5 @@ fn judge_pose(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limits
     } else {
         finding.likely()
     };
-    out.fail(all.fold(finding, Finding::measured));
+    out.fail(finding.measured(all));
 }

@@ -1,22 +1,14 @@
 //! COV02: the rotations of a covariance stand before its positions.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
-use crate::analysis::motion::Stream;
-use crate::math::level::tilt;
-use crate::math::readings::Reading as Slots;
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-use crate::world::motion::PoseRow;
-
 use crate::analysis::cov::declared::{Declared, each};
 use crate::analysis::cov::fit::{Fit, Reading};
+use crate::analysis::motion::Stream;
+use crate::math::{level::tilt, readings::Reading as Slots};
+use crate::rules::prelude::*;
+use crate::world::motion::PoseRow;
 
-/// COV02.
 pub(crate) struct CovOrder;
 
-/// Limits of COV02.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -50,7 +42,7 @@ fn judge_stream(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limi
     }
     let fit = match Fit::of(stream, declared, limits.min_poses) {
         Ok(fit) => fit,
-        Err(why) => return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+        Err(why) => return out.too_little(subject, why),
     };
     let (told, swapped) = (fit.miss(Reading::AsTold), fit.miss(Reading::RotationFirst));
     let measured = [
@@ -70,14 +62,13 @@ fn judge_stream(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limi
     let best = fit.best(limits.loosely, limits.margin);
     let is_swapped = best == Some(Reading::RotationFirst) && told >= limits.misses && fit.order_ratio > 0.0;
     if !is_swapped {
-        let why = match best {
+        return out.too_little(subject, match best {
             Some(Reading::AsTold | Reading::RotationFirst) | None => format!(
                 "the variances miss the noise of the poses by a factor of {told:.1e} as told, and by {swapped:.1e} with rotations first: \
                  they speak of other errors than those from pose to pose"
             ),
             Some(_) => "another unit explains it".to_owned(),
-        };
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        });
     }
     let message = format!(
         "`pose.covariance` on `{}` has its rotations first: so read each of its variances (x and y, z, tilt, yaw) is within a factor of {swapped:.1} of the noise \
@@ -92,7 +83,7 @@ fn judge_stream(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limi
     } else {
         finding.hint()
     };
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }
 
 /// How far the poses lie apart in x and y, metres, where height and tilt are the same in all of them.

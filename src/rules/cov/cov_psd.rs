@@ -1,19 +1,11 @@
 //! COV01: covariances that are none: not finite, not symmetric, with a negative variance, or never filled.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
-use crate::world::BagEvidence;
-use crate::world::bag::TopicEvidence;
+use crate::rules::prelude::*;
 use crate::world::content::{CovarianceAt, CovarianceEvidence};
+use crate::world::{BagEvidence, bag::TopicEvidence};
 
-/// COV01.
 pub(crate) struct CovPsd;
 
-/// Limits of COV01.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -55,13 +47,10 @@ fn judge_field(bag: &BagEvidence, subject: String, evidence: &CovarianceEvidence
         let message = format!("{subject}: {}", fault.words);
         let place = Place::message(bag.source, fault.at.at.clone());
         let finding = Finding::new(fault.severity, subject, message, place).help(fault.help);
-        out.fail(finding.measured(fault.measured.samples(evidence.count)));
-        return;
+        return out.fail(finding.measured(fault.measured.samples(evidence.count)));
     }
     let (Some((asymmetry, _)), Some((least, _))) = (&evidence.most_asymmetric, &evidence.least_positive) else {
-        let why = "every matrix is all zeros or marked with -1: it says that it is not known";
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-        return;
+        return out.not_applicable(subject, "every matrix is all zeros or marked with -1: it says that it is not known");
     };
     out.pass(
         subject,

@@ -1,24 +1,14 @@
 //! COV05: covariances in other units than m² and rad².
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
-use crate::analysis::motion::Stream;
-use crate::math::noise::DEG2_PER_RAD2;
-use crate::rules::{Evidence, Need, Rule, codes};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-use crate::world::bag::TopicEvidence;
-use crate::world::content::CovarianceEvidence;
-use crate::world::motion::PoseRow;
-
 use crate::analysis::cov::declared::{Declared, each};
 use crate::analysis::cov::fit::{Fit, Reading};
+use crate::analysis::motion::Stream;
+use crate::math::noise::DEG2_PER_RAD2;
+use crate::rules::prelude::*;
+use crate::world::{bag::TopicEvidence, content::CovarianceEvidence, motion::PoseRow};
 
-/// COV05.
 pub(crate) struct CovUnits;
 
-/// Limits of COV05.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -89,7 +79,7 @@ fn judge_angles(
             let why = format!(
                 "the variance of an angle grows from {least:.1} to {most:.1}: a filter to which nobody tells that angle, in whatever unit"
             );
-            return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            return out.too_little(subject, why);
         }
         let name = ["x", "y", "z"].get(axis - first).copied().unwrap_or("an axis");
         let place = values.iter().find(|value| value.0 > limits.unknown_rad2);
@@ -124,12 +114,12 @@ fn judge_angles(
         ),
         Some(most) => {
             let why = format!("a variance of {most:.1e} is no angle in rad2 or deg2: it says that it is not known");
-            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            out.not_applicable(subject, why);
         }
         None => {
             let why =
                 "no variance of an angle ever changes: none is stated, or numbers were typed in, which say nothing";
-            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            out.not_applicable(subject, why);
         }
     }
 }
@@ -138,7 +128,7 @@ fn judge_noise(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
     let subject = format!("units of `pose.covariance` on {}", stream.subject);
     let fit = match Fit::of(stream, declared, limits.min_poses) {
         Ok(fit) => fit,
-        Err(why) => return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+        Err(why) => return out.too_little(subject, why),
     };
     let told = fit.miss(Reading::AsTold);
     let factor = |what: &str, value: f64| Measured::new(what, value, "1").limit(limits.fits).samples(fit.poses);
@@ -177,7 +167,7 @@ fn judge_noise(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
                 "the variances miss the noise of the poses by a factor of {told:.1e}, and no other unit explains that: they speak of other \
                  errors than those from pose to pose"
             );
-            return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            return out.too_little(subject, why);
         }
     };
     let best = fit.readings.first().map_or(f64::NAN, |reading| reading.1);

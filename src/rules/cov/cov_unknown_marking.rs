@@ -1,19 +1,12 @@
 //! COV03: inertial messages that carry no orientation, and do not say so.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
+use crate::rules::prelude::*;
 use crate::world::BagEvidence;
 use crate::world::bag::{Said, TopicEvidence};
 use crate::world::content::{ContentEvidence, ImuEvidence};
 
-/// COV03.
 pub(crate) struct CovUnknownMarking;
 
-/// Limits of COV03.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -74,23 +67,17 @@ fn judge_imu(bag: &BagEvidence, said: &Said<'_>, imu: &ImuEvidence, limits: &Lim
     let turned = Measured::new("turned by the gyroscope", imu.turned_rad, "rad").limit(limits.turned_rad);
     if marked == Marking::Nothing {
         let marks = Measured::new("orientations marked with -1", 1.0, "1").samples(imu.count);
-        out.pass(subject, [marks, measured]);
-        return;
+        return out.pass(subject, [marks, measured]);
     }
     if imu.count < limits.min_messages {
-        let why = format!("{} messages, {} are needed", imu.count, limits.min_messages);
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
-        return;
+        return out.too_little(subject, format!("{} messages, {} are needed", imu.count, limits.min_messages));
     }
     if constant < limits.constant_share {
-        out.pass(subject, [measured, turned]);
-        return;
+        return out.pass(subject, [measured, turned]);
     }
     let turns = imu.turned_rad >= limits.turned_rad && imu.angular_velocity_rms >= limits.turning_rad_s;
     if !turns {
-        let why = "the orientation is constant, and the gyroscope did not turn: it may be right";
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
-        return;
+        return out.too_little(subject, "the orientation is constant, and the gyroscope did not turn: it may be right");
     }
     let (what, severity) = if share(imu.zero) >= limits.constant_share {
         // Consumers see that it is none.

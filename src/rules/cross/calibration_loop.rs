@@ -1,24 +1,18 @@
 //! CROSS03: transforms of one calibration that do not close a loop.
 
-use crate::analysis::Estimates;
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Isometry3;
-use serde::Deserialize;
-
-use crate::math::relation::{Relation, Tolerance, classify};
-use crate::rules::{Need, Rule};
-use crate::source::SourceId;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-use crate::world::{FrameId, World};
 
 use crate::analysis::cross::pair::Statement;
 use crate::analysis::cross::statements::{are_of_one_platform, described, statements};
+use crate::math::relation::{Relation, Tolerance, classify};
+use crate::rules::prelude::*;
+use crate::source::SourceId;
+use crate::world::{FrameId, World};
 
-/// CROSS03.
 pub(crate) struct CalibrationLoop;
 
-/// Limits of CROSS03.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -57,7 +51,7 @@ impl Rule for CalibrationLoop {
             if are_more {
                 let why = format!("it has more than {MAX_LOOPS} loops of three frames; the others were left out");
                 let subject = format!("more loops in {}", world.path(source));
-                out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+                out.too_little(subject, why);
             }
         }
         judge_across(world, by_source.values().flatten().copied().collect(), limits, out);
@@ -228,6 +222,6 @@ impl Loop<'_> {
         for (_, statement) in &self.edges {
             finding = finding.related(statement.place.clone(), statement.who.clone());
         }
-        out.fail(measured.into_iter().fold(finding, Finding::measured));
+        out.fail(finding.measured(measured));
     }
 }

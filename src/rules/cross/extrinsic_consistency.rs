@@ -1,19 +1,11 @@
 //! CROSS01: two sources state different transforms for one pair of frames.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
-use crate::rules::{Need, Rule, codes};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
+use crate::analysis::{cross::pair::Pair, cross::statements::pairs};
+use crate::rules::prelude::*;
 use crate::world::World;
 
-use crate::analysis::cross::pair::Pair;
-use crate::analysis::cross::statements::pairs;
-
-/// CROSS01.
 pub(crate) struct ExtrinsicConsistency;
 
-/// Limits of CROSS01.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -46,18 +38,15 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
         Measured::new("translation difference", distance_m, "m").limit(limits.equal_m),
     ];
     if angle_deg <= limits.equal_deg && distance_m <= limits.equal_m {
-        out.pass(subject, measured);
-        return;
+        return out.pass(subject, measured);
     }
     if let Some(why) = &pair.repeats {
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-        return;
+        return out.not_applicable(subject, why);
     }
     if pair.alternatives {
         let why =
             "the same key in sibling files: two devices, or two versions; only a named convention error is reported";
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-        return;
+        return out.not_applicable(subject, why);
     }
     let small = angle_deg <= limits.warn_deg && distance_m <= limits.warn_m;
     let (severity, words, help) = if small {

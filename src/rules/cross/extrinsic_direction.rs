@@ -1,13 +1,9 @@
 //! CROSS04: a mounting that is told the wrong way round, by the motion on both of its sides.
 
-use crate::analysis::Estimates;
 use crate::analysis::cross::direction::{Limits, Reading, Seen, look};
-
 use crate::analysis::lidar::Clouds;
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::rules::prelude::*;
 
-/// CROSS04.
 pub(crate) struct ExtrinsicDirection;
 
 impl Rule for ExtrinsicDirection {
@@ -55,11 +51,10 @@ fn judge_seen(clouds: &Clouds, seen: &Seen, limits: &Limits, out: &mut Judge) {
                     seen.known.lidar.to_string(),
                     seen.known.told.inverse(),
                 );
-            out.fail(measured.into_iter().fold(finding, Finding::measured));
+            out.fail(finding.measured(measured));
         }
         Some(_) => {
-            let why = format!("`{name}` fits the motion once it is turned by 180 deg about z");
-            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            out.not_applicable(subject, format!("`{name}` fits the motion once it is turned by 180 deg about z"));
         }
         None => {
             let why = format!(
@@ -68,7 +63,7 @@ fn judge_seen(clouds: &Clouds, seen: &Seen, limits: &Limits, out: &mut Judge) {
                 seen.of(Reading::Turned),
                 seen.of(Reading::InverseTurned)
             );
-            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            out.too_little(subject, why);
         }
     }
 }

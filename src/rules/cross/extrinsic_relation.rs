@@ -1,23 +1,19 @@
 //! CROSS02: a named convention error turns one source's transform into another's.
 
-use crate::analysis::Estimates;
 use nalgebra::Isometry3;
 
-use crate::advice::literal::with_fix;
-use crate::advice::restate::restated;
-use crate::math::relation::{Classification, Relation, Tolerance, classify};
-use crate::math::rotation::from_rpy;
-use crate::rules::{Need, Rule, codes};
-use crate::source::Confidence;
-use crate::verdict::{Edit, Finding, Judge, Measured, NotEvaluated, Safety};
-use crate::world::World;
-
+use crate::advice::{literal::with_fix, restate::restated};
 use crate::analysis::cross::blame::{blame, holds_radians_twice};
 use crate::analysis::cross::exact::{Limits, off_axes_deg};
 use crate::analysis::cross::pair::{Direction, Pair};
 use crate::analysis::cross::statements::pairs;
+use crate::math::relation::{Classification, Relation, Tolerance, classify};
+use crate::math::rotation::from_rpy;
+use crate::rules::prelude::*;
+use crate::source::Confidence;
+use crate::verdict::{Edit, Safety};
+use crate::world::World;
 
-/// CROSS02.
 pub(crate) struct ExtrinsicRelation;
 
 impl Rule for ExtrinsicRelation {
@@ -55,8 +51,7 @@ fn judge_pair(
     out: &mut Judge,
 ) {
     if let Some(why) = &pair.repeats {
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-        return;
+        return out.not_applicable(subject, why);
     }
     let (angle_deg, distance_m) = (found.angle_rad.to_degrees(), found.distance_m);
     let small = angle_deg <= limits.small_deg && distance_m <= limits.small_m;
@@ -74,11 +69,11 @@ fn judge_pair(
             let why = format!(
                 "they differ by {angle_deg:.2} deg and {distance_m:.3} m, and no convention error explains that"
             );
-            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            out.not_applicable(subject, why);
         }
         (Some(_), _) if pair.alternatives && !distinctive(pair, limits) => {
             let why = "the same key in sibling files, and mounts along the axes: two devices look like this as well";
-            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            out.too_little(subject, why);
         }
         (Some(relation), _) => {
             let right = relation.reversed().and_then(|back| back.apply(&pair.other.pose));
@@ -91,7 +86,7 @@ fn judge_pair(
             let finding = pair.point_at_all_with(finding, roles);
             let finding = finding.prefers(target, source, right.unwrap_or(pair.reference.pose));
             let title = format!("state it without the error ({})", relation.word());
-            let edits = mended(world, pair, relation, found);
+            let edits = corrected(world, pair, relation, found);
             out.fail(with_fix(finding, &title, Safety::ChangesBehaviour, edits));
         }
     }
@@ -170,12 +165,12 @@ fn same_cause(relation: Relation) -> String {
 
 /// The edits that take the error out of the numbers that hold it: their own digits stay, for a calibration is finer than a drawing. `None`
 /// where more than one error explains the difference, where one of the two is a guess, or where the error can't be undone.
-fn mended(world: &World, pair: &Pair, relation: Relation, found: &Classification) -> Option<Vec<Edit>> {
+fn corrected(world: &World, pair: &Pair, relation: Relation, found: &Classification) -> Option<Vec<Edit>> {
     if found.class.len() > 1 || pair.reading() < Confidence::Certain {
         return None;
     }
     let right = &pair.reference.pose;
-    let mut mended = match (relation.reversed(), pair.other.rpy, pair.other.direction) {
+    let mut corrected = match (relation.reversed(), pair.other.rpy, pair.other.direction) {
         (Some(back), ..) => back.apply(&pair.other.pose)?,
         (None, Some([roll, pitch, yaw]), Direction::AsStated) if relation == Relation::Degrees => {
             let [roll, pitch, yaw] = [roll, pitch, yaw].map(f64::to_radians);
@@ -183,12 +178,12 @@ fn mended(world: &World, pair: &Pair, relation: Relation, found: &Classification
         }
         _ => return None,
     };
-    let left = classify(right, &mended, &Tolerance::default());
+    let left = classify(right, &corrected, &Tolerance::default());
     if left.best != Some(Relation::Equal) {
         return None;
     }
     if pair.other.direction == Direction::TurnedRound {
-        mended = mended.inverse();
+        corrected = corrected.inverse();
     }
     let mut claims = world
         .claims
@@ -197,7 +192,7 @@ fn mended(world: &World, pair: &Pair, relation: Relation, found: &Classification
     let (claim, None) = (claims.next()?, claims.next()) else {
         return None;
     };
-    restated(world, claim, &mended)
+    restated(world, claim, &corrected)
 }
 
 /// Whether a rotation lies well off the axes, so that two devices would not be related by chance.

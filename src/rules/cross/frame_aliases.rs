@@ -1,23 +1,16 @@
 //! CROSS07: what a calibration calls its sensors, and which frames of the platform these are by their transform.
 
-use crate::analysis::Estimates;
 use nalgebra::Isometry3;
-use serde::Deserialize;
 
-use crate::analysis::cross::exact;
-use crate::analysis::names;
 use crate::analysis::names::{has_word, has_word_of};
+use crate::analysis::{cross::exact, names};
 use crate::math::relation::{Classification, Relation, Tolerance, classify};
-use crate::rules::{Need, Rule};
-use crate::source::SourceId;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
-use crate::world::graph::FrameGraph;
-use crate::world::{Claim, ClaimKind, FrameId, World};
+use crate::rules::prelude::*;
+use crate::source::{Confidence, SourceId};
+use crate::world::{Claim, ClaimKind, FrameId, World, graph::FrameGraph};
 
-/// CROSS07.
 pub(crate) struct FrameAliases;
 
-/// Limits of CROSS07.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -48,12 +41,14 @@ impl Rule for FrameAliases {
                 out.pass(subject, [Measured::count("frames that an alias confirms", confirmed)]);
                 continue;
             }
-            let (ClaimKind::File { roles: true, dialect }, Some((target, source)), Some(pose)) =
+            let (ClaimKind::File { roles, dialect }, Some((target, source)), Some(pose)) =
                 (&claim.kind, &claim.frames, &claim.pose)
             else {
                 continue;
             };
-            let is_whole = claim.has_rotation && claim.has_translation;
+            // A key whose reading is a guess may as well mean the other direction.
+            let is_read = *roles || claim.reading > Confidence::Hint;
+            let is_whole = claim.has_rotation && claim.has_translation && is_read;
             let is_known = |frame: &FrameId| graph.frames.contains(&frame.canonical());
             // Frames of one name are compared by CROSS01 and CROSS02.
             if !is_whole || is_known(target) && is_known(source) {
@@ -61,7 +56,7 @@ impl Rule for FrameAliases {
             }
             let names = (target, source);
             let limits = (limits, &*exact);
-            suspected.extend(judge_claim(world, claim, dialect, names, &pose.isometry(), limits, out));
+            suspected.extend(judge_claim(world, claim, (dialect, *roles), names, &pose.isometry(), limits, out));
         }
         let kinds: Vec<_> = suspected.iter().map(Suspicion::kind).collect();
         for mut suspicion in suspected {
@@ -100,7 +95,7 @@ struct Candidate<'g> {
 fn judge_claim(
     world: &World,
     claim: &Claim,
-    dialect: &str,
+    (dialect, roles): (&str, bool),
     (target, source): (&FrameId, &FrameId),
     pose: &Isometry3<f64>,
     (limits, exact): (&Limits, &exact::Limits),
@@ -108,10 +103,15 @@ fn judge_claim(
 ) -> Option<Suspicion> {
     let path = world.path(claim.place.source);
     let subject = format!("`{target}` and `{source}` of `{}` of {path}", claim.label);
-    let candidates = candidates(world.graph(), target, source);
+    let mut candidates = candidates(world.graph(), target, source);
+    if !candidates.iter().any(|candidate| is_met(candidate, pose, exact)) {
+        let by_numbers = by_numbers(world.graph(), target, source, pose, exact);
+        if !by_numbers.is_empty() {
+            candidates = by_numbers;
+        }
+    }
     if candidates.is_empty() {
-        let why = "no frames of the platform have names of these kinds and a rigid transform between them";
-        out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        out.missing(subject, "no frames of the platform have names of these kinds and a rigid transform between them");
         return None;
     }
     if candidates.len() as f64 > limits.max_pairs {
@@ -119,7 +119,7 @@ fn judge_claim(
             "{} pairs of frames may be meant: `aliases:` in frames-lint.yaml says which",
             candidates.len()
         );
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        out.too_little(subject, why);
         return None;
     }
     let off = |candidate: &Candidate| {
@@ -146,6 +146,7 @@ fn judge_claim(
         ]
     };
     match (equal.as_slice(), candidates.as_slice()) {
+        ([one], _) if !roles && !is_plain(&one.pose) => out.pass(subject, measured(off(one))),
         ([one], _) if !is_plain(&one.pose) => {
             let names = (target, source);
             let [turn, shift] = measured(off(one));
@@ -160,9 +161,9 @@ fn judge_claim(
             let exact: Vec<_> = related.iter().filter(fits).collect();
             let (is_exact, (candidate, found)) = match (exact.as_slice(), related.as_slice(), candidates.as_slice()) {
                 ([one], ..) => (true, *one),
-                (_, [one], [_]) => (false, one),
+                (_, [one], [_]) if roles => (false, one),
                 _ => {
-                    let why = match candidates.as_slice() {
+                    out.too_little(subject, match candidates.as_slice() {
                         [only] => {
                             let (deg, m) = off(only);
                             format!(
@@ -175,8 +176,7 @@ fn judge_claim(
                             "{} pairs of frames may be meant, and none has this transform: `aliases:` in frames-lint.yaml says which",
                             several.len()
                         ),
-                    };
-                    out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+                    });
                     return None;
                 }
             };
@@ -191,8 +191,7 @@ fn judge_claim(
             });
         }
         _ => {
-            let why = "several frames of the platform fit alike";
-            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            out.too_little(subject, "several frames of the platform fit alike");
         }
     }
     None
@@ -274,6 +273,49 @@ fn candidates<'g>(graph: &'g FrameGraph, target: &FrameId, source: &FrameId) -> 
     found
 }
 
+/// Whether a transform is that of a candidate, as it is or with a convention error, to the last digits.
+fn is_met(candidate: &Candidate<'_>, pose: &Isometry3<f64>, exact: &exact::Limits) -> bool {
+    let difference = candidate.pose.inv_mul(pose);
+    let is_equal = difference.rotation.angle().to_degrees() <= exact.exact_deg
+        && difference.translation.vector.norm() <= exact.exact_m;
+    let found = || classify(&candidate.pose, pose, &Tolerance::default());
+    is_equal || Some(found()).is_some_and(|found| found.error().is_some() && exact.fits(&candidate.pose, &found))
+}
+
+/// Pairs of which one frame is of the right kind, and the other is called anything, whose transform is met to the last digits and not by
+/// chance. One frame has to be of its kind: of two strangers nothing tells the direction.
+fn by_numbers<'g>(
+    graph: &'g FrameGraph,
+    target: &FrameId,
+    source: &FrameId,
+    pose: &Isometry3<f64>,
+    exact: &exact::Limits,
+) -> Vec<Candidate<'g>> {
+    let length_m = pose.translation.vector.norm();
+    let mut found: Vec<Candidate<'g>> = Vec::new();
+    let mut look = |target: &'g FrameId, source: &'g FrameId| {
+        let Some((pose_of, _)) = graph.chain(target, source, |edge| edge.is_rigid) else { return };
+        let candidate = Candidate { target, source, pose: pose_of };
+        // What every convention error leaves as it is, comes first: it is cheap.
+        let is_near = (candidate.pose.translation.vector.norm() - length_m).abs() <= exact.exact_m;
+        // Frames in one place are one candidate.
+        let is_new = |one: &Candidate| {
+            let apart = one.pose.inv_mul(&candidate.pose);
+            apart.rotation.angle().to_degrees() > exact.exact_deg || apart.translation.vector.norm() > exact.exact_m
+        };
+        if target != source && is_near && exact.tells_alone(&candidate.pose) && found.iter().all(is_new) && is_met(&candidate, pose, exact) {
+            found.push(candidate);
+        }
+    };
+    for target in meant(graph, target) {
+        graph.frames.iter().for_each(|source| look(target, source));
+    }
+    for source in meant(graph, source) {
+        graph.frames.iter().for_each(|target| look(target, source));
+    }
+    found
+}
+
 /// The platform's frames that a program's word for a sensor may mean.
 fn meant<'g>(graph: &'g FrameGraph, role: &FrameId) -> Vec<&'g FrameId> {
     if let Some(own) = graph.frames.get(&role.canonical()) {
@@ -282,7 +324,7 @@ fn meant<'g>(graph: &'g FrameGraph, role: &FrameId) -> Vec<&'g FrameId> {
     let of = |test: &dyn Fn(&FrameId) -> bool| graph.frames.iter().filter(|frame| test(frame)).collect::<Vec<_>>();
     let lidars: &[&[&str]] = &[names::LIDARS, names::LIDAR_MAKERS, &["velo", "os", "pandar"]];
     if has_word(role, names::CAMERAS) {
-        let all = of(&|frame| has_word(frame, names::CAMERAS));
+        let all = of(&|frame| has_word(frame, names::CAMERAS) || names::optical_stem(frame).is_some());
         // Programs that look through cameras mean the axes of images.
         let optical: Vec<&FrameId> = all
             .iter()
@@ -301,7 +343,7 @@ fn meant<'g>(graph: &'g FrameGraph, role: &FrameId) -> Vec<&'g FrameId> {
         return of(&|frame| has_word_of(frame, lidars));
     }
     if has_word(role, &["imu", "body"]) {
-        return of(&|frame| has_word(frame, &["imu", "ins"]));
+        return of(&|frame| has_word(frame, names::IMUS));
     }
     if has_word(role, &["base", "ego", "egovehicle", "vehicle", "robot"]) {
         return of(&names::is_base);

@@ -1,15 +1,11 @@
 //! CROSS05: a mounting against the one that the motions of lidar and platform determine.
 
-use crate::analysis::Estimates;
 use crate::analysis::cross::hand_eye::{Limits, at_place, solved};
-
 use crate::analysis::hand_eye::{HandEye, in_plane};
 use crate::analysis::lidar::Clouds;
 use crate::math::planar_hand_eye::Mounted;
-use crate::rules::{Evidence, Need, Rule, codes};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::rules::prelude::*;
 
-/// CROSS05.
 pub(crate) struct HandEyeCalibration;
 
 impl Rule for HandEyeCalibration {
@@ -67,7 +63,7 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Lim
             yaw_deg.abs(),
             off.norm()
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let what = match (turned, moved) {
         (true, true) => format!("lacks a yaw of {yaw_deg:+.1} deg, and is {:.2} m off", off.norm()),
@@ -102,5 +98,5 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Lim
     } else {
         finding
     };
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }

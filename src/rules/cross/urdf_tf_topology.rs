@@ -1,20 +1,12 @@
 //! CROSS06: the recording's tree hangs together otherwise than the URDF says.
 
-use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
+use crate::rules::prelude::*;
+use crate::world::{BagEvidence, FrameId, Robot, World, bag::TfEdge, robot::Joint};
 
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-use crate::world::bag::TfEdge;
-use crate::world::{BagEvidence, FrameId, Robot, World, robot::Joint};
-
-/// CROSS06.
 pub(crate) struct UrdfTfTopology;
 
-/// Limits of CROSS06.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -56,12 +48,9 @@ fn judge_bag(
         .filter_map(|edge| Some((edge, *joints.get(&edge.child.canonical())?)))
         .collect();
     if shared.is_empty() {
-        out.not_evaluated(
-            subject,
-            NotEvaluated::MissingInput,
-            "no child frame of TF is a link of this robot",
+        return out.missing(
+            subject, "no child frame of TF is a link of this robot",
         );
-        return;
     }
     let mut differing = 0;
     for (edge, joint) in &shared {

@@ -1,13 +1,12 @@
 //! GATE03: a comment to frames-lint that says nothing which it understands.
 
-use crate::rules::OfGate;
+use crate::rules::{OfPolicy, prelude::*};
 use crate::verdict::waiver::{Applied, Misspelt, WaiverKind};
-use crate::verdict::{Finding, Judge, Measured};
 
 /// The rule.
 pub(crate) struct CommentNotUnderstood;
 
-impl OfGate for CommentNotUnderstood {
+impl OfPolicy for CommentNotUnderstood {
     const PAGE: &'static str = include_str!("../../../rules/gate/comment-not-understood.md");
 
     fn judge(applied: &[Applied], misspelt: &[Misspelt], out: &mut Judge) {

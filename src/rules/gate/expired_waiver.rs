@@ -1,13 +1,12 @@
 //! GATE02: an acceptance that has run out.
 
-use crate::rules::OfGate;
+use crate::rules::{OfPolicy, prelude::*};
 use crate::verdict::waiver::{Applied, Misspelt};
-use crate::verdict::{Finding, Judge, Measured};
 
 /// The rule.
 pub(crate) struct ExpiredWaiver;
 
-impl OfGate for ExpiredWaiver {
+impl OfPolicy for ExpiredWaiver {
     const PAGE: &'static str = include_str!("../../../rules/gate/expired-waiver.md");
 
     fn judge(applied: &[Applied], _: &[Misspelt], out: &mut Judge) {
@@ -29,7 +28,7 @@ impl OfGate for ExpiredWaiver {
             out.fail(
                 Finding::warning(subject, message, waiver.place.clone())
                     .label(format!("reason: {}", waiver.reason))
-                    .help("Mend what it accepted, or accept it anew with a later day and a reason that still holds.")
+                    .help("Fix what it accepted, or accept it anew with a later day and a reason that still holds.")
                     .measured(past),
             );
         }

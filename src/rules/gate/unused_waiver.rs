@@ -1,13 +1,12 @@
 //! GATE01: an acceptance that is for nothing.
 
-use crate::rules::OfGate;
+use crate::rules::{OfPolicy, prelude::*};
 use crate::verdict::waiver::{Applied, Misspelt};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
 /// The rule.
 pub(crate) struct UnusedWaiver;
 
-impl OfGate for UnusedWaiver {
+impl OfPolicy for UnusedWaiver {
     const PAGE: &'static str = include_str!("../../../rules/gate/unused-waiver.md");
 
     fn judge(applied: &[Applied], _: &[Misspelt], out: &mut Judge) {
@@ -18,7 +17,7 @@ impl OfGate for UnusedWaiver {
             if one.matched > 0 {
                 out.pass(subject, [matched]);
             } else if let Some(why) = &one.unjudged {
-                out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+                out.too_little(subject, why);
             } else {
                 let message = format!(
                     "{} accepts nothing that was found",
@@ -28,7 +27,7 @@ impl OfGate for UnusedWaiver {
                     Finding::warning(subject, message, waiver.place.clone())
                         .label(format!("reason: {}", waiver.reason))
                         .help(
-                            "What it accepted is mended, or is called otherwise now: take it out, or it will hide the next fault of this \
+                            "What it accepted is fixed, or is called otherwise now: take it out, or it will hide the next fault of this \
                              kind.",
                         )
                         .measured(matched),

@@ -1,15 +1,9 @@
 //! GEO06: heights above mean sea level that are given as heights above the ellipsoid.
 
-use crate::analysis::Estimates;
-use crate::analysis::geo::heights::Limits;
-
+use crate::analysis::geo::heights::{Apart, Datum, Heights, Limits};
 use crate::analysis::motion::Motion;
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::rules::prelude::*;
 
-use crate::analysis::geo::heights::{Apart, Datum, Heights};
-
-/// GEO06.
 pub(crate) struct AltitudeDatum;
 
 /// How two heights stand to each other.
@@ -48,8 +42,7 @@ impl Rule for AltitudeDatum {
 fn judge_heights(heights: &Heights, others: &[&Heights], limits: &Limits, out: &mut Judge) {
     let subject = format!("altitude of {}", heights.subject);
     if others.is_empty() {
-        let why = "nothing else in the recording tells a height";
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, "nothing else in the recording tells a height");
     }
     let Some(undulation_m) = heights.undulation_m() else {
         let why = "the position is none on Earth";
@@ -60,7 +53,7 @@ fn judge_heights(heights: &Heights, others: &[&Heights], limits: &Limits, out: &
             "mean sea level lies {undulation_m:.1} m above the ellipsoid here, {} m are needed to tell them apart",
             limits.min_undulation_m
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let mut undecided = Vec::new();
     for other in others {
@@ -86,7 +79,7 @@ fn judge_heights(heights: &Heights, others: &[&Heights], limits: &Limits, out: &
         match (relation(apart, undulation_m, limits), other.datum) {
             (Relation::FirstAtSea, _) => {
                 let finding = at_sea(&subject, heights, other, apart, undulation_m);
-                return out.fail(measured.into_iter().fold(finding, Finding::measured));
+                return out.fail(finding.measured(measured));
             }
             (Relation::Same, Datum::Known) | (Relation::SecondAtSea, Datum::Claimed | Datum::Unknown) => {
                 return out.pass(subject, measured);
@@ -94,7 +87,7 @@ fn judge_heights(heights: &Heights, others: &[&Heights], limits: &Limits, out: &
             (Relation::SecondAtSea, Datum::Map) => {
                 let of_map = format!("height of {}", other.subject);
                 let finding = at_sea(&of_map, other, heights, negated(apart), undulation_m);
-                out.fail(measured.iter().cloned().fold(finding, Finding::measured));
+                out.fail(finding.measured(measured.iter().cloned()));
                 return out.pass(subject, measured);
             }
             (Relation::Same, _) => undecided.push(format!(
@@ -107,7 +100,7 @@ fn judge_heights(heights: &Heights, others: &[&Heights], limits: &Limits, out: &
             )),
         }
     }
-    out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, undecided.join("; "));
+    out.too_little(subject, undecided.join("; "));
 }
 
 fn relation(apart: Apart, undulation_m: f64, limits: &Limits) -> Relation {

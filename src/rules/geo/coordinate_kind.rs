@@ -2,21 +2,13 @@
 
 mod kinds;
 
-use crate::analysis::Estimates;
-use crate::analysis::geo::kinds::Limits;
-
-use crate::analysis::motion::Motion;
-use crate::analysis::names;
-use crate::analysis::names::Standard;
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::analysis::geo::columns::{Column, columns};
+use crate::analysis::geo::kinds::{Kind, Limits};
+use crate::analysis::{motion::Motion, names, names::Standard};
+use crate::rules::geo::coordinate_kind::kinds::{angle, earth_centred, grid, mixed};
+use crate::rules::prelude::*;
 use crate::world::{FrameId, World};
 
-use crate::analysis::geo::columns::{Column, columns};
-use crate::analysis::geo::kinds::Kind;
-use crate::rules::geo::coordinate_kind::kinds::{angle, earth_centred, grid, mixed};
-
-/// GEO03.
 pub(crate) struct CoordinateKind;
 
 impl Rule for CoordinateKind {
@@ -41,8 +33,7 @@ type Columns = std::collections::BTreeMap<FrameId, Vec<Column>>;
 
 fn judge_all(world: &World, all: Columns, limits: &Limits, out: &mut Judge) {
     if all.is_empty() && !world.bags.is_empty() {
-        let why = "no pose, transform or file tells a position in a frame of the world, but for zeros";
-        out.not_evaluated("positions", NotEvaluated::MissingInput, why);
+        out.missing("positions", "no pose, transform or file tells a position in a frame of the world, but for zeros");
     }
     for (frame, columns) in all {
         judge_frame(&frame, &columns, limits, out);
@@ -77,7 +68,7 @@ fn judge_frame(frame: &FrameId, columns: &[Column], limits: &Limits, out: &mut J
             far.subject,
             far.middle.norm() / 1e3
         );
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        out.not_applicable(subject, why);
     } else if sound {
         out.pass(subject, columns.iter().map(|column| size(column, limits)));
     }

@@ -1,16 +1,10 @@
 //! GEO02: the rotation between the Earth's frame and a local one.
 
-use crate::analysis::Estimates;
-use crate::analysis::geo::level::Limits;
-
-use crate::math::earth_turns::{EarthTurn, shown};
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
-
 use crate::analysis::geo::earth::OnEarth;
-use crate::analysis::geo::level::{Seen, expected, see};
+use crate::analysis::geo::level::{Limits, Seen, expected, see};
+use crate::math::earth_turns::{EarthTurn, shown};
+use crate::rules::prelude::*;
 
-/// GEO02.
 pub(crate) struct EcefEnuRotation;
 
 impl Rule for EcefEnuRotation {
@@ -30,28 +24,26 @@ fn judge_one(stated: &OnEarth, limits: &Limits, out: &mut Judge) {
     let (earth, local) = (&stated.earth, &stated.local);
     if !stated.is_local() {
         let why = format!("`{local}` is no frame that stands still on the Earth, by its name: it need not be level");
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     }
     if stated.has != (true, true) {
         let part = if stated.has.0 { "position" } else { "rotation" };
         let why = format!("it states no {part}: both are needed, the position to know what the rotation should be");
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, why);
     }
     let seen = stated
         .poses
         .iter()
         .filter_map(|(place, pose)| see(stated, place, pose, limits));
     let Some(worst) = seen.max_by(|a, b| a.tilt_deg.total_cmp(&b.tilt_deg)) else {
-        let far = stated
-            .poses
-            .first()
-            .map_or(f64::NAN, |(_, pose)| pose.translation.vector.norm());
+        let first = stated.poses.first();
+        let far = first.map_or(f64::NAN, |(_, pose)| pose.translation.vector.norm());
         let why = format!(
             "the origin of `{local}` lies {:.0} km from that of `{earth}`, and not on the ellipsoid: `{earth}` is not the Earth's \
              frame here (its surface is 6357 to 6378 km away)",
             far / 1e3
         );
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     };
     let excused = stated.rounding_rad.to_degrees();
     let measured = [
@@ -63,11 +55,7 @@ fn judge_one(stated: &OnEarth, limits: &Limits, out: &mut Judge) {
     if worst.tilt_deg <= limits.warning_deg.max(excused) && !worst.is_inverse {
         return out.pass(subject, measured);
     }
-    out.fail(
-        measured
-            .into_iter()
-            .fold(wrong(stated, &worst, limits), Finding::measured),
-    );
+    out.fail(wrong(stated, &worst, limits).measured(measured));
 }
 
 fn wrong(stated: &OnEarth, seen: &Seen<'_>, limits: &Limits) -> Finding {

@@ -1,19 +1,13 @@
 //! GEO04: a map that is turned and scaled as the UTM grid is.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
+use crate::analysis::geo::grid::{Grid, Laid};
+use crate::analysis::geo::overlay::{Overlay, is_way};
 use crate::analysis::motion::{Motion, Stream};
 use crate::analysis::names;
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::rules::prelude::*;
 use crate::world::motion::{FixRow, PoseRow};
 use crate::world::{EarthOrigin, FrameId, World};
 
-use crate::analysis::geo::grid::{Grid, Laid};
-use crate::analysis::geo::overlay::{Overlay, is_way};
-
-/// GEO04.
 pub(crate) struct GridConvergenceScale;
 
 /// Words of frames that say that they are a grid.
@@ -22,7 +16,6 @@ const GRIDS: &[&str] = &["utm", "mgrs", "grid"];
 /// Projections of Autoware's `map_projector_info` that are this grid.
 const PROJECTIONS: &[&str] = &["MGRS", "LocalCartesianUTM", "UTM"];
 
-/// Limits of GEO04.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -76,8 +69,7 @@ fn judge_pair(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>, li
         return out.not_evaluated(subject, too_little, why);
     }
     let Some(laid) = Laid::of(&overlay, limits.blocks) else {
-        let why = "the place is in no zone of UTM, or the poses stand still";
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, "the place is in no zone of UTM, or the poses stand still");
     };
     let receiver = overlay.receiver_deviation(limits.errors_last_s, limits.untold_m);
     let sigmas = |angle_rad: f64, scale: f64| (limits.sigmas * angle_rad.to_degrees(), limits.sigmas * scale);
@@ -124,7 +116,7 @@ fn judge_pair(world: &World, poses: &Stream<PoseRow>, fixes: &Stream<FixRow>, li
         return out.pass(subject, measured);
     }
     let finding = finding(&subject, &overlay, poses, fixes, &laid, grid);
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }
 
 /// Whether the frame says that it is a grid, by its name or by its coordinates.

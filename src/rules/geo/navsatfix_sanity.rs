@@ -1,18 +1,9 @@
 //! GEO01: positions that no receiver can mean.
 
-use crate::analysis::Estimates;
-use crate::analysis::geo::fixes::Limits;
+use crate::analysis::geo::fixes::{Limits, Position, meant, middle, misread, others};
+use crate::rules::prelude::*;
+use crate::world::{BagEvidence, World, bag::TopicEvidence, content::FixEvidence};
 
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
-use crate::world::bag::TopicEvidence;
-use crate::world::content::FixEvidence;
-use crate::world::{BagEvidence, World};
-
-use crate::analysis::geo::fixes::{Position, meant, middle, misread, others};
-
-/// GEO01.
 pub(crate) struct NavsatfixSanity;
 
 impl Rule for NavsatfixSanity {
@@ -34,9 +25,7 @@ impl Rule for NavsatfixSanity {
 fn judge_fixes(world: &World, bag: &BagEvidence, subject: &str, fixes: &FixEvidence, limits: &Limits, out: &mut Judge) {
     let with_fix = fixes.count.saturating_sub(fixes.no_fix);
     if with_fix == 0 {
-        let why = "no message says that it has a fix";
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
-        return;
+        return out.too_little(subject, "no message says that it has a fix");
     }
     let listed = [
         (

@@ -2,20 +2,15 @@
 
 mod own;
 
-use crate::analysis::Estimates;
-use crate::analysis::geo::origins::Limits;
 use nalgebra::Vector3;
 
+use crate::analysis::geo::apart::{between, direction, told};
+use crate::analysis::geo::origins::{By, Limits, Origin, origins};
 use crate::math::geoid::undulation_m;
-use crate::rules::{Evidence, Need, Rule};
+use crate::rules::prelude::*;
 use crate::source::Confidence;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
 use crate::world::{EarthOrigin, World};
 
-use crate::analysis::geo::apart::{between, direction, told};
-use crate::analysis::geo::origins::{By, Origin, origins};
-
-/// GEO07.
 pub(crate) struct OriginConsistency;
 
 impl Rule for OriginConsistency {
@@ -30,7 +25,7 @@ impl Rule for OriginConsistency {
         }
         let (all, left_out) = origins(world, limits);
         for why in left_out {
-            out.not_evaluated("origin", NotEvaluated::TooLittleEvidence, why);
+            out.too_little("origin", why);
         }
         own::judge(world, &all, limits, out);
         let Some((reference, others)) = all.split_first() else {
@@ -44,7 +39,7 @@ impl Rule for OriginConsistency {
                 "only {} says where the origin lies: two are needed to compare",
                 reference.who
             );
-            return out.not_evaluated("origin", NotEvaluated::MissingInput, why);
+            return out.missing("origin", why);
         }
         for other in nearest_of_alternatives(reference, others) {
             // What a drive says itself is held against that drive's own origin.
@@ -114,7 +109,7 @@ fn judge_pair(world: &World, reference: &Origin, other: &Origin, limits: &Limits
             "the two recordings have origins {:.1} km apart: they are of two sites",
             distance_m / 1e3
         );
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     }
     if distance_m <= warning_m {
         return out.pass(subject, [measured]);
@@ -137,7 +132,7 @@ fn judge_pair(world: &World, reference: &Origin, other: &Origin, limits: &Limits
         ))
     );
     let help = if by_track {
-        "the poses and the origin that is stated do not fit: the map was made about another origin, or the poses are not told in it"
+        "the poses and the origin that is stated do not fit: the map was made about another origin, or the poses are not expressed in it"
     } else if two_drives {
         "a map that was made on one drive is shifted on the other: write the origin down once, and load it"
     } else {

@@ -1,24 +1,15 @@
 //! GEO05: how far from its origin a tangent plane is used.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
+use crate::analysis::geo::curvature::{Curvature, Follows};
+use crate::analysis::geo::overlay::{Overlay, is_way};
 use crate::analysis::motion::{Motion, Stream};
+use crate::analysis::{geo::earth::OnEarth, geo::plane::Plane};
 use crate::math::geodesy::{Geodetic, tangent_departure_m};
-use crate::rules::{Evidence, Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::rules::prelude::*;
 use crate::world::motion::PoseRow;
 
-use crate::analysis::geo::curvature::{Curvature, Follows};
-use crate::analysis::geo::earth::OnEarth;
-use crate::analysis::geo::overlay::{Overlay, is_way};
-use crate::analysis::geo::plane::Plane;
-
-/// GEO05.
 pub(crate) struct TangentPlaneRange;
 
-/// Limits of GEO05.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -65,7 +56,7 @@ impl Rule for TangentPlaneRange {
                         judge_track(&subject, &poses.place(), &origin, &overlay, limits, out);
                     } else {
                         let why = "poses and fixes have no time in common, or no turn takes one way to the other";
-                        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+                        out.too_little(subject, why);
                     }
                 }
             }
@@ -83,15 +74,14 @@ fn measured(distance_m: f64, departure_m: f64, tilt_deg: f64, limits: &Limits) -
 
 fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
     let Some((distance_m, who)) = &plane.reach else {
-        let why = format!("no poses are told in `{}`, and there are no fixes", plane.local);
-        return out.not_evaluated(plane.subject, NotEvaluated::MissingInput, why);
+        return out.missing(plane.subject, format!("no poses are expressed in `{}`, and there are no fixes", plane.local));
     };
     if *distance_m > limits.elsewhere_m {
         let why = format!(
             "{who} is {:.0} km from the origin: that is no plane that is used too far away, but another place on the Earth",
             distance_m / 1e3
         );
-        return out.not_evaluated(plane.subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(plane.subject, why);
     }
     let radius_m = plane.origin.gaussian_radius_m();
     let (departure_m, tilt_deg) = (
@@ -148,11 +138,11 @@ fn judge_plane(plane: &Plane<'_>, limits: &Limits, out: &mut Judge) {
                 "{distance_m:.0} m from the origin the plane and the ellipsoid are {departure_m:.2} m apart, and the heights of the poses in \
                  `{local}` do not tell which of them they follow"
             );
-            return out.not_evaluated(plane.subject, NotEvaluated::TooLittleEvidence, why);
+            return out.too_little(plane.subject, why);
         }
         _ => return out.pass(plane.subject, measured),
     };
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }
 
 fn judge_track(subject: &str, place: &Place, origin: &Geodetic, overlay: &Overlay, limits: &Limits, out: &mut Judge) {
@@ -164,7 +154,7 @@ fn judge_track(subject: &str, place: &Place, origin: &Geodetic, overlay: &Overla
              grid",
             distance_m / 1e3
         );
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     }
     let radius_m = origin.gaussian_radius_m();
     let (departure_m, tilt_deg) = (
@@ -189,14 +179,14 @@ fn judge_track(subject: &str, place: &Place, origin: &Geodetic, overlay: &Overla
                 .likely()
                 .relation("tangent-plane")
                 .help("heights of fixes and of elevation maps are to be converted in all three coordinates, not by a shift");
-            out.fail(measured.into_iter().fold(finding, Finding::measured));
+            out.fail(finding.measured(measured));
         }
         _ => {
             let why = format!(
                 "{distance_m:.0} m from the origin a plane and the ellipsoid are {departure_m:.2} m apart, and the heights of the poses do \
                  not tell which of them they follow; no transform from the Earth's frame says it either"
             );
-            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            out.too_little(subject, why);
         }
     }
 }

@@ -1,21 +1,16 @@
 //! NAME05: frames named forward-right-down or forward-left-up that are turned otherwise.
 
-use crate::analysis::Estimates;
 use nalgebra::UnitQuaternion;
-use serde::Deserialize;
 
 use crate::analysis::promised::BodyAxes;
 use crate::analysis::suffix::{known_turn, off_deg, place_of, relation_to, siblings};
 use crate::math::relation::Relation;
-use crate::rules::{Need, Rule};
-use crate::source::{Confidence, Place};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::rules::prelude::*;
+use crate::source::Confidence;
 use crate::world::{Claim, ClaimKind, FrameId, World};
 
-/// NAME05.
 pub(crate) struct FluFrdSuffix;
 
-/// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -64,8 +59,7 @@ fn judge_frame(world: &World, frame: &FrameId, axes: BodyAxes, limits: &Limits, 
         let of_both =
             axes == BodyAxes::Flu && !siblings(world, frame, axes.word(), Some(BodyAxes::Frd.word())).is_empty();
         if !of_both {
-            let reason = format!("no transform to a frame of the same name without `{}`", axes.word());
-            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
+            out.too_little(subject, format!("no transform to a frame of the same name without `{}`", axes.word()));
         }
         return;
     };
@@ -127,8 +121,7 @@ fn judge_pair(pair: &Pair, place: Place, limits: &Limits, out: &mut Judge) {
         .turn()
         .limit(limits.max_deg);
     if deg <= limits.max_deg {
-        out.pass(pair.subject.as_str(), [off]);
-        return;
+        return out.pass(pair.subject.as_str(), [off]);
     }
     let relation = known_turn(&pair.other_from_frame, limits.max_deg);
     let message = format!(

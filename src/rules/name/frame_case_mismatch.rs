@@ -1,16 +1,14 @@
 //! NAME01: one frame spelled in two ways that differ only in case.
 
-use crate::analysis::Estimates;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::advice::places;
 use crate::analysis::names;
-use crate::rules::{Need, NoLimits, Rule};
+use crate::rules::prelude::*;
 use crate::source::SourceId;
-use crate::verdict::{Finding, Judge, Measured, Safety};
+use crate::verdict::Safety;
 use crate::world::{FrameId, FrameRole, FrameUse, World};
 
-/// NAME01.
 pub(crate) struct FrameCaseMismatch;
 
 impl Rule for FrameCaseMismatch {

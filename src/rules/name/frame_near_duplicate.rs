@@ -1,20 +1,14 @@
 //! NAME03: a frame that no transform knows, with a name very like one that is known.
 
-use crate::analysis::Estimates;
 use std::collections::{BTreeMap, BTreeSet};
-
-use serde::Deserialize;
 
 use crate::analysis::near::{Near, Reach, nearest};
 use crate::analysis::{names, spelling};
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured};
+use crate::rules::prelude::*;
 use crate::world::{FrameId, FrameRole, FrameUse, World};
 
-/// NAME03.
 pub(crate) struct FrameNearDuplicate;
 
-/// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -1,18 +1,14 @@
 //! NAME02: blanks, slashes and invisible characters in frame names.
 
-use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
 use crate::advice::places;
-use crate::analysis::spelling;
-use crate::analysis::spelling::Fault;
-use crate::analysis::tf;
-use crate::rules::{Need, NoLimits, Rule};
-use crate::source::{Confidence, Place, SourceId, SourceKind};
-use crate::verdict::{Finding, Judge, Measured, Safety, Severity};
+use crate::analysis::{spelling, spelling::Fault, tf};
+use crate::rules::prelude::*;
+use crate::source::{Confidence, SourceId, SourceKind};
+use crate::verdict::Safety;
 use crate::world::{FrameId, FrameRole, FrameUse, World};
 
-/// NAME02.
 pub(crate) struct FrameWhitespaceOrSlash;
 
 impl Rule for FrameWhitespaceOrSlash {

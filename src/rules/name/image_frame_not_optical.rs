@@ -1,17 +1,11 @@
 //! NAME07: images and camera calibrations whose frame is not the camera's optical one.
 
-use crate::analysis::Estimates;
+use crate::analysis::name::cameras::{Camera, cameras, optical_beside, up};
 use crate::analysis::name::image_frame::{Limits, UPWARD_WORDS};
-
 use crate::analysis::names::has_word;
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::rules::prelude::*;
 use crate::world::{BagEvidence, FrameId, World};
 
-use crate::analysis::name::cameras::{Camera, cameras, optical_beside, up};
-
-/// NAME07.
 pub(crate) struct ImageFrameNotOptical;
 
 impl Rule for ImageFrameNotOptical {
@@ -32,14 +26,12 @@ fn judge_camera(world: &World, bag: &BagEvidence, frame: &FrameId, camera: &Came
     let subject = format!("camera frame `{frame}` of {}", world.path(bag.source));
     let messages = Measured::new("messages", camera.count as f64, "count").samples(camera.count);
     if frame.has_token("optical") {
-        out.pass(subject, [messages]);
-        return;
+        return out.pass(subject, [messages]);
     }
     if !camera.is_camera(frame) {
         let reason =
             "no camera calibration has this frame, and it is not named like a camera's: lidars give images too";
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
-        return;
+        return out.not_applicable(subject, reason);
     }
     let place = Place::message(bag.source, camera.first.clone());
     let help = "an image's frame_id is the camera's optical frame: z forward, x right, y down (REP-103, CameraInfo.msg); \
@@ -53,11 +45,10 @@ fn judge_camera(world: &World, bag: &BagEvidence, frame: &FrameId, camera: &Came
             .help(help)
             .measured(messages)
             .relation("optical");
-        out.fail(match stated {
+        return out.fail(match stated {
             Some(stated) => finding.related(stated, "the optical frame"),
             None => finding,
         });
-        return;
     }
     let Some((base, z_up)) = up(world, frame) else {
         let message = format!(
@@ -65,11 +56,10 @@ fn judge_camera(world: &World, bag: &BagEvidence, frame: &FrameId, camera: &Came
             camera.topic
         );
         let finding = Finding::note(subject, message, place).hint().measured(messages);
-        out.fail(
+        return out.fail(
             finding
                 .help("call it `..._optical_frame` if its z axis looks ahead; publish an optical frame if it does not"),
         );
-        return;
     };
     let measured = Measured::new("share of the vertical in z", z_up, "1").limit(limits.min_up);
     if z_up > limits.min_up && !has_word(frame, UPWARD_WORDS) {
@@ -83,8 +73,7 @@ fn judge_camera(world: &World, bag: &BagEvidence, frame: &FrameId, camera: &Came
             .help(help);
         out.fail(finding.measured(measured).measured(messages));
     } else if z_up.abs() > limits.min_up {
-        let reason = "its z axis is vertical, and the camera may look straight up or down";
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
+        out.too_little(subject, "its z axis is vertical, and the camera may look straight up or down");
     } else {
         out.pass(subject, [measured, messages]);
     }

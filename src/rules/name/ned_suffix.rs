@@ -1,20 +1,14 @@
 //! NAME04: frames named north-east-down (or east-north-up, north-west-up) that are turned otherwise.
 
-use crate::analysis::Estimates;
 use nalgebra::{Isometry3, Vector3};
-use serde::Deserialize;
 
-use crate::analysis::names;
-use crate::analysis::promised::Axes;
 use crate::analysis::suffix::{known_turn, off_deg, place_of, relation_to, siblings};
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::analysis::{names, promised::Axes};
+use crate::rules::prelude::*;
 use crate::world::{FrameId, World};
 
-/// NAME04.
 pub(crate) struct NedSuffix;
 
-/// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -37,8 +31,8 @@ impl Rule for NedSuffix {
                 .find_map(|sibling| Some((sibling, relation_to(world, sibling, frame)?)));
             match found {
                 None => {
-                    let reason = format!("no transform to a frame of the same name without `{}`", axes.word());
-                    out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
+                    let why = format!("no transform to a frame of the same name without `{}`", axes.word());
+                    out.too_little(subject, why);
                 }
                 Some((sibling, sibling_from_frame)) => {
                     judge_pair(world, (frame, axes), sibling, &sibling_from_frame, limits, out);
@@ -67,8 +61,7 @@ fn judge_pair(
         .turn()
         .limit(limits.max_deg);
     if deg <= limits.max_deg {
-        out.pass(subject, [off]);
-        return;
+        return out.pass(subject, [off]);
     }
     let relation = known_turn(&seen, limits.max_deg);
     let Some(place) = place_of(world, frame) else {

@@ -1,21 +1,16 @@
 //! NAME06: camera frames named optical that are not turned to optical axes.
 
-use crate::analysis::Estimates;
-use crate::analysis::name::optical::{Limits, OPTICAL_RPY, off, tells};
 use nalgebra::UnitQuaternion;
 
 use crate::advice::places;
-use crate::analysis::names;
-use crate::analysis::optical::mounts;
-use crate::math::constants::AxisTurn;
+use crate::analysis::name::optical::{Limits, OPTICAL_RPY, off, tells};
+use crate::analysis::{names, optical::mounts};
 use crate::math::relation::{Relation, Tolerance, classify_rotation};
-use crate::math::rotation::rotation_angle_between;
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Safety};
-use crate::world::graph::FrameGraph;
-use crate::world::{FrameId, World};
+use crate::math::{constants::AxisTurn, rotation::rotation_angle_between};
+use crate::rules::prelude::*;
+use crate::verdict::Safety;
+use crate::world::{FrameId, World, graph::FrameGraph};
 
-/// NAME06.
 pub(crate) struct OpticalSuffix;
 
 impl Rule for OpticalSuffix {
@@ -37,28 +32,23 @@ fn judge_frame(world: &World, graph: &FrameGraph, frame: &FrameId, stem: &[Strin
     let subject = format!("frame `{frame}`");
     let mounts = mounts(graph, frame, stem);
     let Some(worst) = mounts.iter().max_by(|a, b| off(a).total_cmp(&off(b))) else {
-        out.not_evaluated(
-            subject,
-            NotEvaluated::TooLittleEvidence,
-            "no rigid transform to a parent is known",
+        return out.too_little(
+            subject, "no rigid transform to a parent is known",
         );
-        return;
     };
     let deg = off(worst);
     let measured = Measured::new("rotation off optical", deg, "deg")
         .turn()
         .limit(limits.exact_deg);
     if deg <= limits.exact_deg {
-        out.pass(subject, [measured]);
-        return;
+        return out.pass(subject, [measured]);
     }
     if !tells(worst, limits) {
-        let reason = format!(
+        let why = format!(
             "`{}` is not this camera's own link, and the camera may be mounted at any angle",
             worst.parent
         );
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
-        return;
+        return out.too_little(subject, why);
     }
     let place = worst
         .edge

@@ -1,17 +1,13 @@
 //! NAME08: declared products of transforms whose inner frames do not cancel.
 
-use crate::analysis::Estimates;
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::rules::{Need, NoLimits, Rule};
-use crate::source::{Confidence, Place, SourceId, SourceKind, Span};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-use crate::world::transform_name::{self, NameStyle, TransformName};
-use crate::world::{ClaimKind, DeclaredChain, Doubt, FrameId, World};
-
 use crate::analysis::name::alike::is_same;
+use crate::rules::prelude::*;
+use crate::source::{Confidence, SourceId, SourceKind, Span};
+use crate::world::transform_name::{NameStyle, TransformName};
+use crate::world::{ClaimKind, DeclaredChain, Doubt, FrameId, World, transform_name};
 
-/// NAME08.
 pub(crate) struct TransformNameCancellation;
 
 impl Rule for TransformNameCancellation {
@@ -112,13 +108,10 @@ fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
     if is_backwards && chain.factors.len() > 1 {
         let why =
             "all products of this file fit from right to left: it reads `T_a_b` as what takes points of `a` to `b`";
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-        return;
+        return out.not_applicable(subject, why);
     }
     if let Some(unknown) = &chain.not_understood {
-        let reason = format!("`{unknown}` is no name of a transform between two frames");
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
-        return;
+        return out.too_little(subject, format!("`{unknown}` is no name of a transform between two frames"));
     }
     let (Some((first, _)), Some((last, _))) = (chain.factors.first(), chain.factors.last()) else {
         return;
@@ -137,8 +130,7 @@ fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
     // With an X that does not fit between them.
     if is_conjugation(chain) && !inner.is_empty() {
         let why = "a change of basis: the first factor and the last are inverses, and what is between them is a motion";
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
-        return;
+        return out.not_applicable(subject, why);
     }
     let places = |span: Span| Place::text(chain.place.source, span);
     let joints = Measured::count("neighbours that do not cancel", inner.len()).limit(0.0);
@@ -169,8 +161,7 @@ fn judge_chain(chain: &DeclaredChain, is_backwards: bool, out: &mut Judge) {
         Some((result, at)) if inner.is_empty() => {
             let same = is_same(&result.target, &first.target) && is_same(&result.source, &last.source);
             if same {
-                out.pass(subject, [joints, outer]);
-                return;
+                return out.pass(subject, [joints, outer]);
             }
             let message = format!(
                 "the product takes `{}` to `{}`, and is declared to take `{}` to `{}`",

@@ -1,18 +1,11 @@
 //! PREC01: coordinates that are too large for float32.
 
-use crate::analysis::Estimates;
-use crate::analysis::single_precision::{single, step_of_single};
-use serde::Deserialize;
-
 use crate::analysis::lidar::Clouds;
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
+use crate::analysis::single_precision::{single, step_of_single};
+use crate::rules::prelude::*;
 
-/// PREC01.
 pub(crate) struct Float32Ulp;
 
-/// Limits of PREC01.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -42,8 +35,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         .as_ref()
         .filter(|_| points().count() >= limits.min_points)
     else {
-        let why = format!("fewer than {} points with a return were seen", limits.min_points);
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, format!("fewer than {} points with a return were seen", limits.min_points));
     };
     let types = ["x", "y", "z"].map(|name| clouds.datatype(name).unwrap_or_default());
     let is_single = types.contains(&"float32");
@@ -53,8 +45,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
             .flat_map(|point| point.xyz)
             .all(|value| f64::from(single(value)).to_bits() == value.to_bits());
     if !is_single && !types.contains(&"float64") {
-        let why = format!("coordinates of type {} have steps of their own", types[0]);
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, format!("coordinates of type {} have steps of their own", types[0]));
     }
     let step_m = if is_single || went_through {
         step_of_single(*farthest_m)
@@ -74,9 +65,9 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         Severity::Warning
     };
     let how = if is_single {
-        "told in float32"
+        "expressed in float32"
     } else {
-        "told in float64, but all of them went through float32"
+        "expressed in float64, but all of them went through float32"
     };
     let message = format!(
         "points on `{}` lie up to {:.1} km from zero, {how}: there two neighbouring numbers are {:.0} mm apart",
@@ -92,7 +83,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     )
     .relation("float32")
     .help("take a local origin off in double precision first, and publish it as a transform: map tiles have one each");
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }
 
 #[cfg(test)]

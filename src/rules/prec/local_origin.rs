@@ -1,17 +1,12 @@
 //! PREC03: coordinates far from zero, which a local origin would make small.
 
-use crate::analysis::Estimates;
 use nalgebra::Vector3;
-use serde::Deserialize;
 
 use crate::analysis::lidar::Clouds;
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::rules::prelude::*;
 
-/// PREC03.
 pub(crate) struct LocalOrigin;
 
-/// Limits of PREC03.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -35,7 +30,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("origin of the points");
     let points = || clouds.evidence.samples.iter().flat_map(|sample| &sample.points);
     let Some((_, farthest_m)) = clouds.evidence.farthest.as_ref().filter(|_| points().next().is_some()) else {
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, "no cloud has a point");
+        return out.too_little(subject, "no cloud has a point");
     };
     let measured = Measured::new("largest coordinate", *farthest_m, "m").limit(limits.far_m);
     if *farthest_m <= limits.far_m {

@@ -1,18 +1,10 @@
 //! PREC02: times of points that their type cannot hold.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
+use crate::analysis::{lidar::Clouds, single_precision::step_of_single};
+use crate::rules::prelude::*;
 
-use crate::analysis::lidar::Clouds;
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-
-use crate::analysis::single_precision::step_of_single;
-
-/// PREC02.
 pub(crate) struct PointTimePrecision;
 
-/// Limits of PREC02.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -46,7 +38,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     };
     let Some(period_s) = clouds.period_s() else {
         let why = "the clouds have no steps between their stamps: how long a scan takes is not known";
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     };
     // A time in seconds since 1970 spans nothing in float32: its unit is told by its size.
     let is_epoch_s = (1e8..1e11).contains(&largest);
@@ -54,8 +46,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         Some((unit_s, _)) => unit_s,
         None if is_epoch_s => 1.0,
         None => {
-            let why = format!("`{}` spans a scan in no unit that is known", times.field);
-            return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            return out.too_little(subject, format!("`{}` spans a scan in no unit that is known", times.field));
         }
     };
     let share = step * unit_s / period_s;
@@ -76,5 +67,5 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let finding = Finding::error(subject, message, clouds.place())
         .relation("precision")
         .help("publish times from the beginning of the scan, or in float64");
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }

@@ -1,22 +1,15 @@
 //! QUAT03: angles that give another source's rotation, or the turning of the gyro, once they are put together in another
 //! order.
 
-use crate::analysis::Estimates;
-use crate::analysis::axes::causes::Turn;
 use crate::analysis::axes::sensors::{Sensor, Sensors};
-use crate::analysis::cross::angles;
 use crate::analysis::cross::angles::{Explained, Limits, Unit};
 use crate::analysis::cross::pair::{Pair, Statement};
-use crate::analysis::cross::statements::pairs;
 use crate::analysis::motion::{Imu, Motion};
+use crate::analysis::{axes::causes::Turn, cross::angles, cross::statements::pairs, quat::by_gyro::Ordered};
 use crate::math::euler::Order;
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::rules::prelude::*;
 use crate::world::World;
 
-use crate::analysis::quat::by_gyro::Ordered;
-
-/// QUAT03.
 pub(crate) struct EulerSequence;
 
 impl Rule for EulerSequence {
@@ -41,11 +34,10 @@ impl Rule for EulerSequence {
 fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
     let subject = format!("angles of {}", pair.subject(world));
     if let Some(why) = &pair.repeats {
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     }
     if !pair.reference.has_rotation || !pair.other.has_rotation {
-        let why = "one of the two states no rotation";
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, "one of the two states no rotation");
     }
     let apart_deg = pair.classify().angle_rad.to_degrees();
     if apart_deg <= limits.equal_deg {
@@ -65,10 +57,10 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
              change as well",
             limits.off_axis_deg
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let why = format!("the rotations differ by {apart_deg:.2} deg, and no other order of the angles explains that");
-    out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+    out.not_applicable(subject, why);
 }
 
 fn finding(pair: &Pair, subject: String, found: &Explained, limits: &Limits) -> Finding {
@@ -167,11 +159,10 @@ fn judge_sensor(imu: &Imu, sensor: &Sensor, out: &mut Judge) {
                 "it turns about one axis alone ({x:.1}, {y:.1} and {z:.1} deg/s about x, y and z): another order of its angles would \
                  not show"
             );
-            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            out.too_little(subject, why);
         }
         (None, _) => {
-            let why = "it does not follow the gyro, and no order of its angles explains that";
-            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            out.not_applicable(subject, "it does not follow the gyro, and no order of its angles explains that");
         }
     }
 }

@@ -1,13 +1,8 @@
 //! QUAT05: quaternions of programs that use, or used, JPL's algebra.
 
-use crate::analysis::Estimates;
-use crate::rules::{Need, NoLimits, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured};
-use crate::world::conventions::Subject;
-use crate::world::{Doubt, World};
+use crate::rules::prelude::*;
+use crate::world::{Doubt, World, conventions::Subject};
 
-/// QUAT05.
 pub(crate) struct JplProvenance;
 
 impl Rule for JplProvenance {
@@ -40,8 +35,7 @@ fn judge_one(world: &World, subject: String, doubt: &str, place: &Place, out: &m
         .of(&file)
         .is_some_and(|declared| declared.convention.algebra.is_some());
     if is_declared {
-        out.pass(subject, [count(1)]);
-        return;
+        return out.pass(subject, [count(1)]);
     }
     let message = format!("the algebra of {subject} is not told by the file: {doubt}");
     let finding = Finding::note(subject, message, place.clone())

@@ -1,23 +1,16 @@
 //! QUAT04: a constant between two orientations stands on the side that frame names and mounts claim.
 
-use crate::advice::diagnosis::rule_of;
-use crate::analysis::Estimates;
 use nalgebra::UnitQuaternion;
-use serde::Deserialize;
 
-use crate::advice::together::tell_once;
+use crate::advice::{diagnosis::rule_of, together::tell_once};
 use crate::analysis::motion::{BagMotion, Motion};
+use crate::analysis::quat::oriented::{Claim, Oriented, oriented};
 use crate::math::constants::AxisTurn;
 use crate::math::sides::{Constant, Sides, sides};
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::rules::prelude::*;
 
-use crate::analysis::quat::oriented::{Claim, Oriented, oriented};
-
-/// QUAT04.
 pub(crate) struct LeftVsRightMultiplication;
 
-/// Limits of QUAT04.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -53,7 +46,7 @@ fn judge_bag(world: &Estimates, motion: &Motion, bag: &BagMotion, limits: &Limit
         let mut before = all.iter().take(index);
         let Some((a, claim)) = before.find_map(|a| Some((a, Claim::of(world, a, b)?))) else {
             let why = "its frames are those of no other orientation, and nothing ties them: any constant may stand on either side";
-            out.not_evaluated(&b.subject, NotEvaluated::MissingInput, why);
+            out.missing(&b.subject, why);
             continue;
         };
         off.extend(judge_pair(a, b, claim, limits, out));
@@ -64,7 +57,7 @@ fn judge_bag(world: &Estimates, motion: &Motion, bag: &BagMotion, limits: &Limit
 fn judge_pair(a: &Oriented, b: &Oriented, claim: Claim, limits: &Limits, out: &mut Judge) -> Option<Finding> {
     let subject = format!("{} against {}", b.subject, a.subject);
     let mut little = |why: String| {
-        out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
+        out.too_little(&subject, why);
         None
     };
     let pairs = pairs(a, b, &claim, limits);
@@ -109,7 +102,7 @@ fn judge_pair(a: &Oriented, b: &Oriented, claim: Claim, limits: &Limits, out: &m
     if let Some(aspect) = a.shown_by.or(b.shown_by) {
         finding = finding.unless(rule_of(aspect));
     }
-    Some(measured.into_iter().fold(finding, Finding::measured))
+    Some(finding.measured(measured))
 }
 
 fn measured(found: &Sides, pairs: usize, limits: &Limits) -> [Measured; 3] {
@@ -166,12 +159,12 @@ fn contradiction(
                 b.subject, a.subject
             ),
             "a change of the world belongs on the left, `new_from_world * world_from_body`; if the body is another one, give it a frame \
-             of its own, or mend its mount in TF",
+             of its own, or fix its mount in TF",
         )
     } else {
         (
             format!(
-                "{} and {} are both told in `{}`, yet differ by a constant of the world, {degrees:.0} deg{axis}, multiplied from the left",
+                "{} and {} are both expressed in `{}`, yet differ by a constant of the world, {degrees:.0} deg{axis}, multiplied from the left",
                 b.subject,
                 a.subject,
                 name(&a.world)

@@ -1,17 +1,13 @@
 //! QUAT01: an orientation against the integral of its gyro.
 
-use crate::analysis::Estimates;
-use crate::analysis::quat::ways::{Limits, Turned};
-
 use crate::advice::diagnosis::explain;
 use crate::analysis::axes::causes::{Aspect, Turn};
-use crate::analysis::axes::diagnosis::Diagnosis;
-use crate::analysis::axes::sensors::Sensors;
 use crate::analysis::motion::{Imu, Motion};
-use crate::rules::{Evidence, Need, Rule, codes};
-use crate::verdict::{Finding, Judge, Measured};
+use crate::analysis::quat::ways::{Limits, Turned};
+use crate::analysis::{axes::diagnosis::Diagnosis, axes::sensors::Sensors};
+use crate::rules::prelude::*;
+use crate::verdict::UNEXPLAINED;
 
-/// QUAT01.
 pub(crate) struct QuaternionConvention;
 
 impl Rule for QuaternionConvention {
@@ -63,12 +59,20 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
     };
     let message = format!(
         "the orientation of `{}` {what}: over {:.0} deg of rotation {:.0} % of the gyro's turning is left unexplained as published, \
-         {:.0} % by the inverse, {:.0} % read as w x y z{}",
+         {:.0} % by the inverse, {:.0} % read as w x y z{}{}",
         imu.stream.topic,
         turned.rotation_deg,
         100.0 * turned.as_published.residual,
         100.0 * turned.inverse.residual,
         100.0 * turned.reordered.residual,
+        if turned.class == Turn::Unrelated {
+            format!(
+                ", {:.0} % with the gyro's axes changed or negated",
+                100.0 * turned.other_axes
+            )
+        } else {
+            String::new()
+        },
         diagnosis.words()
     );
     let otherwise = match turned.class {
@@ -78,17 +82,17 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
         Turn::Unrelated => "look for fields of another message, degrees for radians, or an Euler order",
         _ => "compare the driver's axes of orientation and gyro: both are of the sensor's frame (REP-145)",
     };
-    let finding = explain(
-        diagnosis,
-        imu,
-        Aspect::Turn,
-        Finding::error(subject, message, imu.stream.place()).likely(),
-        otherwise,
-    );
+    let finding = Finding::error(subject, message, imu.stream.place()).likely();
+    let finding = if turned.class == Turn::Unrelated {
+        finding.relation(UNEXPLAINED)
+    } else {
+        finding
+    };
+    let finding = explain(diagnosis, imu, Aspect::Turn, finding, otherwise);
     let finding = if turned.class == Turn::Ordered {
         finding.unless(codes::QUAT03)
     } else {
         finding
     };
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }

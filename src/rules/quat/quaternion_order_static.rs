@@ -3,19 +3,15 @@
 
 mod level;
 
-use crate::analysis::Estimates;
-use crate::analysis::quat::level::Limits;
 use std::collections::BTreeMap;
 
 use crate::advice::tally::Tally;
-use crate::rules::{Evidence, Need, Rule};
+use crate::analysis::quat::level::Limits;
+use crate::analysis::quat::listed::{Listed, Slot, said_by_key};
+use crate::rules::prelude::*;
 use crate::source::SourceId;
-use crate::verdict::{Finding, Judge, Measured};
 use crate::world::{ClaimKind, Spelling, World};
 
-use crate::analysis::quat::listed::{Listed, Slot, said_by_key};
-
-/// QUAT02.
 pub(crate) struct QuaternionOrderStatic;
 
 impl Rule for QuaternionOrderStatic {

@@ -1,6 +1,5 @@
 //! ROT08: degrees where radians are read.
 
-use crate::analysis::Estimates;
 use std::f64::consts::{FRAC_PI_4, TAU};
 
 use nalgebra::UnitQuaternion;
@@ -8,17 +7,14 @@ use nalgebra::UnitQuaternion;
 use crate::advice::literal::{rewrite, spell, with_fix};
 use crate::advice::tally::Tally;
 use crate::analysis::pairs::{Pairs, Statement};
+use crate::analysis::rot::angles::{Angles, stated};
 use crate::math::rotation::{from_rpy, rotation_angle_between};
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, Safety};
+use crate::rules::prelude::*;
+use crate::verdict::Safety;
 use crate::world::World;
 
-use crate::analysis::rot::angles::{Angles, stated};
-
-/// ROT08.
 pub(crate) struct AngleUnit;
 
-/// Limits of ROT08.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -1,18 +1,15 @@
 //! ROT03: a 4x4 matrix whose bottom row is not 0 0 0 1.
 
-use crate::analysis::Estimates;
 use nalgebra::Matrix3;
 
 use crate::advice::literal::{rewrite, with_fix};
 use crate::advice::tally::Tally;
+use crate::analysis::rot::parts::Parts;
 use crate::math::rotation::orthogonality_error;
-use crate::rules::{Need, NoLimits, Rule};
-use crate::verdict::{Edit, Finding, Judge, Measured, NotEvaluated, Safety};
+use crate::rules::prelude::*;
+use crate::verdict::{Edit, Safety};
 use crate::world::World;
 
-use crate::analysis::rot::parts::Parts;
-
-/// ROT03.
 pub(crate) struct HomogeneousLayout;
 
 impl Rule for HomogeneousLayout {
@@ -28,10 +25,8 @@ impl Rule for HomogeneousLayout {
                 continue;
             }
             let Some(row) = parts.bottom_row() else {
-                out.not_evaluated(
-                    parts.subject(world),
-                    NotEvaluated::NotApplicable,
-                    "not a 4x4 matrix: it has no bottom row",
+                out.not_applicable(
+                    parts.subject(world), "not a 4x4 matrix: it has no bottom row",
                 );
                 continue;
             };

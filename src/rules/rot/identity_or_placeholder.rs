@@ -1,16 +1,12 @@
 //! ROT07: a sensor mounted exactly nowhere, or exactly where another one is.
 
-use crate::analysis::Estimates;
 use nalgebra::Isometry3;
 
 use crate::advice::tally::Tally;
-use crate::rules::{Need, NoLimits, Rule};
-use crate::verdict::{Finding, Judge, Measured};
+use crate::analysis::rot::sensors::{Mounting, mountings};
+use crate::rules::prelude::*;
 use crate::world::World;
 
-use crate::analysis::rot::sensors::{Mounting, mountings};
-
-/// ROT07.
 pub(crate) struct IdentityOrPlaceholder;
 
 impl Rule for IdentityOrPlaceholder {

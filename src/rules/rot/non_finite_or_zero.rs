@@ -1,20 +1,12 @@
 //! ROT05: NaN, infinity and the quaternion of all zeros.
 
-use crate::advice::literal::is_spelled_non_finite;
-use crate::advice::tally::Tally;
-use crate::analysis::Estimates;
-use crate::analysis::places::cover;
+use crate::advice::{literal::is_spelled_non_finite, tally::Tally};
+use crate::analysis::{places::cover, rot::quaternions, rot::urdf_numbers::number_lists};
 use crate::math::rotation::quaternion_norm;
-use crate::rules::{Need, NoLimits, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured};
+use crate::rules::prelude::*;
 use crate::world::bag::{BagEvidence, Faults, TfEdge};
 use crate::world::{Claim, ClaimKind, Literal, Robot, Spelling, World};
 
-use crate::analysis::rot::quaternions;
-use crate::analysis::rot::urdf_numbers::number_lists;
-
-/// ROT05.
 pub(crate) struct NonFiniteOrZero;
 
 impl Rule for NonFiniteOrZero {

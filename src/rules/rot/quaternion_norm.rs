@@ -2,22 +2,14 @@
 
 use crate::advice::literal::{rewrite, spell, with_fix};
 use crate::advice::tally::Tally;
-use crate::analysis::Estimates;
-use crate::analysis::places::cover;
+use crate::analysis::{places::cover, rot::quaternions, rot::quaternions::Stated};
 use crate::math::rotation::{allowed_quaternion_norm_error, quaternion_norm};
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, Safety, Severity};
-use crate::world::bag::TfEdge;
-use crate::world::{BagEvidence, World};
+use crate::rules::prelude::*;
+use crate::verdict::Safety;
+use crate::world::{BagEvidence, World, bag::TfEdge};
 
-use crate::analysis::rot::quaternions;
-use crate::analysis::rot::quaternions::Stated;
-
-/// ROT04.
 pub(crate) struct QuaternionNorm;
 
-/// Limits of ROT04.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -80,8 +72,7 @@ fn judge_stated(world: &World, stated: &Stated, limits: &Limits, right: &mut Tal
         .help(help)
         .measured(measured);
     if error.abs() >= limits.fix {
-        out.fail(finding);
-        return;
+        return out.fail(finding);
     }
     let edits = stated
         .literals
@@ -107,8 +98,7 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, right: &mut Tal
                     .limit(1.0)
                     .samples(edge.denormalized.count),
             );
-        out.fail(finding);
-        return;
+        return out.fail(finding);
     }
     let measured = Measured::new("largest deviation of the norm from 1", edge.worst_norm_error, "1")
         .limit(limits.published)

@@ -1,21 +1,15 @@
 //! ROT01: a matrix that mirrors.
 
-use crate::analysis::Estimates;
 use nalgebra::Rotation3;
 
 use crate::advice::tally::Tally;
-use crate::analysis::pairs::Pairs;
+use crate::analysis::{pairs::Pairs, rot::parts::Parts};
 use crate::math::rotation::{Diagnosis, Flip, allowed_orthogonality_error, det, diagnose};
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::rules::prelude::*;
 use crate::world::World;
 
-use crate::analysis::rot::parts::Parts;
-
-/// ROT01.
 pub(crate) struct RotationDeterminant;
 
-/// Limits of ROT01.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -1,14 +1,10 @@
 //! ROT10: what the angles that other rules found do to far points.
 
-use serde::Deserialize;
+use crate::rules::{Review, prelude::*};
+use crate::verdict::{Outcome, PlaceRole, Row};
 
-use crate::rules::Review;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Outcome, PlaceRole, Row};
-
-/// ROT10.
 pub(crate) struct RotationErrorBudget;
 
-/// Limits of ROT10.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -33,13 +29,9 @@ impl Limits {
 
 /// The largest of the angles that are the turn of something, degrees, without its sign.
 fn turn_deg(measured: &[Measured]) -> Option<f64> {
-    let turns = measured
-        .iter()
-        .filter(|measured| measured.is_turn && measured.unit == "deg");
-    let angles = turns
-        .map(|measured| measured.value.abs())
-        .filter(|angle| angle.is_finite());
-    angles.max_by(f64::total_cmp)
+    let turns = measured.iter().filter(|one| one.is_turn && one.unit == "deg");
+    let angles = turns.map(|one| one.value.abs());
+    angles.filter(|angle| angle.is_finite()).max_by(f64::total_cmp)
 }
 
 impl Review for RotationErrorBudget {
@@ -49,8 +41,7 @@ impl Review for RotationErrorBudget {
     fn review(found: &mut [Finding], rows: &[Row], limits: &Limits, out: &mut Judge) {
         let subject = "angles of the findings";
         let mut worst: Option<(f64, &Finding)> = None;
-        let mut others = 0;
-        let mut beyond = 0;
+        let (mut others, mut beyond) = (0, 0);
         for finding in found {
             let Some(turn_deg) = turn_deg(&finding.measured).filter(|angle| *angle > 0.0) else {
                 continue;
@@ -75,15 +66,12 @@ impl Review for RotationErrorBudget {
                     .samples(angles.len() as u64);
                 return out.pass(subject, std::iter::once(angle).chain(limits.measured(turn_deg)));
             }
-            let why = if beyond > 0 {
-                format!(
-                    "the angles that were found are all beyond {} deg: another direction altogether, no error of one",
-                    limits.max_deg
-                )
-            } else {
-                "no rule measured an angle that something is turned by".to_owned()
-            };
-            return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            if beyond == 0 {
+                return out.not_applicable(subject, "no rule measured an angle that something is turned by");
+            }
+            let why = "the angles that were found are all beyond";
+            let why = format!("{why} {} deg: another direction altogether, no error of one", limits.max_deg);
+            return out.not_applicable(subject, why);
         };
         let Some(primary) = finding.places.iter().find(|label| label.role == PlaceRole::Primary) else {
             return;
@@ -106,7 +94,7 @@ impl Review for RotationErrorBudget {
         let note = Finding::note(subject, message, primary.place.clone())
             .help("r * sin(angle): hold it against what the map, the labels or the planner need at the ranges that matter")
             .measured(Measured::new("angle", turn_deg, "deg").limit(limits.max_deg).samples(others));
-        out.fail(limits.measured(turn_deg).into_iter().fold(note, Finding::measured));
+        out.fail(note.measured(limits.measured(turn_deg)));
     }
 }
 

@@ -1,20 +1,16 @@
 //! ROT02: a matrix whose axes are not perpendicular or not of length one.
 
-use crate::analysis::Estimates;
 use nalgebra::Rotation3;
 
 use crate::advice::tally::Tally;
+use crate::analysis::rot::parts::Parts;
 use crate::math::rotation::{Diagnosis, allowed_orthogonality_error, diagnose, nearest_rotation, orthogonality_error};
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Safety, Severity};
+use crate::rules::prelude::*;
+use crate::verdict::Safety;
 use crate::world::World;
 
-use crate::analysis::rot::parts::Parts;
-
-/// ROT02.
 pub(crate) struct RotationOrthogonality;
 
-/// Limits of ROT02.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

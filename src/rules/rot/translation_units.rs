@@ -1,22 +1,18 @@
 //! ROT06: a translation in millimetres or centimetres where metres are read.
 
-use crate::analysis::Estimates;
 use nalgebra::Vector3;
 
 use crate::advice::literal::{rewrite, spell, with_fix};
 use crate::advice::tally::Tally;
 use crate::analysis::pairs::{Pairs, Statement};
-use crate::rules::{Need, Rule};
+use crate::analysis::rot::translations::{Stated, by_source};
+use crate::rules::prelude::*;
 use crate::source::SourceId;
-use crate::verdict::{Finding, Judge, Measured, Safety, Severity};
+use crate::verdict::Safety;
 use crate::world::World;
 
-use crate::analysis::rot::translations::{Stated, by_source};
-
-/// ROT06.
 pub(crate) struct TranslationUnits;
 
-/// Limits of ROT06.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

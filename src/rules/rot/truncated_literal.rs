@@ -1,22 +1,17 @@
 //! ROT09: pi written with so few digits that far points are drawn elsewhere.
 
-use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
 use crate::advice::literal::{rewrite, with_fix};
 use crate::advice::tally::Tally;
-use crate::rules::{Need, Rule};
-use crate::source::{Place, SourceId};
-use crate::verdict::{Finding, Judge, Measured, Safety};
+use crate::analysis::{rot::angles::stated, rot::short_pi::meant};
+use crate::rules::prelude::*;
+use crate::source::SourceId;
+use crate::verdict::Safety;
 use crate::world::{Literal, World};
 
-use crate::analysis::rot::angles::stated;
-use crate::analysis::rot::short_pi::meant;
-
-/// ROT09.
 pub(crate) struct TruncatedLiteral;
 
-/// Limits of ROT09.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -68,11 +63,8 @@ impl Rule for TruncatedLiteral {
             }
         }
         for (source, mut short) in found {
-            short.sort_by(|a, b| {
-                b.error_rad()
-                    .total_cmp(&a.error_rad())
-                    .then(a.literal.span.cmp(&b.literal.span))
-            });
+            let by_error = |a: &Truncated, b: &Truncated| b.error_rad().total_cmp(&a.error_rad());
+            short.sort_by(|a, b| by_error(a, b).then(a.literal.span.cmp(&b.literal.span)));
             if let Some(finding) = finding(world, source, &short, limits) {
                 out.fail(finding);
             }
@@ -89,18 +81,13 @@ fn finding(world: &World, source: SourceId, short: &[Truncated], limits: &Limits
     let worst = short.first()?;
     let place = |short: &Truncated| Place::text(source, short.literal.span);
     let error_mm = lateral_mm(worst.error_rad(), limits);
+    let (path, count) = (world.path(source), short.len());
+    let what = match count {
+        1 => format!("an angle of {path} is a truncated multiple of pi"),
+        _ => format!("{count} angles of {path} are truncated multiples of pi, the worst"),
+    };
     let message = format!(
-        "{} of {} {}: `{}` of {} is {:.4} deg off, {error_mm:.0} mm at {} m",
-        match short.len() {
-            1 => "an angle".to_owned(),
-            n => format!("{n} angles"),
-        },
-        world.path(source),
-        if short.len() == 1 {
-            "is a truncated multiple of pi"
-        } else {
-            "are truncated multiples of pi, the worst"
-        },
+        "{what}: `{}` of {} is {:.4} deg off, {error_mm:.0} mm at {} m",
         worst.literal.text,
         worst.name,
         worst.error_rad().to_degrees(),
@@ -110,15 +97,12 @@ fn finding(world: &World, source: SourceId, short: &[Truncated], limits: &Limits
         .iter()
         .map(|short| rewrite(world, source, short.literal, short.exact.to_string()))
         .collect();
-    let finding = Finding::note(
-        format!("truncated angles of {}", world.path(source)),
-        message,
-        place(worst),
-    )
-    .label(format!("{} is meant", worst.exact))
-    .help("write the angle with all digits; in xacro `${pi/2}`")
-    .measured(Measured::new("largest error", worst.error_rad(), "rad").samples(short.len() as u64))
-    .measured(Measured::new("lateral error", error_mm, "mm").limit(limits.lateral_mm));
+    let subject = format!("truncated angles of {}", world.path(source));
+    let finding = Finding::note(subject, message, place(worst))
+        .label(format!("{} is meant", worst.exact))
+        .help("write the angle with all digits; in xacro `${pi/2}`")
+        .measured(Measured::new("largest error", worst.error_rad(), "rad").samples(short.len() as u64))
+        .measured(Measured::new("lateral error", error_mm, "mm").limit(limits.lateral_mm));
     // Five digits are enough for most; that they are cut is still no accident.
     let finding = if error_mm > limits.lateral_mm {
         finding

@@ -3,22 +3,15 @@
 mod clockwise;
 
 use crate::advice::diagnosis::defer;
-use crate::analysis::Estimates;
-use crate::analysis::sensor::yaw_zero::Limits;
-
 use crate::analysis::axes::sensors::{Sensor, Sensors};
-use crate::analysis::axes::worlds::Worlds;
-use crate::analysis::motion::{Compass, Imu, Motion, Stream, Tracks, Yaws, mount::mount};
-use crate::math::level::level;
-use crate::math::readings::Reading;
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, NotEvaluated};
+use crate::analysis::motion::{Compass, Imu, Motion, Stream, Tracks, Yaws};
+use crate::analysis::sensor::yaw_zero::{Found, Limits, by_compass, by_track};
+use crate::analysis::{axes::worlds::Worlds, motion::mount::mount};
+use crate::math::{level::level, readings::Reading};
+use crate::rules::prelude::*;
 use crate::world::World;
 use crate::world::motion::{OrientationRow, PoseRow, Row};
 
-use crate::analysis::sensor::yaw_zero::{Found, by_compass, by_track};
-
-/// SENSOR08.
 pub(crate) struct CompassInQuaternion;
 
 /// What a yaw can be held against, and the limits.
@@ -84,10 +77,8 @@ impl Against<'_> {
         match self.by_compasses(&yaws, false).or_else(by_tracks) {
             Some(found) if found.is_clockwise => out.fail(found.finding(stream, &subject, self.turns, self.limits)),
             Some(found) => out.pass(subject, found.measured(self.turns)),
-            None => out.not_evaluated(
-                subject,
-                NotEvaluated::TooLittleEvidence,
-                self.tracks.why(self.undecided()),
+            None => out.too_little(
+                subject, self.tracks.why(self.undecided()),
             ),
         }
     }
@@ -96,16 +87,15 @@ impl Against<'_> {
     fn judge_imu(&self, imu: &Imu, sensor: &Sensor, out: &mut Judge) {
         let subject = format!("yaw of {}", imu.stream.subject);
         if let Some(why) = imu.no_orientation {
-            return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            return out.not_applicable(subject, why);
         }
         if self.compasses.is_empty() {
-            let why = "no other device states a heading";
-            return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+            return out.missing(subject, "no other device states a heading");
         }
         // Where the zero of a gyro's yaw lies is chance.
         let yaws = Yaws::of(&imu.stream, &imu.base_from_imu());
         let Some(found) = self.by_compasses(&yaws, true) else {
-            return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, self.undecided());
+            return out.too_little(subject, self.undecided());
         };
         if !found.is_clockwise {
             return out.pass(subject, found.measured(self.turns));
@@ -123,13 +113,13 @@ impl Against<'_> {
         if tilt_deg > self.limits.max_tilt_deg {
             let why =
                 format!("it is tilted by {tilt_deg:.0} deg against z of its frame: what lies on its side has no yaw");
-            return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            return out.not_applicable(subject, why);
         }
         let yaws = Yaws::of(stream, &straight);
         match by_track(&yaws, &stream.track(), true, self.turns) {
             Some(found) if found.is_clockwise => self.fail_known(stream, subject, &found, |finding| finding, out),
             Some(found) => out.pass(subject, found.measured(self.turns)),
-            None => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, self.undecided()),
+            None => out.too_little(subject, self.undecided()),
         }
     }
 
@@ -143,7 +133,7 @@ impl Against<'_> {
         out: &mut Judge,
     ) {
         match found.stray(self.limits) {
-            Some(why) => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+            Some(why) => out.too_little(subject, why),
             None => out.fail(better(found.finding(stream, &subject, self.turns, self.limits))),
         }
     }

@@ -4,20 +4,16 @@ mod data;
 
 mod records;
 
-use crate::analysis::Estimates;
-use crate::analysis::sensor::dataset::{Limits, rotation};
 use std::path::Path;
 
 use nalgebra::{Isometry3, UnitQuaternion, Vector3};
 
-use crate::analysis::cross::pair::Statement;
-use crate::analysis::cross::statements::statements;
-use crate::rules::{Evidence, Need, Rule};
+use crate::analysis::sensor::dataset::{Limits, rotation};
+use crate::analysis::{cross::pair::Statement, cross::statements::statements};
+use crate::rules::prelude::*;
 use crate::tables::{Dataset, DatasetFrame};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::{FrameId, NamedDataset, World};
 
-/// SENSOR10.
 pub(crate) struct DatasetProfile;
 
 impl Rule for DatasetProfile {
@@ -30,7 +26,7 @@ impl Rule for DatasetProfile {
         let Some(dataset) = &world.dataset else {
             let why =
                 "no dataset is named: `dataset: KITTI` in frames-lint.yaml would hold the data against its conventions";
-            return out.not_evaluated("dataset", NotEvaluated::MissingInput, why);
+            return out.missing("dataset", why);
         };
         let mut count = 0;
         for statement in statements(world) {
@@ -50,7 +46,7 @@ impl Rule for DatasetProfile {
                 "no transform, record or cloud here is of two frames that {} has by the table ({})",
                 dataset.row.name, dataset.row.source
             );
-            out.not_evaluated("dataset", NotEvaluated::MissingInput, why);
+            out.missing("dataset", why);
         }
     }
 }
@@ -135,7 +131,7 @@ fn judge_statement(
     } else if statement.is_bare_quaternion() && fits(&reordered) {
         (
             "quaternion-order",
-            "its quaternion is told in the other order".to_owned(),
+            "its quaternion is expressed in the other order".to_owned(),
         )
     } else {
         let told = nearest_word(&(rotation(&target.axes) * turn));

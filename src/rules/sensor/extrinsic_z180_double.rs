@@ -2,26 +2,16 @@
 
 mod twice_applied;
 
-use crate::analysis::Estimates;
-use crate::rules::sensor::extrinsic_z180_double::twice_applied::Limits;
 use std::f64::consts::PI;
 
 use nalgebra::Isometry3;
 
-use crate::analysis::hand_eye::half_turn;
 use crate::analysis::landmarks::{Grid, Maps, maps};
-use crate::analysis::lidar::Clouds;
-use crate::analysis::ouster;
-use crate::analysis::ouster::Axes;
-use crate::rules::{Evidence, Need, Rule, codes};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::analysis::sensor::lidar_turn::{Edge, Origin};
+use crate::analysis::{hand_eye::half_turn, lidar::Clouds, ouster, ouster::Axes, sensor::lidar_turn};
+use crate::rules::{prelude::*, sensor::extrinsic_z180_double::twice_applied::Limits};
 use crate::world::FrameId;
 
-use crate::analysis::sensor::lidar_turn::Edge;
-use crate::analysis::sensor::lidar_turn::{self, Origin};
-
-/// SENSOR03.
 pub(crate) struct ExtrinsicZ180Double;
 
 /// Whether the mounting of an Ouster lacks half a turn, and what says so.
@@ -92,7 +82,7 @@ fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Result<Told, (No
                 measured,
             })
         }
-        // A mirror image, or a lidar that is upside down: landmarks do not mend that.
+        // A mirror image, or a lidar that is upside down: landmarks do not fix that.
         Err((NotEvaluated::NotApplicable, reason)) => Err((NotEvaluated::NotApplicable, reason)),
         Err((why, reason)) => {
             let Some((is_turned, maps, ratio)) = landmarks else {
@@ -181,15 +171,15 @@ fn report(world: &Estimates, clouds: &Clouds, subject: String, told: Told, limit
         ),
         (None, Some(Axes::Lidar)) => (
             "z180-missing",
-            "the clouds are told in the Lidar frame, x towards the connector, and the mounting was made for the Sensor frame".to_owned(),
+            "the clouds are expressed in the Lidar frame, x towards the connector, and the mounting was made for the Sensor frame".to_owned(),
         ),
         (None, Some(Axes::Sensor)) => (
             "z180-extra",
-            "the clouds are told in the Sensor frame, x away from the connector, and the mounting was made for the Lidar frame".to_owned(),
+            "the clouds are expressed in the Sensor frame, x away from the connector, and the mounting was made for the Lidar frame".to_owned(),
         ),
         (None, None) => (
             "z180",
-            "the clouds are told in the other one of the Lidar and the Sensor frame than the mounting was made for".to_owned(),
+            "the clouds are expressed in the other one of the Lidar and the Sensor frame than the mounting was made for".to_owned(),
         ),
     };
     let direction = crate::analysis::cross::direction::seen(world, clouds);
@@ -220,5 +210,5 @@ fn report(world: &Estimates, clouds: &Clouds, subject: String, told: Told, limit
         Some(Origin::OusterTf) => finding.unless_about(codes::SENSOR02, format!("`{}`", told.lidar)),
         _ => finding,
     };
-    out.fail(told.measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(told.measured));
 }

@@ -1,16 +1,11 @@
-//! SENSOR05: an inertial sensor that is told in the frame of a lidar's cloud.
-
-use crate::analysis::Estimates;
-use serde::Deserialize;
+//! SENSOR05: an inertial sensor that is expressed in the frame of a lidar's cloud.
 
 use crate::analysis::names;
-use crate::rules::{Evidence, Need, Rule};
-use crate::source::{MessageRef, Place};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::rules::prelude::*;
+use crate::source::MessageRef;
 use crate::world::bag::{Said, TopicEvidence};
 use crate::world::{BagEvidence, FrameId, World};
 
-/// SENSOR05.
 pub(crate) struct ImuSharesLidarFrame;
 
 /// Limits of SENSOR05: it has none.
@@ -45,7 +40,7 @@ fn is_cloud(topic: &TopicEvidence) -> bool {
 fn judge_imu(world: &World, bag: &BagEvidence, imu: &Said<'_>, clouds: &[&TopicEvidence], out: &mut Judge) {
     let subject = format!("frame of {}", imu.subject());
     if clouds.is_empty() {
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, "no point cloud in the recording");
+        return out.missing(subject, "no point cloud in the recording");
     }
     let frames: Vec<FrameId> = imu.header_frames.keys().map(FrameId::canonical).collect();
     let named = |frame: &&FrameId| !frame.as_str().is_empty();
@@ -63,10 +58,10 @@ fn judge_imu(world: &World, bag: &BagEvidence, imu: &Said<'_>, clouds: &[&TopicE
     };
     if names::is_base(&frame) || names::is_world(&frame) {
         let why = format!(
-            "the cloud of `{}` is told in `{frame}`, which is no sensor's frame",
+            "the cloud of `{}` is expressed in `{frame}`, which is no sensor's frame",
             cloud.topic
         );
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     }
     out.fail(finding(world, bag, subject, imu, cloud, &frame));
 }

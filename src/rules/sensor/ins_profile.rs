@@ -1,18 +1,12 @@
 //! SENSOR06: what an inertial navigation system publishes, against what is known of its driver.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::motion::{Imu, Motion};
-use crate::rules::{Evidence, Need, Rule};
+use crate::rules::prelude::*;
 use crate::tables::InsDriver;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
-/// SENSOR06.
 pub(crate) struct InsProfile;
 
-/// Limits of SENSOR06.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -41,7 +35,7 @@ impl Rule for InsProfile {
 fn judge_up(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, out: &mut Judge) {
     let subject = format!("axes of {} ({})", imu.stream.subject, driver.name);
     if let Some(why) = hidden(sensor) {
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     }
     match sensor.up_rad() {
         Ok(angle) if angle.to_degrees() <= limits.max_tilt_deg => {
@@ -50,7 +44,7 @@ fn judge_up(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, out
                     "gravity points up, as it does where {}: a turn is needed to tell",
                     unseen.text
                 );
-                return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+                return out.too_little(subject, why);
             }
             let measured = Measured::new(
                 "angle of the mean acceleration to z of the world",
@@ -64,7 +58,7 @@ fn judge_up(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, out
                 "the acceleration is {:.0} deg from up, which is more than its setting",
                 angle.to_degrees()
             );
-            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            out.not_applicable(subject, why);
         }
         Err((why, reason)) => out.not_evaluated(subject, why, reason),
     }
@@ -74,7 +68,7 @@ fn judge_up(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, out
 fn judge_zero(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, out: &mut Judge) {
     let subject = format!("zero of the yaw of {} ({})", imu.stream.subject, driver.name);
     if let Some(why) = hidden(sensor) {
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     }
     let offset = match sensor.offset_rad() {
         Ok(offset) => offset.to_degrees(),
@@ -86,7 +80,7 @@ fn judge_zero(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, o
             return out.pass(subject, [measured]);
         }
         let why = format!("the yaw is {offset:.0} deg from the course, which no setting of this driver explains");
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     };
     let message = format!(
         "the yaw of `{}` is {offset:.0} deg from the course, as {} has it where {}; {}",

@@ -1,23 +1,12 @@
 //! SENSOR09: poses of a simulator whose world is left-handed.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
-use crate::analysis::axes::causes::Base;
-use crate::analysis::axes::sensors::Sensors;
 use crate::analysis::motion::{BagMotion, Imu, Motion, Stream, Track};
-use crate::rules::{Evidence, Need, Rule};
+use crate::analysis::{axes::causes::Base, axes::sensors::Sensors};
+use crate::rules::prelude::*;
 use crate::tables::Simulator;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::motion::{FixRow, PoseRow};
 
-/// SENSOR09.
 pub(crate) struct LeftHandedSimulator;
-
-/// Limits of SENSOR09: those of AXES05 and AXES07, by which it measures.
-#[derive(Debug, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub(crate) struct Limits {}
 
 /// One thing that tells the hand of a track.
 struct Told {
@@ -30,9 +19,9 @@ impl Rule for LeftHandedSimulator {
     const PAGE: &'static str = include_str!("../../../rules/sensor/left-handed-simulator.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     const EVIDENCE: Evidence = Evidence::MOTION;
-    type Limits = Limits;
+    type Limits = NoLimits;
 
-    fn judge(world: &Estimates, _: &Limits, out: &mut Judge) {
+    fn judge(world: &Estimates, _: &NoLimits, out: &mut Judge) {
         let (tracks, turns) = (
             world.limits::<crate::analysis::axes::handedness::Limits>(),
             world.limits::<crate::analysis::axes::gyro_vs_track::Limits>(),
@@ -94,7 +83,7 @@ fn judge_track(poses: &Stream<PoseRow>, simulator: &Simulator, told: Vec<Told>, 
     let subject = format!("{} ({})", poses.subject, simulator.name);
     if told.is_empty() {
         let why = "neither satellite fixes nor an upright gyro show which way it turns, or it does not turn enough";
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let (left, right): (Vec<Told>, Vec<Told>) = told.into_iter().partition(|told| told.is_left_handed);
     if left.is_empty() {
@@ -106,7 +95,7 @@ fn judge_track(poses: &Stream<PoseRow>, simulator: &Simulator, told: Vec<Told>, 
             left.len(),
             left.len() + right.len()
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let words: Vec<&str> = left.iter().map(|told| told.words.as_str()).collect();
     let message = format!(
@@ -123,9 +112,5 @@ fn judge_track(poses: &Stream<PoseRow>, simulator: &Simulator, told: Vec<Told>, 
             simulator.name, simulator.axes, simulator.conversion
         ));
     let finding = poses.told_in.tell(finding);
-    out.fail(
-        left.into_iter()
-            .map(|told| told.measured)
-            .fold(finding, Finding::measured),
-    );
+    out.fail(finding.measured(left.into_iter().map(|told| told.measured)));
 }

@@ -1,19 +1,14 @@
 //! SENSOR07: the fixed frames of mavros: `map_ned`, `odom_ned`, `base_link_frd`.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
 use crate::advice::places;
 use crate::analysis::suffix::{off_deg, place_of};
 use crate::math::constants::AxisTurn;
-use crate::rules::{Need, Rule, codes};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, RuleCode, Safety};
+use crate::rules::prelude::*;
+use crate::verdict::{RuleCode, Safety};
 use crate::world::{FrameId, World};
 
-/// SENSOR07.
 pub(crate) struct MavrosFrames;
 
-/// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -35,29 +30,26 @@ struct Fixed {
     judged_by: RuleCode,
 }
 
-const P_RPY: &str = "3.141592653589793 0 1.5707963267948966";
-const F_RPY: &str = "3.141592653589793 0 0";
+const MAP_NED: Fixed = Fixed {
+    name: "map_ned",
+    parent: "map",
+    turn: AxisTurn::NedEnu,
+    rpy: "3.141592653589793 0 1.5707963267948966",
+    judged_by: codes::NAME04,
+};
 
 const FIXED: &[Fixed] = &[
-    Fixed {
-        name: "map_ned",
-        parent: "map",
-        turn: AxisTurn::NedEnu,
-        rpy: P_RPY,
-        judged_by: codes::NAME04,
-    },
+    MAP_NED,
     Fixed {
         name: "odom_ned",
         parent: "odom",
-        turn: AxisTurn::NedEnu,
-        rpy: P_RPY,
-        judged_by: codes::NAME04,
+        ..MAP_NED
     },
     Fixed {
         name: "base_link_frd",
         parent: "base_link",
         turn: AxisTurn::FluFrd,
-        rpy: F_RPY,
+        rpy: "3.141592653589793 0 0",
         judged_by: codes::NAME05,
     },
 ];
@@ -86,24 +78,17 @@ fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, fixed: &Fixed, 
     let above = graph.parents_of(frame);
     let stranger = above.iter().find(|above| **above != parent);
     let (Some(place), true) = (place_of(world, frame), graph.frames.contains(parent)) else {
-        let reason = format!("`{parent}` is not in the tree");
-        out.not_evaluated(subject, NotEvaluated::MissingInput, reason);
-        return;
+        return out.missing(subject, format!("`{parent}` is not in the tree"));
     };
     if let Some(stranger) = stranger.filter(|_| chain.is_none()) {
         let message = format!("`{frame}` hangs under `{stranger}` and not under `{parent}`: it does not stay with it");
         let finding = Finding::warning(subject, message, place).likely();
-        let finding = finding.help(format!(
-            "publish `{parent}` -> `{frame}` with rpy = ({}), as mavros does",
-            fixed.rpy
-        ));
-        out.fail(finding.measured(Measured::count("rigid transforms between the two", 0).limit(1.0)));
-        return;
+        let help = format!("publish `{parent}` -> `{frame}` with rpy = ({}), as mavros does", fixed.rpy);
+        let finding = finding.help(help);
+        return out.fail(finding.measured(Measured::count("rigid transforms between the two", 0).limit(1.0)));
     }
     let Some((parent_from_frame, steps)) = chain else {
-        let reason = format!("no rigid transform between `{parent}` and `{frame}`");
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
-        return;
+        return out.too_little(subject, format!("no rigid transform between `{parent}` and `{frame}`"));
     };
     let deg = off_deg(Some(fixed.turn), &parent_from_frame.rotation);
     let m = parent_from_frame.translation.vector.norm();
@@ -124,10 +109,8 @@ fn judge_frame(world: &World, frame: &FrameId, parent: &FrameId, fixed: &Fixed, 
         if deg > limits.named_deg {
             finding = finding.unless_about(fixed.judged_by, format!("`{frame}`"));
         }
-        let finding = finding.help(format!(
-            "`{parent}` -> `{frame}` is xyz = (0, 0, 0), rpy = ({})",
-            fixed.rpy
-        ));
+        let help = format!("`{parent}` -> `{frame}` is xyz = (0, 0, 0), rpy = ({})", fixed.rpy);
+        let finding = finding.help(help);
         let edge = steps.first().filter(|_| steps.len() == 1 && deg > limits.max_deg);
         let edit = edge.and_then(|step| places::rpy_edit(world, graph.edges.get(step.edge)?, fixed.rpy));
         out.fail(match edit {

@@ -1,19 +1,12 @@
 //! SENSOR04: lidars whose own axes have y forward, beside drivers that turn them.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
 use crate::analysis::lidar::Clouds;
-use crate::rules::{Evidence, Need, Rule, codes};
-use crate::tables::{Forward, Lidar};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-
 use crate::analysis::sensor::lidar_turn::{has_two_ways, lidar};
+use crate::rules::prelude::*;
+use crate::tables::{Forward, Lidar};
 
-/// SENSOR04.
 pub(crate) struct NativeYForward;
 
-/// Limits of SENSOR04.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -80,11 +73,7 @@ fn judge_clouds(world: &Estimates, clouds: &Clouds, limits: &Limits, out: &mut J
         .relation(if quarters > 0 { "z90" } else { "z-90" })
         .related(known.poses.1.clone(), "where it went")
         .help(help);
-    out.fail(
-        measured
-            .into_iter()
-            .fold(finding, Finding::measured as fn(Finding, Measured) -> Finding),
-    );
+    out.fail(finding.measured(measured));
 }
 
 /// What a quarter turn means for this lidar, and what to do. A mounting that lacks -90 deg has y of the cloud forward.
@@ -94,7 +83,7 @@ fn told(lidar: &Lidar, quarters: i8, mounting: &str) -> (String, String) {
     match (lidar.driver, quarters < 0) {
         (Forward::X | Forward::XOrBack, true) => (
             format!(
-                "told in the axes of the sensor itself, y forward, as packets and the vendor's tools have them; the ROS driver of {name} has x forward, and the mounting is made for that"
+                "expressed in the axes of the sensor itself, y forward, as packets and the vendor's tools have them; the ROS driver of {name} has x forward, and the mounting is made for that"
             ),
             format!("publish the clouds with the ROS driver (x = y, y = -x of the sensor's axes), or {turn}"),
         ),

@@ -1,17 +1,11 @@
-//! SENSOR01: an Ouster cloud that is told in the other one of its two frames.
+//! SENSOR01: an Ouster cloud that is expressed in the other one of its two frames.
 
-use crate::analysis::Estimates;
 use crate::analysis::sensor::ouster_look::{Limits, Seen, first, is_organised, look, share};
-
-use crate::analysis::lidar::Clouds;
-use crate::analysis::ouster;
-use crate::analysis::ouster::Axes;
-use crate::rules::{Need, Rule};
+use crate::analysis::{lidar::Clouds, ouster, ouster::Axes};
+use crate::rules::prelude::*;
 use crate::verdict::plot::{Axis, Plot, Series};
-use crate::verdict::{Finding, Judge, NotEvaluated};
 use crate::world::World;
 
-/// SENSOR01.
 pub(crate) struct OusterFrame;
 
 impl Rule for OusterFrame {
@@ -42,7 +36,7 @@ fn set_to(world: &World, clouds: &Clouds) -> String {
 
 fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("frame of the cloud");
-    let little = |why: String, out: &mut Judge| out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
+    let little = |why: String, out: &mut Judge| out.too_little(&subject, why);
     let Seen {
         axes,
         azimuth_rad,
@@ -64,16 +58,16 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
     };
     let Some((frame, said)) = frame.and_then(|frame| Some((frame.clone(), Axes::of(&frame)?))) else {
         let why = format!(
-            "the cloud is told in the {} frame, and the name of its frame does not say which of the two it is",
+            "the cloud is expressed in the {} frame, and the name of its frame does not say which of the two it is",
             seen.word()
         );
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, why);
     };
     if said == seen {
         return out.pass(subject, measured);
     }
     let message = format!(
-        "the cloud on `{}` says `{frame}`, and is told in the {} frame: its first column lies at {:.0} deg, where the {} frame has {:.0}",
+        "the cloud on `{}` says `{frame}`, and is expressed in the {} frame: its first column lies at {:.0} deg, where the {} frame has {:.0}",
         clouds.topic.topic,
         seen.word(),
         azimuth_deg,
@@ -87,7 +81,7 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
             "set `point_cloud_frame` of ouster-ros to the frame that the calibration was made in (ROS 1 publishes the Sensor frame, ROS 2 the Lidar \
              frame), and let the name say it: the two differ by 180 deg about z and by the height of the beams",
         );
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }
 
 /// The azimuth of the points of the first cloud that tells, along the turn, with how each of the two frames would have it.

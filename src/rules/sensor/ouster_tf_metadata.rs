@@ -2,17 +2,13 @@
 
 mod beams;
 
-use crate::analysis::Estimates;
-use crate::rules::sensor::ouster_tf_metadata::beams::Limits;
 use nalgebra::Vector3;
 
 use crate::analysis::ouster::Part;
-use crate::rules::{Need, Rule};
+use crate::rules::{prelude::*, sensor::ouster_tf_metadata::beams::Limits};
 use crate::tables::OusterPart;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::World;
 
-/// SENSOR02.
 pub(crate) struct OusterTfMetadata;
 
 impl Rule for OusterTfMetadata {
@@ -121,7 +117,7 @@ impl<'p, 'w> Statement<'p, 'w> {
             let why = format!(
                 "no metadata of {model} are in the table, so that nothing says where the part should be (turned by {turned_deg:.2} deg from what all have)"
             );
-            return out.not_evaluated(self.subject, NotEvaluated::MissingInput, why);
+            return out.missing(self.subject, why);
         };
         let max_mm = self.max_mm(limits);
         let measured = [
@@ -152,7 +148,7 @@ impl<'p, 'w> Statement<'p, 'w> {
             "take `lidar_to_sensor_transform` and `imu_to_sensor_transform` of the sensor's metadata, millimetres: they are the poses of the \
              parts in the Sensor frame",
         );
-        out.fail(measured.into_iter().fold(finding, Finding::measured));
+        out.fail(finding.measured(measured));
     }
 
     fn max_mm(&self, limits: &Limits) -> f64 {

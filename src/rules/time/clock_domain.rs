@@ -1,11 +1,6 @@
 //! TIME04: stamps that are zero, or of another clock than the rest of the recording.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::rules::prelude::*;
 use crate::world::BagEvidence;
 
 mod simulated;
@@ -16,10 +11,8 @@ use crate::analysis::time::streams::{Stream, UPTIME_BELOW_S, log_start_s, stream
 use crate::analysis::time::units::unit_error;
 use simulated::{judge_simulated, tell_simulation};
 
-/// TIME04.
 pub(crate) struct ClockDomain;
 
-/// Limits of TIME04.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -86,8 +79,7 @@ fn judge_stream(
     let subject = stream.subject.clone();
     let n = stream.stamps.count;
     if n < limits.min_messages {
-        let why = format!("{n} stamped messages, {} are needed", limits.min_messages);
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        out.too_little(subject, format!("{n} stamped messages, {} are needed", limits.min_messages));
         return None;
     }
     let share = stream.zero_share();
@@ -96,7 +88,7 @@ fn judge_stream(
         return None;
     }
     let (Some((offset, spread)), Some(stamp_s)) = (stream.offset_s(), stream.median_stamp_s()) else {
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, "no stamps were sampled");
+        out.too_little(subject, "no stamps were sampled");
         return None;
     };
     let measured = Measured::new("stamp minus log time", offset, "s")
@@ -110,8 +102,7 @@ fn judge_stream(
         return Some((offset, uptime(stream, stamp_s, measured)));
     } else if offset.abs() > limits.same_clock_s {
         // A calendar clock that is off is TIME01's: it names the offset where it has a name.
-        let why = format!("stamps run {offset:.1} s off the log clock, but count calendar time");
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        out.not_applicable(subject, format!("stamps run {offset:.1} s off the log clock, but count calendar time"));
     } else {
         out.pass(subject, [measured]);
     }

@@ -1,21 +1,15 @@
 //! TIME01: stamps run off the log clock by an offset that has a name.
 
-use crate::analysis::Estimates;
-use crate::analysis::time::lateness;
-use crate::analysis::time::naming::Limits;
 use std::collections::BTreeMap;
-
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
-use crate::world::BagEvidence;
 
 use crate::advice::together::tell_once;
 use crate::analysis::time::known_offsets::{Explanation, Named, Specific};
-use crate::analysis::time::naming::Naming;
+use crate::analysis::time::naming::{Limits, Naming};
 use crate::analysis::time::streams::{Stream, declared_streams};
-use crate::analysis::time::units::unit_error;
+use crate::analysis::{time::lateness, time::units::unit_error};
+use crate::rules::prelude::*;
+use crate::world::BagEvidence;
 
-/// TIME01.
 pub(crate) struct EpochOffset;
 
 impl Rule for EpochOffset {
@@ -55,12 +49,11 @@ fn judge_stream(
     let subject = stream.subject.clone();
     let n = stream.stamps.count;
     if n < limits.min_messages {
-        let why = format!("{n} stamped messages, {} are needed", limits.min_messages);
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        out.too_little(subject, format!("{n} stamped messages, {} are needed", limits.min_messages));
         return None;
     }
     let not_applicable = |out: &mut Judge, why: &str| {
-        out.not_evaluated(subject.clone(), NotEvaluated::NotApplicable, why);
+        out.not_applicable(subject.clone(), why);
         None
     };
     let Some((offset, spread)) = stream.offset_s() else {

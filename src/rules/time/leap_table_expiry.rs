@@ -1,19 +1,11 @@
 //! TIME11: a recording is younger than the table of leap seconds it is judged by.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::tables::leap_seconds;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-
 use crate::analysis::time::streams::{Clock, log_clock};
+use crate::rules::prelude::*;
+use crate::tables::leap_seconds;
 
-/// TIME11.
 pub(crate) struct LeapTableExpiry;
 
-/// Limits of TIME11.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -31,8 +23,7 @@ impl Rule for LeapTableExpiry {
         for bag in &world.bags {
             let subject = format!("log clock of {}", world.path(bag.source));
             let (Some(end_ns), Clock::Calendar) = (bag.end_ns, log_clock(bag)) else {
-                let why = "the log clock shows no calendar time";
-                out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+                out.not_applicable(subject, "the log clock shows no calendar time");
                 continue;
             };
             let days = (end_ns as f64 / 1e9 - table.expires.unix_s as f64) / 86_400.0;

@@ -1,19 +1,12 @@
 //! TIME05: clouds of a sweeping lidar whose points have no times.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
-use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::{BagMotion, Motion, Stream};
-use crate::analysis::names;
-use crate::rules::{Evidence, Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::analysis::{lidar::Clouds, names};
+use crate::rules::prelude::*;
 use crate::world::motion::{FixRow, PoseRow};
 
-/// TIME05.
 pub(crate) struct PointTimeMissing;
 
-/// Limits of TIME05.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -43,12 +36,10 @@ impl Rule for PointTimeMissing {
 fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("times of the points");
     if !clouds.is_of_a_lidar() {
-        let why = "nothing says that these are the points of a lidar as it measured them";
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, "nothing says that these are the points of a lidar as it measured them");
     }
     if clouds.evidence.samples.iter().all(|sample| sample.returns == 0) {
-        let why = "no cloud has a point";
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, "no cloud has a point");
     }
     let most = clouds.timed().max_by_key(|(_, times)| times.distinct);
     if let Some((_, times)) = most.filter(|(_, times)| times.distinct > 2) {
@@ -64,7 +55,7 @@ fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut 
             "how long a scan takes is not known: the clouds are not stamped one every {} s or oftener",
             limits.max_period_s
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     };
     let what = match most {
         Some((_, times)) => format!("have one time each scan (`{}`)", times.field),
@@ -87,7 +78,7 @@ fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut 
     ];
     if smear_m < limits.min_smear_m {
         let why = format!("the points {what}, and nothing moves so fast here that it would matter ({smear_m:.3} m)");
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let message = format!(
         "the points on `{}` {what}: at {:.1} m/s and {:.0} deg/s a scan of {period_s:.2} s is smeared by {smear_m:.2} m at {} m, and cannot \
@@ -101,7 +92,7 @@ fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut 
         Finding::error(subject, message, clouds.place()).likely(),
         most.is_some(),
     );
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }
 
 fn named(finding: Finding, is_constant: bool) -> Finding {

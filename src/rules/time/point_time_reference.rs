@@ -1,19 +1,12 @@
 //! TIME08: which moment of a scan the header is stamped with.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
 use crate::analysis::lidar::Clouds;
-use crate::rules::{Need, Rule};
-use crate::source::Place;
+use crate::rules::prelude::*;
 use crate::tables::CountsFrom;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::cloud::{CloudSample, PointTimes};
 
-/// TIME08.
 pub(crate) struct PointTimeReference;
 
-/// Limits of TIME08.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -76,7 +69,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
             told.len(),
             limits.min_clouds
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let count = |moment: Moment| told.iter().filter(|told| told.moment == moment).count();
     let moments = [Moment::Start, Moment::Middle, Moment::End, Moment::Elsewhere];
@@ -104,7 +97,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
             .likely()
             .relation("elsewhere")
             .help("let points and header be of one clock; a scan is stamped with its first point, or its last");
-        return out.fail(measured.into_iter().fold(finding, Finding::measured));
+        return out.fail(finding.measured(measured));
     }
     let other = told.iter().find(|told| told.moment != most);
     if let Some(other) = other.filter(|_| count(most) < told.len() - 1) {
@@ -120,7 +113,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
             .likely()
             .relation("changes")
             .help("a consumer that takes the motion out needs one rule: look for packets that are lost, or a clock that is set");
-        return out.fail(measured.into_iter().fold(finding, Finding::measured));
+        return out.fail(finding.measured(measured));
     }
     out.pass(subject, measured);
 }

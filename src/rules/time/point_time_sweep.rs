@@ -1,19 +1,15 @@
 //! TIME07: which way a lidar sweeps, by the times of its points.
 
 mod laser;
-use crate::analysis::Estimates;
-use crate::analysis::time::sweep::{Limits, sweep};
 
 use nalgebra::Vector3;
 
-use crate::analysis::lidar::Clouds;
-use crate::analysis::motion::mount::mount;
-use crate::rules::{Need, Rule};
+use crate::analysis::time::sweep::{Limits, sweep};
+use crate::analysis::{lidar::Clouds, motion::mount::mount};
+use crate::rules::prelude::*;
 use crate::tables::Sweep;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::World;
 
-/// TIME07.
 pub(crate) struct PointTimeSweep;
 
 impl Rule for PointTimeSweep {
@@ -47,7 +43,7 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
             clouds.evidence.samples.len(),
             limits.min_clouds
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let clockwise = told.iter().filter(|told| told.0 == Sweep::Clockwise).count();
     let seen = match clockwise {
@@ -58,7 +54,7 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
                 "{clockwise} of {} clouds sweep clockwise, the others not: their times are in no order",
                 told.len()
             );
-            return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            return out.too_little(subject, why);
         }
     };
     let measured = [
@@ -72,8 +68,7 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
         ),
     ];
     let Some((driver, expected)) = clouds.driver.and_then(|driver| Some((driver, driver.sweep?))) else {
-        let why = format!("it sweeps {}, and nothing says which way this lidar turns", words(seen));
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, format!("it sweeps {}, and nothing says which way this lidar turns", words(seen)));
     };
     if seen == expected {
         return out.pass(subject, measured);
@@ -81,9 +76,8 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
     let mount = clouds.frame().and_then(|frame| mount(world, &frame));
     let up = mount.map(|mount| (mount.base_from_sensor.rotation * Vector3::z()).z);
     if up.is_some_and(|up| up <= -limits.upright) {
-        let why = "it sweeps the other way round, in a frame that is mounted with z down: seen from above that is right only where the cloud \
-                   is told in axes that are turned besides (AXES10)";
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, "it sweeps the other way round, in a frame that is mounted with z down: seen from above that is right only where the cloud \
+                   is expressed in axes that are turned besides (AXES10)");
     }
     let message = format!(
         "the points on `{}` sweep {} about z as time goes on, where a {} sweeps {}: the cloud is mirrored, or its z points down, or the times of \
@@ -98,7 +92,7 @@ fn judge_clouds(world: &World, clouds: &Clouds, limits: &Limits, out: &mut Judge
         .relation("mirrored")
         .help("look for y (or x) with the wrong sign where the points are made, an angle that is counted the other way, or times that count from the \
              end of the scan");
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }
 
 fn words(sweep: Sweep) -> &'static str {

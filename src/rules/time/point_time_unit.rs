@@ -1,19 +1,14 @@
 //! TIME06: the unit of the times of points.
 
 mod laser;
-use crate::analysis::Estimates;
-use serde::Deserialize;
 
 use crate::analysis::lidar::Clouds;
 use crate::math::stats::median;
-use crate::rules::{Need, Rule};
+use crate::rules::prelude::*;
 use crate::tables::CloudDriver;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 
-/// TIME06.
 pub(crate) struct PointTimeUnit;
 
-/// Limits of TIME06.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -34,23 +29,17 @@ impl Rule for PointTimeUnit {
             judge_clouds(&clouds, limits, out);
         }
         for scans in Clouds::lasers(world) {
-            crate::rules::time::point_time_unit::laser::judge_times(
-                &scans,
-                [limits.min_scan_share, limits.max_scan_share],
-                out,
-            );
+            laser::judge_times(&scans, [limits.min_scan_share, limits.max_scan_share], out);
         }
     }
 }
 
 fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("unit of the times of the points");
-    let little = |why: String, out: &mut Judge| out.not_evaluated(&subject, NotEvaluated::TooLittleEvidence, why);
+    let little = |why: String, out: &mut Judge| out.too_little(&subject, why);
     let Some(period_s) = clouds.period_s() else {
-        return little(
-            "the clouds have no steps between their stamps: how long a scan takes is not known".to_owned(),
-            out,
-        );
+        let why = "the clouds have no steps between their stamps: how long a scan takes is not known";
+        return little(why.to_owned(), out);
     };
     let timed: Vec<_> = clouds.timed().filter(|(_, times)| times.distinct > 2).collect();
     if timed.len() < limits.min_clouds {
@@ -81,18 +70,14 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
         return little(why, out);
     };
     let word = Clouds::unit_word(unit_s);
+    let what = format!("span of `{field}` in a cloud, read as {word}");
     let measured = [
-        Measured::new(
-            format!("span of `{field}` in a cloud, read as {word}"),
-            span * unit_s,
-            "s",
-        )
-        .samples(timed.len() as u64),
+        Measured::new(what, span * unit_s, "s").samples(timed.len() as u64),
         Measured::new("from one cloud to the next", period_s, "s"),
     ];
     let Some((expected_s, by)) = expected(clouds, field) else {
         let why = format!("`{field}` is in {word} by its span, and nothing says what it should be in");
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, why);
     };
     if (expected_s / unit_s - 1.0).abs() < 0.5 {
         return out.pass(subject, measured);
@@ -109,7 +94,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
             "publish {}, or tell the consumer (`timestamp_unit` of FAST-LIO, `time_unit` of others) that they are {word}",
             Clouds::unit_word(expected_s)
         ));
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }
 
 /// The unit that the field should be in, seconds, and who says so.

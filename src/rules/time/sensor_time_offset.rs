@@ -1,22 +1,16 @@
 //! TIME09: what one sensor's stamps say happened sooner or later than another's, by the motion that both saw.
 
-use crate::analysis::Estimates;
-use crate::analysis::time::offsets::Limits;
-use crate::analysis::time::reference::words;
-
+use crate::advice::together::tell_once;
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::motion::{BagMotion, Motion};
-use crate::rules::{Evidence, Need, Rule, codes};
+use crate::analysis::time::offsets::{Limits, Offset, Without};
+use crate::analysis::time::reference::{reference, words};
+use crate::analysis::time::turning::{Kind, Signal, signals};
+use crate::rules::prelude::*;
+use crate::verdict::Plot;
 use crate::verdict::plot::{Axis, Series};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Plot, Severity};
 use crate::world::{BagEvidence, World};
 
-use crate::advice::together::tell_once;
-use crate::analysis::time::offsets::{Offset, Without};
-use crate::analysis::time::reference::reference;
-use crate::analysis::time::turning::{Kind, Signal, signals};
-
-/// TIME09.
 pub(crate) struct SensorTimeOffset;
 
 impl Rule for SensorTimeOffset {
@@ -53,7 +47,7 @@ fn judge_bag(
         Ok(found) => found,
         Err(whys) => {
             for (signal, why) in signals.iter().zip(whys) {
-                out.not_evaluated(&signal.subject, NotEvaluated::TooLittleEvidence, why);
+                out.too_little(&signal.subject, why);
             }
             return;
         }
@@ -62,16 +56,14 @@ fn judge_bag(
     for (second, found) in others {
         let subject = second.subject.clone();
         if is_wrong(second, motion, sensors) {
-            let why = "the orientation is wrong by itself: its lag says nothing";
-            out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+            out.not_applicable(subject, "the orientation is wrong by itself: its lag says nothing");
             continue;
         }
         match found {
             Err(Without::Silent(_, why)) => {
-                let why = format!("against {}, {why}", words(first));
-                out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+                out.too_little(subject, format!("against {}, {why}", words(first)));
             }
-            Err(Without::Varies(why)) => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+            Err(Without::Varies(why)) => out.too_little(subject, why),
             Ok(offset) => {
                 out.plot(&subject, || Some(plot(first, second, &offset)));
                 let limit_s = limit_s(first, second, limits);
@@ -85,7 +77,7 @@ fn judge_bag(
                         offset.in_stamps_s,
                         words(first)
                     );
-                    out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+                    out.too_little(subject, why);
                 } else if beyond_s <= 0.0 {
                     out.pass(subject, measured);
                 } else {
@@ -199,5 +191,5 @@ fn late(
         .likely()
         .help(help)
         .related(first.place.clone(), words(first));
-    measured.into_iter().fold(finding, Finding::measured)
+    finding.measured(measured)
 }

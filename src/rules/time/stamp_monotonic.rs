@@ -2,17 +2,11 @@
 
 mod gaps;
 
-use crate::analysis::Estimates;
-use crate::rules::time::stamp_monotonic::gaps::Limits;
-
-use crate::rules::{Need, Rule, codes};
-use crate::source::{MessageRef, Place};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
-
 use crate::analysis::time::streams::{Of, Stream, streams};
-use crate::rules::time::stamp_monotonic::gaps::judge_gaps;
+use crate::rules::prelude::*;
+use crate::rules::time::stamp_monotonic::gaps::{Limits, judge_gaps};
+use crate::source::MessageRef;
 
-/// TIME03.
 pub(crate) struct StampMonotonic;
 
 impl Rule for StampMonotonic {
@@ -39,12 +33,11 @@ fn is_judged(stream: &Stream<'_>, limits: &Limits, out: &mut Judge) -> bool {
     let subject = stream.subject.clone();
     let stamps = stream.stamps;
     if stamps.count < limits.min_messages {
-        let why = format!("{} stamped messages, {} are needed", stamps.count, limits.min_messages);
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        out.too_little(subject, format!("{} stamped messages, {} are needed", stamps.count, limits.min_messages));
         return false;
     }
     if stamps.zero == stamps.count {
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, "every stamp is zero");
+        out.not_applicable(subject, "every stamp is zero");
         return false;
     }
     true
@@ -63,8 +56,7 @@ fn judge_order(stream: &Stream<'_>, has_gap: bool, is_reused: bool, limits: &Lim
         out.fail(finding);
     }
     if sound && is_reused {
-        let why = "stamps hardly change";
-        out.not_evaluated(stream.subject.clone(), NotEvaluated::NotApplicable, why);
+        out.not_applicable(stream.subject.clone(), "stamps hardly change");
     } else if sound {
         let back_s = stamps.largest_backward.as_ref().map_or(0.0, |(ns, _)| *ns as f64 / 1e9);
         out.pass(

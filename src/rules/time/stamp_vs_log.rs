@@ -2,22 +2,15 @@
 
 mod lateness;
 
-use crate::analysis::Estimates;
-use crate::analysis::time::lateness::Limits;
-
-use crate::rules::{Need, Rule};
-use crate::source::Confidence;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
-use crate::world::BagEvidence;
-
 use crate::advice::together::tell_once;
-use crate::analysis::time::lateness::allowed_s;
-use crate::analysis::time::naming::Naming;
-use crate::analysis::time::simulated::Time;
+use crate::analysis::time::lateness::{Limits, allowed_s};
 use crate::analysis::time::streams::{Clock, Of, Stream, declared_streams, log_clock};
-use crate::rules::time::stamp_vs_log::lateness::{Fault, faults};
+use crate::analysis::time::{naming, naming::Naming, simulated::Time, streams};
+use crate::rules::prelude::*;
+use crate::source::Confidence;
+use crate::world::BagEvidence;
+use lateness::{Fault, faults};
 
-/// TIME02.
 pub(crate) struct StampVsLog;
 
 impl Rule for StampVsLog {
@@ -26,22 +19,15 @@ impl Rule for StampVsLog {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let (names, reused) = (
-            world.limits::<crate::analysis::time::naming::Limits>(),
-            world.limits::<crate::analysis::time::streams::Limits>(),
-        );
+        let (names, reused) = (world.limits::<naming::Limits>(), world.limits::<streams::Limits>());
         for bag in &world.bags {
             let streams = declared_streams(world, bag);
             let naming = Naming::new(bag, &streams, &names);
-            let judged: Vec<&Stream<'_>> = streams
-                .iter()
-                .filter(|stream| {
-                    matches!(stream.of, Of::Topic(_)) && is_judged(bag, stream, &streams, (limits, &reused), out)
-                })
+            let topics = streams.iter().filter(|stream| matches!(stream.of, Of::Topic(_)));
+            let judged: Vec<&Stream<'_>> = topics
+                .filter(|stream| is_judged(bag, stream, &streams, (limits, &reused), out))
                 .collect();
-            let found = judged
-                .iter()
-                .flat_map(|stream| judge_stream(stream, &naming, limits, out));
+            let found = judged.iter().flat_map(|one| judge_stream(one, &naming, limits, out));
             tell(found.collect(), judged.len(), limits, out);
         }
     }
@@ -52,7 +38,7 @@ fn is_judged(
     bag: &BagEvidence,
     stream: &Stream<'_>,
     all: &[Stream<'_>],
-    (limits, reused): (&Limits, &crate::analysis::time::streams::Limits),
+    (limits, reused): (&Limits, &streams::Limits),
     out: &mut Judge,
 ) -> bool {
     let n = stream.stamps.count.saturating_sub(stream.stamps.zero);
@@ -99,7 +85,7 @@ fn judge_stream(stream: &Stream<'_>, naming: &Naming<'_>, limits: &Limits, out: 
             .limit(limits.late_s);
         if named || !naming.is_comparable(stream) {
             let why = format!("stamps run {offset:.3} s off the log clock, and are of another clock or time scale");
-            out.not_evaluated(stream.subject.clone(), NotEvaluated::NotApplicable, why);
+            out.not_applicable(stream.subject.clone(), why);
         } else {
             out.pass(stream.subject.clone(), [measured.samples(stream.stamps.count)]);
         }

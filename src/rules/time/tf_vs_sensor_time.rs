@@ -1,17 +1,11 @@
 //! TIME10: transforms lie in the future or far behind the sensors, or many messages share one stamp.
 
-use crate::analysis::Estimates;
-use crate::analysis::time::streams::Limits;
-
-use crate::math::stats::median;
-use crate::rules::{Need, Rule, codes};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-
 use crate::advice::together::tell_once;
 use crate::analysis::time::naming::Naming;
-use crate::analysis::time::streams::{Of, Stream, streams};
+use crate::analysis::time::streams::{Limits, Of, Stream, streams};
+use crate::math::stats::median;
+use crate::rules::prelude::*;
 
-/// TIME10.
 pub(crate) struct TfVsSensorTime;
 
 impl Rule for TfVsSensorTime {
@@ -65,8 +59,7 @@ fn judge_bag(streams: &[Stream<'_>], naming: &Naming<'_>, limits: &Limits, out: 
                 );
             }
         } else {
-            let why = "no clock of the same kind and rate to hold it against";
-            out.not_evaluated(stream.subject.clone(), NotEvaluated::MissingInput, why);
+            out.missing(stream.subject.clone(), "no clock of the same kind and rate to hold it against");
         }
     }
     tell_once(ahead, "run likewise", out);

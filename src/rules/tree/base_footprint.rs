@@ -1,16 +1,10 @@
 //! TREE13: `base_footprint` that is not the level shadow of `base_link` on the ground.
 
-use crate::analysis::Estimates;
-use crate::analysis::tree::footprint::Limits;
-
+use crate::analysis::tree::footprint::{LevelPath, Limits, Mount, level_paths, mounts};
 use crate::math::stats::quantile;
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::rules::prelude::*;
 use crate::world::FrameId;
 
-use crate::analysis::tree::footprint::{LevelPath, Mount, level_paths, mounts};
-
-/// TREE13.
 pub(crate) struct BaseFootprint;
 
 impl Rule for BaseFootprint {
@@ -28,10 +22,8 @@ impl Rule for BaseFootprint {
             let base = FrameId::new(name.replace("base_footprint", "base_link"));
             let mut measured = Vec::new();
             let mut findings = Vec::new();
-            if let Some(worst) = mounts(world, footprint, &base)
-                .into_iter()
-                .max_by(|a, b| a.rank(limits).total_cmp(&b.rank(limits)))
-            {
+            let by_rank = |a: &Mount, b: &Mount| a.rank(limits).total_cmp(&b.rank(limits));
+            if let Some(worst) = mounts(world, footprint, &base).into_iter().max_by(by_rank) {
                 judge_mount(footprint, &base, &worst, limits, &mut measured, &mut findings);
             }
             for path in level_paths(world, footprint, namespace) {
@@ -39,8 +31,7 @@ impl Rule for BaseFootprint {
             }
             let subject = subject(footprint);
             if measured.is_empty() {
-                let reason = format!("no transform to `{base}`, and none that moves it in `odom` or `map`");
-                out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
+                out.too_little(subject, format!("no transform to `{base}`, and none that moves it in `odom` or `map`"));
             } else if findings.is_empty() {
                 out.pass(subject, measured);
             }
@@ -67,26 +58,17 @@ fn judge_mount(
         .turn()
         .limit(limits.max_yaw_deg);
     let below = Measured::new("below", mount.below_m, "m").limit(limits.max_below_m);
+    let finding = |message| Finding::warning(subject(footprint), message, mount.place.clone()).likely();
     if mount.yaw_deg > limits.max_yaw_deg {
-        let message = format!(
-            "`{base}` is turned by {:.1} deg about the vertical of `{footprint}`",
-            mount.yaw_deg
-        );
-        let finding = Finding::warning(subject(footprint), message, mount.place.clone()).likely();
-        findings.push(
-            finding
-                .help("both look the same way: the footprint is the base without roll, pitch and height (REP-120)")
-                .measured(yaw.clone()),
-        );
+        let turned = format!("`{base}` is turned by {:.1} deg about", mount.yaw_deg);
+        let help = "both look the same way: the footprint is the base without roll, pitch and height (REP-120)";
+        let finding = finding(format!("{turned} the vertical of `{footprint}`"));
+        findings.push(finding.help(help).measured(yaw.clone()));
     }
     if mount.below_m > limits.max_below_m {
-        let message = format!("`{base}` lies {:.3} m below `{footprint}`", mount.below_m);
-        let finding = Finding::warning(subject(footprint), message, mount.place.clone()).likely();
-        findings.push(
-            finding
-                .help("the footprint lies on the ground: check the sign of z, and which of the two is the parent")
-                .measured(below.clone()),
-        );
+        let help = "the footprint lies on the ground: check the sign of z, and which of the two is the parent";
+        let finding = finding(format!("`{base}` lies {:.3} m below `{footprint}`", mount.below_m));
+        findings.push(finding.help(help).measured(below.clone()));
     }
     measured.extend([yaw, below]);
 }

@@ -1,24 +1,14 @@
 //! TREE14: corrections of `map` -> `odom` that are jumps.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
-use crate::analysis::names::Standard;
-use crate::analysis::tf;
-use crate::rules::{Need, Rule, codes};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-use crate::world::bag::{TfEdge, TopicEvidence};
-use crate::world::content::Step;
-use crate::world::{BagEvidence, FrameId, World};
-
 use crate::analysis::tree::corrections::{Jump, keepers, was_asked};
 use crate::analysis::tree::steps::{of_moving, outstanding, takes_turns};
+use crate::analysis::{names::Standard, tf};
+use crate::rules::prelude::*;
+use crate::world::bag::{TfEdge, TopicEvidence};
+use crate::world::{BagEvidence, FrameId, World, content::Step};
 
-/// TREE14.
 pub(crate) struct MapOdomJump;
 
-/// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -62,12 +52,9 @@ fn judge_edge(world: &World, bag: &BagEvidence, edge: &TfEdge, limits: &Limits, 
     let subject = format!("`{parent}` -> `{child}` of {}", world.path(bag.source));
     let steps = &edge.steps;
     if steps.count == 0 {
-        out.not_evaluated(
-            subject,
-            NotEvaluated::TooLittleEvidence,
-            "no two transforms follow one another",
+        return out.too_little(
+            subject, "no two transforms follow one another",
         );
-        return;
     }
     let enough = steps
         .sample
@@ -101,11 +88,10 @@ fn judge_edge(world: &World, bag: &BagEvidence, edge: &TfEdge, limits: &Limits, 
         .collect();
     if jumps.is_empty() {
         if between_windows(bag, edge, limits) {
-            let reason = "it changes by more than a jump between the parts of the recording that were read";
-            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
+            out.too_little(subject, "it changes by more than a jump between the parts of the recording that were read");
         } else if takes_turns(steps) {
-            let reason = "two writers take turns with different values: its steps are those between them";
-            out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
+            let why = "two writers take turns with different values: its steps are those between them";
+            out.not_applicable(subject, why);
         } else {
             out.pass(
                 subject,

@@ -1,21 +1,13 @@
 //! TREE16: a correction of `map` that is not there, not moving, or not applied to what is called a map.
 
-use crate::analysis::Estimates;
-use crate::analysis::tree::drift::Limits;
-
 use crate::analysis::motion::{BagMotion, Motion};
-use crate::analysis::names::Standard;
-use crate::analysis::tf;
-use crate::analysis::tf::Used;
-use crate::rules::{Need, Rule};
-use crate::source::{MessageRef, Place};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::analysis::tree::drift::{Limits, drift};
+use crate::analysis::{names::Standard, tf, tf::Used};
+use crate::rules::prelude::*;
+use crate::source::MessageRef;
 use crate::world::bag::{TfEdge, TopicEvidence};
 use crate::world::{BagEvidence, FrameId};
 
-use crate::analysis::tree::drift::drift;
-
-/// TREE16.
 pub(crate) struct MapOdomNotApplied;
 
 impl Rule for MapOdomNotApplied {
@@ -59,15 +51,13 @@ fn judge_odom(
         .find_map(|topic| Some((topic, map_in(topic, odom)?)));
     if let Some((edge, (topic, place))) = correction.zip(misnamed) {
         let finding = misnamed_map(bag, edge, odom, subject, topic, place, moves);
-        out.fail(finding.measured(shift).measured(turn));
-        return;
+        return out.fail(finding.measured(shift).measured(turn));
     }
     let Some(edge) = correction else {
         return without_map(bag, odom, subject, out);
     };
     if moves {
-        out.pass(subject, [shift.samples(edge.count), turn.samples(edge.count)]);
-        return;
+        return out.pass(subject, [shift.samples(edge.count), turn.samples(edge.count)]);
     }
     let map = edge.parent.canonical();
     let value = if is_identity(edge, limits) {
@@ -78,7 +68,7 @@ fn judge_odom(
     let seen = format!("`{map}` -> `{odom}` {value} in all {} transforms", edge.count);
     let drift = match drift(motion, odom, &map, limits) {
         Ok(drift) => drift,
-        Err(why) => return out.not_evaluated(subject, NotEvaluated::MissingInput, format!("{seen}; {why}")),
+        Err(why) => return out.missing(subject, format!("{seen}; {why}")),
     };
     match drift.is_told(limits) {
         Some(true) => {
@@ -91,7 +81,7 @@ fn judge_odom(
             let finding = finding.help(format!(
                 "run the localizer that publishes `{map}` -> `{odom}`; a constant one makes a `{map}` that drifts like `{odom}`"
             ));
-            out.fail(drift.measured(limits).into_iter().fold(finding, Finding::measured));
+            out.fail(finding.measured(drift.measured(limits)));
         }
         Some(false) => out.pass(subject, drift.measured(limits)),
         None => {
@@ -99,7 +89,7 @@ fn judge_odom(
                 "{seen}; against {}, the odometry drifts by {:.1} m, give or take {:.1} m: a longer drive would tell",
                 drift.against, drift.by_m, drift.sigma_m
             );
-            out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+            out.too_little(subject, why);
         }
     }
 }
@@ -110,7 +100,7 @@ fn is_identity(edge: &TfEdge, limits: &Limits) -> bool {
     })
 }
 
-/// The first message of a cloud or grid whose topic calls it a map, and which is told in `odom`.
+/// The first message of a cloud or grid whose topic calls it a map, and which is expressed in `odom`.
 fn map_in<'a>(topic: &'a TopicEvidence, odom: &FrameId) -> Option<&'a MessageRef> {
     const NEAR: &[&str] = &[
         "local",
@@ -145,7 +135,7 @@ fn misnamed_map(
     let map = edge.parent.canonical();
     let place = Place::message(bag.source, first.clone());
     let message = format!(
-        "{} is called a map, and is told in `{odom}`: the correction `{map}` -> `{odom}` is not applied to it",
+        "{} is called a map, and is expressed in `{odom}`: the correction `{map}` -> `{odom}` is not applied to it",
         topic.topic
     );
     let finding = Finding::warning(subject, message, place)
@@ -161,13 +151,12 @@ fn without_map(bag: &BagEvidence, odom: &FrameId, subject: String, out: &mut Jud
     let named = tf::without_correction(bag, odom).into_iter().next();
     let main = named.as_ref().and_then(|(map, used)| Some((map, used, used.first()?)));
     let Some((map, used, main)) = main else {
-        let reason = format!("nothing is told in `map`, and `{odom}` hangs under nothing that is called so");
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
-        return;
+        let why = format!("nothing is expressed in `map`, and `{odom}` hangs under nothing that is called so");
+        return out.not_applicable(subject, why);
     };
     let count = crate::math::stats::total(used.iter().map(|used: &Used| used.count));
     let message = format!(
-        "{count} messages ({}{}) are told in `{map}`, and no transform ties it to `{odom}`",
+        "{count} messages ({}{}) are expressed in `{map}`, and no transform ties it to `{odom}`",
         main.topic.topic,
         if used.len() > 1 { ", ..." } else { "" }
     );

@@ -1,20 +1,13 @@
 //! TREE07: frames of messages that no transform knows.
 
-use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 
-use crate::analysis::names;
-use crate::analysis::names::Standard;
 use crate::analysis::near::{Reach, nearest};
-use crate::analysis::spelling;
-use crate::analysis::tf;
 use crate::analysis::tf::{HeaderUse, Used};
-use crate::rules::{Need, NoLimits, Rule, codes};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::analysis::{names, names::Standard, spelling, tf};
+use crate::rules::prelude::*;
 use crate::world::{BagEvidence, FrameId, World};
 
-/// TREE07.
 pub(crate) struct MessageFrameUnresolved;
 
 impl Rule for MessageFrameUnresolved {
@@ -30,8 +23,8 @@ impl Rule for MessageFrameUnresolved {
             // The TF of another recording in the same folder may be of another robot.
             let strange = bag.tf.is_empty() && !uses.keys().any(|frame| tree.contains(frame));
             if strange && !uses.is_empty() {
-                let reason = "no TF was recorded, and no frame of the messages is in the tree";
-                out.not_evaluated(subject_of(world, bag), NotEvaluated::TooLittleEvidence, reason);
+                let why = "no TF was recorded, and no frame of the messages is in the tree";
+                out.too_little(subject_of(world, bag), why);
                 continue;
             }
             let odoms = tf::moving_odoms(bag);
@@ -82,12 +75,10 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
         let message = format!("{count} messages on {} have an empty frame_id", main.topic.topic);
         let help = "set the driver's frame_id to the frame that the sensor is mounted at";
         let finding = Finding::warning(subject, message, place).help(help);
-        out.fail(finding.measured(messages.limit(0.0)));
-        return;
+        return out.fail(finding.measured(messages.limit(0.0)));
     }
     if context.tree.contains(frame) {
-        out.pass(subject, [messages]);
-        return;
+        return out.pass(subject, [messages]);
     }
     let cleaned = FrameId::new(spelling::clean(frame.as_str()));
     // Names stand in reports as they were published, with a slash in front or without.
@@ -111,8 +102,7 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
         None
     };
     if let (None, Some(reason)) = (&better, unproven) {
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
-        return;
+        return out.too_little(subject, reason);
     }
     let topics: BTreeSet<&str> = used.iter().map(|used| used.topic.topic.as_str()).collect();
     let shown = topics.iter().take(3).copied().collect::<Vec<_>>().join(", ");

@@ -1,24 +1,13 @@
 //! TREE02: frames with more than one parent.
 
-use crate::analysis::Estimates;
 use std::collections::{BTreeMap, BTreeSet};
 
-use serde::Deserialize;
+use crate::analysis::{tf, tree::loops::loops};
+use crate::rules::prelude::*;
+use crate::world::{BagEvidence, FrameId, Robot, World, bag::TfEdge, robot::Joint};
 
-use crate::analysis::tf;
-use crate::rules::{Need, Rule, codes};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured};
-use crate::world::bag::TfEdge;
-use crate::world::robot::Joint;
-use crate::world::{BagEvidence, FrameId, Robot, World};
-
-use crate::analysis::tree::loops::loops;
-
-/// TREE02.
 pub(crate) struct MultipleParents;
 
-/// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -1,19 +1,10 @@
 //! TREE15: odometry that does not move on from where it was.
 
-use crate::analysis::Estimates;
-use crate::analysis::tree::odometry::Limits;
-use crate::world::FrameId;
-
-use crate::rules::{Need, Rule, codes};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-use crate::world::BagEvidence;
-use crate::world::content::StepAt;
-
-use crate::analysis::tree::odometry::{Bound, Stream, streams};
+use crate::analysis::tree::odometry::{Bound, Limits, Stream, streams};
 use crate::analysis::tree::steps::{outstanding, seconds, takes_turns};
+use crate::rules::prelude::*;
+use crate::world::{BagEvidence, FrameId, content::StepAt};
 
-/// TREE15.
 pub(crate) struct OdomDiscontinuity;
 
 impl Rule for OdomDiscontinuity {
@@ -41,9 +32,7 @@ fn judge_streams(
     let steps = crate::math::stats::total(streams.iter().map(|stream| stream.steps.count));
     let takes_turns = streams.iter().any(|stream| takes_turns(stream.steps));
     if streams.iter().all(|stream| stream.steps.count < limits.min_steps) {
-        let reason = format!("{steps} steps, {} are needed", limits.min_steps);
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
-        return;
+        return out.too_little(subject, format!("{steps} steps, {} are needed", limits.min_steps));
     }
     let bound = Bound::of(streams);
     let jumps_of = |stream: &Stream| -> Vec<StepAt> {
@@ -57,22 +46,20 @@ fn judge_streams(
     let with_jumps: Vec<_> = found.into_iter().filter(|(_, jumps)| !jumps.is_empty()).collect();
     let Some(((stream, jumps), others)) = with_jumps.split_first() else {
         if takes_turns {
-            let reason = "two writers take turns with different values: its steps are those between them";
-            out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
-            return;
+            let why = "two writers take turns with different values: its steps are those between them";
+            return out.not_applicable(subject, why);
         }
         let all = streams.iter().flat_map(|stream| outstanding(stream.steps));
         // The step that comes nearest to its limit.
         let ratio = all.map(|at| at.step.distance_m.min(at.step.surprise_m) / bound.limits(&at.step, limits).0);
         let largest = Measured::new("largest step, against its limit", ratio.fold(0.0, f64::max), "1").limit(1.0);
-        out.pass(
+        return out.pass(
             subject,
             [
                 largest.samples(steps),
                 Measured::new("greatest speed", bound.speed, "m/s"),
             ],
         );
-        return;
     };
     let mut finding = finding(bag, subject, stream, jumps, &bound, limits);
     if takes_turns {

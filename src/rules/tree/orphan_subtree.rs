@@ -1,20 +1,12 @@
 //! TREE01: frames that no chain connects to the rest.
 
-use crate::analysis::Estimates;
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::analysis::places::Firsts;
-use crate::analysis::spelling::loose;
-use crate::analysis::tf;
-use crate::rules::{Need, NoLimits, Rule, codes};
+use crate::analysis::{places::Firsts, spelling::loose, tf, tree::loops::loops};
+use crate::rules::prelude::*;
 use crate::source::SourceId;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-use crate::world::graph::Component;
-use crate::world::{FrameId, FrameRole, World};
+use crate::world::{FrameId, FrameRole, World, graph::Component};
 
-use crate::analysis::tree::loops::loops;
-
-/// TREE01.
 pub(crate) struct OrphanSubtree;
 
 impl Rule for OrphanSubtree {
@@ -37,22 +29,21 @@ impl Rule for OrphanSubtree {
             });
         if let Some(part) = parts.first() {
             let names: Vec<FrameId> = part.members.iter().take(1).cloned().collect();
-            let reason = format!(
+            let why = format!(
                 "{} frames (the first is {}) stand in a part of a description: what joins them may stand elsewhere",
                 parts.iter().map(|part| part.members.len()).sum::<usize>(),
                 tf::listed(&names)
             );
-            out.not_evaluated("frames of parts", NotEvaluated::TooLittleEvidence, reason);
+            out.too_little("frames of parts", why);
         }
         if components.is_empty() && !parts.is_empty() {
             return;
         }
         if components.len() <= 1 {
-            out.pass(
+            return out.pass(
                 "frame tree",
                 [Measured::count("separate trees", components.len()).limit(1.0)],
             );
-            return;
         }
         let main = main_component(world, &components);
         let looping: BTreeSet<FrameId> = loops(world).into_iter().flat_map(|(frames, _)| frames).collect();

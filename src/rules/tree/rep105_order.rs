@@ -1,16 +1,11 @@
 //! TREE06: the order of `earth`, `map`, `odom` and the base, and sensors above the base.
 
-use crate::analysis::Estimates;
 use std::collections::{BTreeSet, VecDeque};
 
-use crate::analysis::names;
-use crate::analysis::names::Standard;
-use crate::rules::{Need, NoLimits, Rule};
-use crate::verdict::{Finding, Judge, Measured};
-use crate::world::graph::FrameGraph;
-use crate::world::{FrameId, World};
+use crate::analysis::{names, names::Standard};
+use crate::rules::prelude::*;
+use crate::world::{FrameId, World, graph::FrameGraph};
 
-/// TREE06.
 pub(crate) struct Rep105Order;
 
 impl Rule for Rep105Order {
@@ -20,8 +15,7 @@ impl Rule for Rep105Order {
 
     fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         let graph = world.graph();
-        let mut judged = 0;
-        let mut failed = false;
+        let (mut judged, mut failed) = (0, false);
         for frame in &graph.frames {
             let Some((namespace, kind)) = names::standard(frame) else {
                 continue;

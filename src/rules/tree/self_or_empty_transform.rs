@@ -1,12 +1,9 @@
 //! TREE04: transforms of a frame to itself, and transforms without a frame.
 
-use crate::analysis::Estimates;
-use crate::rules::{Need, NoLimits, Rule};
-use crate::source::{Confidence, Place};
-use crate::verdict::{Finding, Judge, Measured};
+use crate::rules::prelude::*;
+use crate::source::Confidence;
 use crate::world::{BagEvidence, ClaimKind, FrameId, Robot, World};
 
-/// TREE04.
 pub(crate) struct SelfOrEmptyTransform;
 
 impl Rule for SelfOrEmptyTransform {
@@ -59,10 +56,9 @@ fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
         );
     }
     if !failed {
-        let edges = Measured::count("dropped transforms", 0)
-            .limit(0.0)
-            .samples(bag.tf.len() as u64);
-        out.pass(format!("TF of {}", world.path(bag.source)), [edges]);
+        let edges = Measured::count("dropped transforms", 0).limit(0.0);
+        let subject = format!("TF of {}", world.path(bag.source));
+        out.pass(subject, edges.samples(bag.tf.len() as u64));
     }
 }
 
@@ -94,8 +90,7 @@ fn judge_robot(world: &World, robot: &Robot, out: &mut Judge) {
 }
 
 fn judge_files(world: &World, out: &mut Judge) {
-    let mut judged = 0;
-    let mut failed = false;
+    let (mut judged, mut failed) = (0, false);
     for claim in &world.claims {
         // Frames that were only guessed from a key prove nothing.
         let (ClaimKind::File { .. }, Some((target, source))) = (&claim.kind, &claim.frames) else {
@@ -119,11 +114,7 @@ fn judge_files(world: &World, out: &mut Judge) {
         );
     }
     if judged > 0 && !failed {
-        out.pass(
-            "calibration files",
-            [Measured::count("transforms without two frames", 0)
-                .limit(0.0)
-                .samples(judged)],
-        );
+        let claims = Measured::count("transforms without two frames", 0).limit(0.0);
+        out.pass("calibration files", claims.samples(judged));
     }
 }

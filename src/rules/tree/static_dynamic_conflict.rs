@@ -1,21 +1,12 @@
 //! TREE05: edges published both as latched and as moving, and moving edges that never move.
 
-use crate::analysis::Estimates;
-use serde::Deserialize;
-
 use crate::analysis::relate::{Difference, Same};
 use crate::analysis::{names, tf};
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured};
-use crate::world::bag::TfEdge;
-use crate::world::robot::Joint;
-use crate::world::{BagEvidence, FrameId, World};
+use crate::rules::prelude::*;
+use crate::world::{BagEvidence, FrameId, World, bag::TfEdge, robot::Joint};
 
-/// TREE05.
 pub(crate) struct StaticDynamicConflict;
 
-/// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -50,10 +41,8 @@ impl Rule for StaticDynamicConflict {
             }
             if !failed {
                 let both = Measured::count("frames both latched and moving", 0).limit(0.0);
-                out.pass(
-                    format!("TF of {}", world.path(bag.source)),
-                    [both.samples(children.len() as u64)],
-                );
+                let subject = format!("TF of {}", world.path(bag.source));
+                out.pass(subject, both.samples(children.len() as u64));
             }
         }
     }
@@ -71,10 +60,8 @@ fn conflict(bag: &BagEvidence, child: &FrameId, fixed: &TfEdge, moving: &TfEdge,
     let pose = |edge: &TfEdge| edge.first().map(|sample| sample.pose.isometry());
     let (at, until) = (moving.first_at.clone(), fixed.first_at.clone());
     let parent = fixed.parent.canonical();
-    let what = format!(
-        "`{parent}` -> `{child}` is published on {} and on {}",
-        fixed.topic, moving.topic
-    );
+    let (one, other) = (&fixed.topic, &moving.topic);
+    let what = format!("`{parent}` -> `{child}` is published on {one} and on {other}");
     let same = Same {
         deg: limits.same_deg,
         m: limits.same_m,
@@ -107,10 +94,8 @@ fn constant(world: &World, bag: &BagEvidence, child: &FrameId, edges: &[&TfEdge]
     }
     let stands_still = names::is_world(child) || names::standard(child).is_some() || names::is_moving_part(child);
     let joint = world.robots.iter().flat_map(|robot| &robot.joints).find(|joint| {
-        joint
-            .child
-            .as_ref()
-            .is_some_and(|link| FrameId::new(link.value.as_str()).canonical() == *child)
+        let link = joint.child.as_ref();
+        link.is_some_and(|link| FrameId::new(link.value.as_str()).canonical() == *child)
     });
     let meant_fixed = joint.map_or_else(|| !stands_still && names::is_sensor(child), Joint::is_fixed);
     if deviation >= limits.constant || !meant_fixed {
@@ -120,17 +105,11 @@ fn constant(world: &World, bag: &BagEvidence, child: &FrameId, edges: &[&TfEdge]
         "`{}` -> `{child}` is published {} times on {} in {time_s:.0} s and never changes",
         edge.parent, edge.count, edge.topic
     );
-    let finding = Finding::note(
-        format!("frame `{child}`"),
-        message,
-        Place::message(bag.source, edge.first_at.clone()),
-    )
-    .help("publish it once on /tf_static: late listeners then have it at every time, and the recording shrinks")
-    .measured(
-        Measured::new("largest change", deviation, "rad or m")
-            .limit(limits.constant)
-            .samples(edge.count),
-    )
-    .measured(Measured::new("time", time_s, "s").limit(limits.min_time_s));
+    let place = Place::message(bag.source, edge.first_at.clone());
+    let change = Measured::new("largest change", deviation, "rad or m").limit(limits.constant);
+    let finding = Finding::note(format!("frame `{child}`"), message, place)
+        .help("publish it once on /tf_static: late listeners then have it at every time, and the recording shrinks")
+        .measured(change.samples(edge.count))
+        .measured(Measured::new("time", time_s, "s").limit(limits.min_time_s));
     Some(if joint.is_some() { finding } else { finding.likely() })
 }

@@ -2,19 +2,12 @@
 
 mod across;
 
-use crate::analysis::Estimates;
-use crate::analysis::tree::latched::Limits;
-
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, NotEvaluated, Severity};
+use crate::analysis::tree::latched::{Calm, Change, Key, Limits, change, difference, latched};
+use crate::rules::prelude::*;
+use crate::rules::tree::static_transform_changes::across::{Across, judge_across};
 use crate::world::BagEvidence;
 use crate::world::bag::{TfEdge, TfSample};
 
-use crate::analysis::tree::latched::{Calm, Change, Key, change, difference, latched};
-use crate::rules::tree::static_transform_changes::across::{Across, judge_across};
-
-/// TREE11.
 pub(crate) struct StaticTransformChanges;
 
 impl Rule for StaticTransformChanges {
@@ -30,7 +23,7 @@ impl Rule for StaticTransformChanges {
             let subject = format!("latched transforms of {}", world.path(bag.source));
             let latched = latched(bag);
             if latched.is_empty() {
-                out.not_evaluated(subject, NotEvaluated::NotApplicable, "it has no latched transforms");
+                out.not_applicable(subject, "it has no latched transforms");
                 continue;
             }
             let mut calm = Calm::default();

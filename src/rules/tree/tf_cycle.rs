@@ -1,16 +1,12 @@
 //! TREE03: frames that are their own ancestor.
 
-use crate::analysis::Estimates;
-use crate::analysis::tree::loops::loops;
 use std::collections::BTreeSet;
 
-use crate::rules::{Need, NoLimits, Rule};
-use crate::source::{At, Place, SourceId};
-use crate::verdict::{Finding, Judge, Measured};
-use crate::world::graph::Edge;
-use crate::world::{FrameId, World};
+use crate::analysis::tree::loops::loops;
+use crate::rules::prelude::*;
+use crate::source::{At, SourceId};
+use crate::world::{FrameId, World, graph::Edge};
 
-/// TREE03.
 pub(crate) struct TfCycle;
 
 impl Rule for TfCycle {

@@ -2,21 +2,15 @@
 
 mod findings;
 
-use crate::analysis::Estimates;
-use crate::rules::tree::tf_lookup_coverage::findings::{Limits, subject_of};
 use std::collections::BTreeMap;
 
 use crate::advice::together::tell_once;
-use crate::analysis::{names, tf};
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, NotEvaluated};
-use crate::world::bag::TopicEvidence;
-use crate::world::{BagEvidence, FrameId};
-
 use crate::analysis::tree::lookups::{Culprit, Heard, Listeners, offset_s};
-use crate::rules::tree::tf_lookup_coverage::findings::{Case, Cause};
+use crate::analysis::{names, tf};
+use crate::rules::prelude::*;
+use crate::rules::tree::tf_lookup_coverage::findings::{Case, Cause, Limits, subject_of};
+use crate::world::{BagEvidence, FrameId, bag::TopicEvidence};
 
-/// TREE09.
 pub(crate) struct TfLookupCoverage;
 
 /// Findings by their cause.

@@ -1,26 +1,13 @@
 //! TREE10: transforms that come so seldom that interpolating between them goes astray.
 
-use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 
-use serde::Deserialize;
+use crate::analysis::{names, names::Standard, tf, tree::rate::Rate};
+use crate::rules::prelude::*;
+use crate::world::{BagEvidence, FrameId, bag::TfEdge, content::Step};
 
-use crate::analysis::names;
-use crate::analysis::names::Standard;
-use crate::analysis::tf;
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, NotEvaluated};
-use crate::world::bag::TfEdge;
-use crate::world::content::Step;
-use crate::world::{BagEvidence, FrameId};
-
-use crate::analysis::tree::rate::Rate;
-
-/// TREE10.
 pub(crate) struct TfRateTooLow;
 
-/// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -74,32 +61,26 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
     let subject = format!("rate of {name} on `{}`", edge.topic);
     let steps = &edge.steps;
     if steps.moving == 0 && steps.count > 0 {
-        let reason = format!("it does not move in {} steps", steps.count);
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
-        return;
+        return out.not_applicable(subject, format!("it does not move in {} steps", steps.count));
     }
     let is_known = |step: &&Step| step.surprise_m.is_finite() && step.surprise_rad.is_finite();
     let known: Vec<&Step> = steps.sample.iter().filter(is_known).collect();
     let rate = Rate::of(&known).filter(|_| known.len() >= limits.min_steps && steps.moving >= limits.min_moving);
     let Some(rate) = rate else {
-        let reason = format!("{} steps, {} of them moving, say little", steps.count, steps.moving);
-        out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
-        return;
+        return out.too_little(subject, format!("{} steps, {} of them moving, say little", steps.count, steps.moving));
     };
     let undone = steps.undone as f64 / steps.count.max(1) as f64;
     if undone > limits.max_undone {
-        let reason = format!(
+        let why = format!(
             "{:.0} % of the steps are undone by the next, as of two writers that take turns",
             undone * 100.0
         );
-        out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
-        return;
+        return out.not_applicable(subject, why);
     }
     let measured = rate.measured(limits.max_error_m, limits.max_error_deg);
     let times = (rate.error_m / limits.max_error_m).max(rate.error_deg / limits.max_error_deg);
     if times <= 1.0 {
-        out.pass(subject, measured);
-        return;
+        return out.pass(subject, measured);
     }
     let message = format!(
         "{name} comes every {:.3} s (99 % within {:.3} s), too seldom for how it moves: interpolated in between it is off \
@@ -120,5 +101,5 @@ fn judge_edge(bag: &BagEvidence, edge: &TfEdge, limits: &Limits, out: &mut Judge
         .likely()
         .label("farthest off a straight line")
         .help(help);
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }

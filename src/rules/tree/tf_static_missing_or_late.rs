@@ -2,22 +2,15 @@
 
 mod split;
 
-use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 
-use serde::Deserialize;
-
 use crate::analysis::tf;
-use crate::rules::{Need, Rule};
-use crate::source::{MessageRef, Place};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-use crate::world::bag::TopicEvidence;
-use crate::world::{BagEvidence, FrameId, World};
+use crate::rules::prelude::*;
+use crate::source::MessageRef;
+use crate::world::{BagEvidence, FrameId, World, bag::TopicEvidence};
 
-/// TREE08.
 pub(crate) struct TfStaticMissingOrLate;
 
-/// Limits of the page.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -41,8 +34,7 @@ impl Rule for TfStaticMissingOrLate {
             ];
             let mut findings: Vec<Finding> = others.into_iter().flatten().collect();
             if missing.is_some() && bag.truncated {
-                let reason = "the recording is cut short, so a missing transform proves nothing";
-                out.not_evaluated(subject.as_str(), NotEvaluated::TooLittleEvidence, reason);
+                out.too_little(subject.as_str(), "the recording is cut short, so a missing transform proves nothing");
             } else if missing.is_none() && findings.is_empty() {
                 let latched = bag.tf.iter().filter(|edge| edge.is_static).count();
                 let faults = Measured::count("missing, late or volatile", 0).limit(0.0);

@@ -5,19 +5,12 @@
 
 mod undefined_links;
 
-use crate::analysis::Estimates;
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::analysis::spelling::loose;
-use crate::analysis::tf;
-use crate::rules::{Need, NoLimits, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
-use crate::world::robot::Link;
-use crate::world::{FrameId, Robot};
+use crate::analysis::{spelling::loose, tf};
+use crate::rules::{prelude::*, tree::urdf_structure::undefined_links::undefined};
+use crate::world::{FrameId, Robot, robot::Link};
 
-use crate::rules::tree::urdf_structure::undefined_links::undefined;
-
-/// TREE12.
 pub(crate) struct UrdfStructure;
 
 impl Rule for UrdfStructure {
@@ -29,14 +22,13 @@ impl Rule for UrdfStructure {
         for robot in &world.robots {
             let subject = format!("robot `{}` in {}", robot.name.value, world.path(robot.source));
             if let Some(reason) = &robot.fragment {
-                out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
+                out.too_little(subject, reason);
                 continue;
             }
             let is_xacro = world.path(robot.source).to_lowercase().ends_with(".xacro");
             // Properties, materials and the like, or the empty default of an optional include.
             if robot.links.is_empty() && robot.joints.is_empty() && (is_xacro || robot.name.value.is_empty()) {
-                let reason = "it has neither links nor joints: a part for other files";
-                out.not_evaluated(subject, NotEvaluated::NotApplicable, reason);
+                out.not_applicable(subject, "it has neither links nor joints: a part for other files");
                 continue;
             }
             let findings = judge_robot(robot, &subject, is_xacro);

@@ -1,20 +1,15 @@
 //! URDF13: another parser refuses the description, or reads another robot from it.
 
-use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
-use crate::rules::{Need, Rule};
+use crate::advice::subject;
+use crate::rules::prelude::*;
 use crate::source::Placed;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
 use crate::world::World;
 use crate::world::robot::{ConsumerJoint, ConsumerOpinion, Joint, NumberList, Robot};
 
-use crate::advice::subject;
-
-/// URDF13.
 pub(crate) struct ConsumerDisagrees;
 
-/// Limits of URDF13.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -36,10 +31,8 @@ impl Rule for ConsumerDisagrees {
                 ConsumerOpinion::Loads(joints) => judge_loaded(world, robot, joints, limits, out),
                 ConsumerOpinion::Refuses(why) => out.fail(refused(world, robot, why)),
                 ConsumerOpinion::NotAsked(why) => {
-                    out.not_evaluated(
-                        crate::analysis::urdf::called::robot(world, robot),
-                        NotEvaluated::MissingInput,
-                        why,
+                    out.missing(
+                        crate::analysis::urdf::called::robot(world, robot), why,
                     );
                 }
             }
@@ -57,7 +50,7 @@ fn refused(world: &World, robot: &Robot, why: &str) -> Finding {
         robot.name.place.clone(),
     )
     .label("refused")
-    .help("mend what the other rules find here first; programs in Rust cannot load the file as it stands")
+    .help("fix what the other rules find here first; programs in Rust cannot load the file as it stands")
     .measured(Measured::count("consumers that refuse the file", 1).limit(0.0));
     if explained { finding } else { finding.hint() }
 }

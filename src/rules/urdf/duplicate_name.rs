@@ -1,15 +1,11 @@
 //! URDF05: two links or two joints of one name.
 
-use crate::analysis::Estimates;
 use std::collections::BTreeMap;
 
-use crate::rules::{Need, NoLimits, Rule};
-use crate::source::Placed;
-use crate::verdict::{Finding, Judge, Measured};
-
 use crate::advice::subject;
+use crate::rules::prelude::*;
+use crate::source::Placed;
 
-/// URDF05.
 pub(crate) struct DuplicateName;
 
 impl Rule for DuplicateName {

@@ -1,13 +1,11 @@
 //! URDF11: a misspelt attribute or element, which consumers ignore.
 
 use crate::advice::literal::{replace, with_fix};
-use crate::analysis::Estimates;
-use crate::rules::{Need, NoLimits, Rule};
-use crate::verdict::{Finding, Judge, Measured, Safety};
+use crate::rules::prelude::*;
+use crate::verdict::Safety;
 use crate::world::World;
 use crate::world::robot::{Ignored, Robot};
 
-/// URDF11.
 pub(crate) struct IgnoredName;
 
 impl Rule for IgnoredName {

@@ -1,19 +1,13 @@
 //! URDF08: a mass or an inertia that no body has.
 
-use crate::advice::tally::Tally;
-use crate::analysis::Estimates;
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, Severity};
+use crate::advice::{subject, tally::Tally};
+use crate::analysis::urdf::moments::{is_placeholder, principal_moments, rounding};
+use crate::rules::prelude::*;
 use crate::world::World;
 use crate::world::robot::{Inertial, Joint, Link, Robot};
 
-use crate::advice::subject;
-use crate::analysis::urdf::moments::{is_placeholder, principal_moments, rounding};
-
-/// URDF08.
 pub(crate) struct InertiaInvalid;
 
-/// Limits of URDF08.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

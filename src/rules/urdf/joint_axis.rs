@@ -1,19 +1,14 @@
 //! URDF03: the axis of a moving joint is zero, or not of length one.
 
 use crate::advice::literal::{rewrite, spell, with_fix};
-use crate::advice::tally::Tally;
-use crate::analysis::Estimates;
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, Safety};
+use crate::advice::{subject, tally::Tally};
+use crate::rules::prelude::*;
+use crate::verdict::Safety;
 use crate::world::World;
 use crate::world::robot::{Joint, NumberList, Robot};
 
-use crate::advice::subject;
-
-/// URDF03.
 pub(crate) struct JointAxis;
 
-/// Limits of URDF03.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -1,22 +1,16 @@
 //! URDF04: limits of joints that are missing, the wrong way round, or in degrees.
 
-use crate::analysis::Estimates;
 use std::f64::consts::PI;
 
 use crate::advice::literal::{is_macro, rewrite, spell, with_fix};
-use crate::advice::tally::Tally;
-use crate::rules::{Need, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, Safety, Severity};
+use crate::advice::{subject, tally::Tally};
+use crate::rules::prelude::*;
+use crate::verdict::Safety;
 use crate::world::robot::{Joint, JointLimit, Robot};
 use crate::world::{Literal, World};
 
-use crate::advice::subject;
-
-/// URDF04.
 pub(crate) struct JointLimits;
 
-/// Limits of URDF04.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -109,8 +103,7 @@ fn judge_limit(
             .label("lower over upper")
             .help("exchange the two numbers, or correct the sign of one")
             .measured(Measured::new("upper minus lower", upper - lower, unit).limit(0.0));
-        out.fail(finding);
-        return;
+        return out.fail(finding);
     }
     let largest = lower.abs().max(upper.abs());
     let measured = Measured::new("largest limit", largest, unit);

@@ -1,16 +1,14 @@
 //! URDF10: an attribute that a consumer cannot read as numbers.
 
-use crate::analysis::Estimates;
 use std::collections::BTreeSet;
 
 use crate::advice::literal::{is_macro, is_spelled_non_finite, replace, with_fix};
-use crate::rules::{Need, NoLimits, Rule};
-use crate::source::{Place, SourceId};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Safety};
+use crate::rules::prelude::*;
+use crate::source::SourceId;
+use crate::verdict::Safety;
 use crate::world::robot::{NumberList, Robot};
 use crate::world::{Literal, World};
 
-/// URDF10.
 pub(crate) struct MalformedNumber;
 
 impl Rule for MalformedNumber {
@@ -39,10 +37,8 @@ impl Rule for MalformedNumber {
                 );
             }
             if let Some(first) = macros.first() {
-                out.not_evaluated(
-                    crate::analysis::urdf::called::robot(world, robot),
-                    NotEvaluated::MissingInput,
-                    format!(
+                out.missing(
+                    crate::analysis::urdf::called::robot(world, robot), format!(
                         "{} attributes hold macros, the first `{}`: expand the file",
                         macros.len(),
                         first.text.value

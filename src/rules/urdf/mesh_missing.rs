@@ -1,17 +1,12 @@
 //! URDF09: meshes that are not where the description says.
 
-use crate::analysis::Estimates;
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Severity};
+use crate::advice::subject;
+use crate::rules::prelude::*;
 use crate::world::World;
 use crate::world::robot::{Link, Mesh, Robot};
 
-use crate::advice::subject;
-
-/// URDF09.
 pub(crate) struct MeshMissing;
 
-/// Limits of URDF09.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -54,10 +49,8 @@ impl Rule for MeshMissing {
                 );
             }
             if unknown > 0 {
-                out.not_evaluated(
-                    format!("meshes elsewhere of {}", world.path(robot.source)),
-                    NotEvaluated::MissingInput,
-                    format!(
+                out.missing(
+                    format!("meshes elsewhere of {}", world.path(robot.source)), format!(
                         "{unknown} of {} meshes are in packages that are not among the inputs",
                         meshes.len()
                     ),

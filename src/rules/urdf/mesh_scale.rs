@@ -1,19 +1,12 @@
 //! URDF01: a mesh that is flattened, mirrored or drawn a thousand times too large.
 
-use crate::advice::tally::Tally;
-use crate::analysis::Estimates;
-use crate::rules::{Need, Rule};
-use crate::verdict::{Finding, Judge, Measured};
-use crate::world::World;
-use crate::world::robot::Robot;
-
-use crate::advice::subject;
+use crate::advice::{subject, tally::Tally};
 use crate::analysis::urdf::scaled::{Scaled, mirrored_on_purpose, scaled};
+use crate::rules::prelude::*;
+use crate::world::{World, robot::Robot};
 
-/// URDF01.
 pub(crate) struct MeshScale;
 
-/// Limits of URDF01.
 #[derive(Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

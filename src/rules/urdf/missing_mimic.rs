@@ -1,15 +1,9 @@
 //! URDF06: a joint that mimics one that does not exist.
 
-use crate::advice::literal::is_macro;
-use crate::advice::tally::Tally;
-use crate::analysis::Estimates;
-use crate::rules::{Need, NoLimits, Rule};
-use crate::verdict::{Finding, Judge, Measured};
+use crate::advice::{literal::is_macro, subject, tally::Tally};
+use crate::rules::prelude::*;
 use crate::world::robot::Robot;
 
-use crate::advice::subject;
-
-/// URDF06.
 pub(crate) struct MissingMimic;
 
 impl Rule for MissingMimic {

@@ -1,15 +1,10 @@
 //! URDF07: an element that stands twice where consumers read one.
 
-use crate::analysis::Estimates;
-use crate::rules::{Need, NoLimits, Rule};
-use crate::source::Place;
-use crate::verdict::{Finding, Judge, Measured, Severity};
+use crate::advice::subject;
+use crate::rules::prelude::*;
 use crate::world::World;
 use crate::world::robot::{Repeated, Robot};
 
-use crate::advice::subject;
-
-/// URDF07.
 pub(crate) struct RepeatedElement;
 
 /// Elements that place or move frames: which of two is read decides where a link is.

@@ -1,13 +1,8 @@
 //! URDF02: a joint between a link and itself.
 
-use crate::advice::tally::Tally;
-use crate::analysis::Estimates;
-use crate::rules::{Need, NoLimits, Rule};
-use crate::verdict::{Finding, Judge, Measured};
+use crate::advice::{subject, tally::Tally};
+use crate::rules::prelude::*;
 
-use crate::advice::subject;
-
-/// URDF02.
 pub(crate) struct SelfJoint;
 
 impl Rule for SelfJoint {

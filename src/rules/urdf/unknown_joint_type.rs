@@ -1,16 +1,12 @@
 //! URDF12: a joint type that no consumer knows.
 
 use crate::advice::literal::{is_macro, replace, with_fix};
-use crate::advice::tally::Tally;
-use crate::analysis::Estimates;
-use crate::rules::{Need, NoLimits, Rule};
-use crate::verdict::{Finding, Judge, Measured, Safety};
+use crate::advice::{subject, tally::Tally};
+use crate::rules::prelude::*;
+use crate::verdict::Safety;
 use crate::world::World;
 use crate::world::robot::{Joint, Robot};
 
-use crate::advice::subject;
-
-/// URDF12.
 pub(crate) struct UnknownJointType;
 
 /// The types of the URDF specification.

@@ -18,7 +18,7 @@ pub static ERRORS: &[Error] = &[
         Nothing,
         [NedFrd],
         ["ned-frd"],
-        ["all of it is told in NED/FRD"],
+        ["all of it is expressed in NED/FRD"],
         ["AXES01", "AXES03", "AXES05"]
     ),
     imu!(
@@ -26,7 +26,7 @@ pub static ERRORS: &[Error] = &[
         Orientation,
         [NedOrientation],
         ["ned-orientation"],
-        ["the orientation alone is told in NED/FRD"],
+        ["the orientation alone is expressed in NED/FRD"],
         ["QUAT01", "AXES04"]
     ),
     imu!(
@@ -133,7 +133,7 @@ pub static ERRORS: &[Error] = &[
         Nothing,
         [LeftHanded],
         ["mirrored"],
-        ["all of it is told in left-handed axes"],
+        ["all of it is expressed in left-handed axes"],
         ["AXES05", "AXES04"]
     ),
     imu!(
@@ -141,14 +141,14 @@ pub static ERRORS: &[Error] = &[
         Nothing,
         [Frd],
         ["sensor-frd"],
-        ["gyro and accelerometer are told in FRD"],
+        ["gyro and accelerometer are expressed in FRD"],
         ["QUAT01", "AXES01", "AXES05"]
     ),
     error!(
         "gyro FRD",
         Change::Imu(Needs::Gyro, |row| row.gyro = [row.gyro[0], -row.gyro[1], -row.gyro[2]]),
         ["gyro-frd"],
-        ["the gyro alone is told in FRD"],
+        ["the gyro alone is expressed in FRD"],
         ["QUAT01", "AXES05"]
     ),
     imu!(

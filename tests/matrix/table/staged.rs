@@ -93,10 +93,10 @@ pub static ERRORS: &[Error] = &[
         ["TREE16"]
     ),
     error!(
-        "map told in odom",
+        "map expressed in odom",
         Change::Staged(&CORRECTION, stages::map_in_odom),
         [],
-        ["is called a map, and is told in"],
+        ["is called a map, and is expressed in"],
         ["TREE16"]
     ),
 ];

@@ -38,6 +38,10 @@ pub enum Error {
     Yaw90,
     /// Roll, pitch and yaw put together in the other order.
     EulerXyz,
+    /// Degrees taken for radians where roll, pitch and yaw become a quaternion.
+    AnglesInDegrees,
+    /// The first two slots of the quaternion changed.
+    SlotsSwapped,
     /// A left-handed world and body: y to the right.
     LeftHanded,
 
@@ -49,6 +53,8 @@ pub enum Error {
     /// Turn rates with the other sign.
     #[serde(alias = "negated")]
     GyroNegated,
+    /// Turn rates that are not filled in.
+    GyroMissing,
     /// Accelerations in units of gravity.
     G,
     /// Accelerations in cm/s².
@@ -209,6 +215,14 @@ pub fn apply(row: &mut impl Oriented, error: Error) -> bool {
                 Error::EulerXyz => {
                     let about = |axis: Vector3<f64>, angle: f64| UnitQuaternion::from_scaled_axis(axis * angle);
                     slots(about(Vector3::x(), roll) * about(Vector3::y(), pitch) * about(Vector3::z(), yaw))
+                }
+                Error::AnglesInDegrees => {
+                    let [roll, pitch, yaw] = [roll, pitch, yaw].map(f64::to_degrees);
+                    slots(UnitQuaternion::from_euler_angles(roll, pitch, yaw))
+                }
+                Error::SlotsSwapped => {
+                    let [x, y, z, w] = *row.orientation();
+                    [y, x, z, w]
                 }
                 _ => return false,
             };

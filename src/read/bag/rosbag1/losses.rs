@@ -24,7 +24,7 @@ pub(super) struct Losses {
 
 impl Losses {
     pub(super) fn add(&mut self, loss: Loss) {
-        // Where reading ended is told in any case.
+        // Where reading ended is expressed in any case.
         if self.told.len() < MAX_TOLD || loss.to.is_none() {
             self.told.push(loss);
         } else {

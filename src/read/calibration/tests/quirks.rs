@@ -6,7 +6,7 @@ use super::*;
 
 const FLAT: &str = "[1, 0, 0, 0.5, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]";
 
-/// The claim of a text that only a lenient reader takes, with the note on what was mended.
+/// The claim of a text that only a lenient reader takes, with the note on what was fixed.
 fn lenient(text: &str) -> (Claim, String) {
     let (source, facts) = yaml(text);
     assert_eq!(source.status, ReadStatus::Read, "{:?}", source.problems);
@@ -27,7 +27,7 @@ fn opencv_files_without_document_start_are_read() {
 }
 
 #[test]
-fn a_missing_space_after_a_colon_is_mended() {
+fn a_missing_space_after_a_colon_is_fixed() {
     let (_, detail) = lenient(&format!("T_a_b:{FLAT}\nViewer.PointSize:2\nb: 1\n"));
     assert_eq!(
         detail,
@@ -36,7 +36,7 @@ fn a_missing_space_after_a_colon_is_mended() {
 }
 
 #[test]
-fn a_tag_without_a_space_and_words_after_it_are_mended() {
+fn a_tag_without_a_space_and_words_after_it_are_fixed() {
     let text = format!(
         "%YAML:1.0\nname: é\nLEFT_CAMERA_T_IMU:!!opencv-matrix (left camera to IMU)\n   rows: 4\n    cols: 4\n  dt: d\n   data: {FLAT}\nnext: 1\n"
     );
@@ -47,7 +47,7 @@ fn a_tag_without_a_space_and_words_after_it_are_mended() {
 }
 
 #[test]
-fn tabs_and_ragged_indentation_are_mended() {
+fn tabs_and_ragged_indentation_are_fixed() {
     lenient(&format!("a:\n\tT_a_b: {FLAT}\n\tb: 1\n"));
     lenient(&format!("a:\n\tT_a_b: {FLAT}\n    b: 1\n"));
     lenient(&format!("A:\nb:\n   x: 1\n B:\nT_a_b: {FLAT}\n"));

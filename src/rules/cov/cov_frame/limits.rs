@@ -2,7 +2,6 @@
 
 use serde::Deserialize;
 
-/// Limits of COV04.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

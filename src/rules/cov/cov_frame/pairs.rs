@@ -8,7 +8,7 @@ use nalgebra::{Matrix2, Rotation2, Vector2};
 use crate::analysis::motion::Stream;
 use crate::math::circular::{circular_mean, difference};
 use crate::verdict::Judge;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Measured};
 use crate::world::motion::PoseRow;
 
 use crate::analysis::cov::declared::{Declared, each, horizontal};
@@ -104,14 +104,13 @@ fn judge_pair(a: &Told, b: &Told, turn_rad: f64, limits: &Limits, out: &mut Judg
     let subject = format!("`pose.covariance` of {} and of {}", a.stream.subject, b.stream.subject);
     let turn_deg = turn_rad.to_degrees();
     if a.is_constant || b.is_constant {
-        let why = "one constant matrix in all messages: numbers that were typed in";
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, "one constant matrix in all messages: numbers that were typed in");
     }
     // Half a turn leaves a covariance as it is.
     let quarter = turn_deg.abs().min(180.0 - turn_deg.abs());
     if quarter < limits.min_turn_deg {
         let why = format!("the frames are turned by {turn_deg:.1} deg: a covariance is the same in both");
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let rotation = *Rotation2::new(turn_rad).matrix();
     let (mut same, mut turned, mut told, mut count) = (0.0, 0.0, 0.0, 0_usize);
@@ -135,7 +134,7 @@ fn judge_pair(a: &Told, b: &Told, turn_rad: f64, limits: &Limits, out: &mut Judg
             "{count} matrices of one time, which the turn of {turn_deg:.0} deg changes by {:.0} %",
             100.0 * told
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let measured = [
         Measured::new("difference of the covariances as told", same, "1")
@@ -155,7 +154,7 @@ fn judge_pair(a: &Told, b: &Told, turn_rad: f64, limits: &Limits, out: &mut Judg
             100.0 * same,
             100.0 * turned
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let message = format!(
         "`{}` and `{}` are one track in two frames turned by {turn_deg:.1} deg, and their covariances are the same to {:.1} %: that of one \
@@ -171,5 +170,5 @@ fn judge_pair(a: &Told, b: &Told, turn_rad: f64, limits: &Limits, out: &mut Judg
         .label("the other frame")
         .related(a.stream.place(), "the same covariance in this frame")
         .help("with the pose turn its covariance: `C_b = R C_a R^T`, `R` being the rotation of the frames, for both blocks of three");
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }

@@ -6,7 +6,7 @@ use crate::analysis::Estimates;
 use crate::analysis::motion::{Motion, Stream};
 use crate::math::geodesy::Geodetic;
 use crate::verdict::Judge;
-use crate::verdict::{Finding, Measured, NotEvaluated, Severity};
+use crate::verdict::{Finding, Measured, Severity};
 use crate::world::motion::FixRow;
 
 use crate::analysis::geo::apart::{direction, told};
@@ -70,8 +70,7 @@ fn judge_first_fix(origin: &Origin, fixes: &Stream<FixRow>, limits: &Limits, out
     let valid = || fixes.rows().filter(|timed| timed.row.status >= 0);
     let first = valid().find_map(|timed| Some((timed, geodetic(&timed.row)?)));
     let Some((first, place)) = first else {
-        let why = "no message has a fix";
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, "no message has a fix");
     };
     let distance_m = origin.at.enu_of(&place).xy().norm();
     let measured = Measured::new("distance, level", distance_m, "m").limit(limits.copied_m);
@@ -107,7 +106,7 @@ fn judge_first_fix(origin: &Origin, fixes: &Stream<FixRow>, limits: &Limits, out
     );
 }
 
-/// A finding, where poses in `map` are told in east and north, and nothing says about which origin.
+/// A finding, where poses in `map` are expressed in east and north, and nothing says about which origin.
 pub(crate) fn missing(track: &Origin, limits: &Limits) -> Option<Finding> {
     let (turned_rad, within_rad) = track.turned_rad?;
     let turned_deg = turned_rad.to_degrees();
@@ -115,7 +114,7 @@ pub(crate) fn missing(track: &Origin, limits: &Limits) -> Option<Finding> {
         return None;
     }
     let message = format!(
-        "the map is told in east and north (turned by {turned_deg:.2} deg), with its origin at {} within {:.1} m by {}; nothing here says so",
+        "the map is expressed in east and north (turned by {turned_deg:.2} deg), with its origin at {} within {:.1} m by {}; nothing here says so",
         told(track),
         track.within_m,
         track.who

@@ -64,11 +64,10 @@ pub(crate) fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
 fn judge_sensor(imu: &Imu, sensor: &Sensor, limits: &Limits, out: &mut Judge) {
     let subject = format!("order of the orientation of {}", imu.stream.subject);
     if let Some(why) = imu.no_orientation {
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, why);
     }
     if sensor.turn.is_ok() {
-        let why = "its gyro decides: level or not, it turns as the gyro has it or not";
-        return out.not_evaluated(subject, NotEvaluated::NotApplicable, why);
+        return out.not_applicable(subject, "its gyro decides: level or not, it turns as the gyro has it or not");
     }
     let slots = || imu.stream.rows().map(|timed| timed.row.orientation);
     let Some(tilts) = Tilts::of(slots, &imu.base_from_imu()) else {
@@ -101,7 +100,7 @@ fn judge_tilts(
 ) {
     match tilts.order(limits) {
         Order::Right => out.pass(subject, tilts.measured(limits)),
-        Order::Unknown(why) => out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+        Order::Unknown(why) => out.too_little(subject, why),
         Order::Wrong => {
             let message = format!(
                 "the {subject} is w, x, y, z: so read it stays within {:.0} deg of level while it turns by {:.0} deg, as published \
@@ -117,7 +116,7 @@ fn judge_tilts(
                     "write the four numbers on `{topic}` as x, y, z, w: the last one is the scalar"
                 ));
             out.fail(better(
-                tilts.measured(limits).into_iter().fold(finding, Finding::measured),
+                finding.measured(tilts.measured(limits)),
             ));
         }
     }

@@ -94,6 +94,6 @@ impl Found {
                  nmea_navsat_driver holds the compass heading itself)",
             );
         let finding = stream.told_in.tell(finding);
-        self.measured(turns).into_iter().fold(finding, Finding::measured)
+        finding.measured(self.measured(turns))
     }
 }

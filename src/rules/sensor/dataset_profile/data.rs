@@ -8,7 +8,7 @@ use crate::analysis::lidar::Clouds;
 use crate::analysis::motion::{Imu, Motion};
 use crate::rules::codes;
 use crate::tables::DatasetFrame;
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated};
+use crate::verdict::{Finding, Judge, Measured};
 use crate::world::NamedDataset;
 
 use crate::analysis::sensor::dataset::{Limits, rotation};
@@ -55,7 +55,7 @@ fn judge_imu(dataset: &NamedDataset, imu: &Imu, frame: &DatasetFrame, limits: &L
             "the mean acceleration is {:.1} m/s², which is not gravity alone",
             mean.norm()
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let off = mean.angle(&up(frame)).to_degrees();
     let measured = Measured::new(
@@ -94,7 +94,7 @@ fn judge_cloud(
     let of_up = world.limits::<crate::analysis::ground::Limits>();
     let side = match of_up.agreed(clouds, &planes.grounds(clouds, &of_up.is_ground())) {
         Ok(side) => side,
-        Err(why) => return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why),
+        Err(why) => return out.too_little(subject, why),
     };
     let Some((axis, word)) = SIDES.get(side) else { return };
     let off = Vector3::from(*axis).angle(&up(frame)).to_degrees();

@@ -58,7 +58,7 @@ fn judge_record(
             "it stands as a sensor of {} does in either order of its quaternion",
             row.name
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     if off <= limits.max_off_deg {
         return out.pass(subject, measured);
@@ -68,7 +68,7 @@ fn judge_record(
             "it stands as no sensor of {} does, in either order of its quaternion",
             row.name
         );
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, why);
     }
     let message = format!(
         "{subject}: {} tells quaternions as {word}, and read so it is {off:.0} deg from any of its sensors; in the other order it is {other_off:.0} deg from one",
@@ -78,7 +78,7 @@ fn judge_record(
         .likely()
         .relation("quaternion-order")
         .help(format!("write quaternions as {word}"));
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }
 
 /// The angle between what is upright in the vehicle and what is upright in the sensor of the dataset that stands most like it.

@@ -91,7 +91,7 @@ fn judge_claim(
             "the driver ({}) applies it to every point, and no mounting of such a frame stands beside it",
             names.join(" or ")
         );
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, why);
     }
     let Some((twice, lidar)) = of_it.into_iter().find(|(statement, _)| is_same(&statement.pose)) else {
         return out.pass(subject, size);
@@ -119,10 +119,9 @@ fn judge_claim(
         .relation("applied-twice")
         .related(twice.place.clone(), "applied again here")
         .help("set the transform of the driver to zero, and leave the mounting to TF; the inertial sensor of the device is not transformed by it");
-    out.fail(size.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(size));
 }
 
-/// Limits of SENSOR03.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -3,7 +3,7 @@
 use crate::analysis::ouster::Part;
 use crate::tables::OusterPart;
 use crate::verdict::Judge;
-use crate::verdict::{Finding, Measured, NotEvaluated};
+use crate::verdict::{Finding, Measured};
 use crate::world::{OusterMetadata, World};
 use serde::Deserialize;
 
@@ -23,7 +23,7 @@ fn judge_origin(world: &World, metadata: &OusterMetadata, parts: &[Part<'_>], li
     );
     let Some(stated) = &metadata.beam_origin_mm else {
         let why = "the metadata do not say how far from the axis the beams begin, as firmware before 2.0 does not";
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, why);
     };
     let is_beside =
         |part: &&Part<'_>| part.kind == OusterPart::Beam && part.statement.place.source == metadata.place.source;
@@ -39,7 +39,7 @@ fn judge_origin(world: &World, metadata: &OusterMetadata, parts: &[Part<'_>], li
     let off = |known: &(f64, String)| (known.0 - stated.value).abs();
     let Some(nearest) = known.iter().min_by(|a, b| off(a).total_cmp(&off(b))) else {
         let why = "no metadata of this model are in the table, and no `beam_to_lidar_transform` stands beside it";
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, why);
     };
     let measured = Measured::new("difference", off(nearest), "mm").limit(limits.max_beam_mm);
     if off(nearest) <= limits.max_beam_mm {
@@ -62,8 +62,7 @@ fn judge_origin(world: &World, metadata: &OusterMetadata, parts: &[Part<'_>], li
 fn judge_angles(world: &World, metadata: &OusterMetadata, out: &mut Judge) {
     let subject = format!("angles of the beams in {}", world.path(metadata.place.source));
     let (Some(azimuths), Some(altitudes)) = (&metadata.azimuths, &metadata.altitudes) else {
-        let why = "`beam_azimuth_angles` and `beam_altitude_angles` do not both stand there";
-        return out.not_evaluated(subject, NotEvaluated::MissingInput, why);
+        return out.missing(subject, "`beam_azimuth_angles` and `beam_altitude_angles` do not both stand there");
     };
     let rows = metadata.rows.unwrap_or(azimuths.count);
     let [a, b] = [azimuths.count, altitudes.count];
@@ -94,10 +93,9 @@ fn judge_angles(world: &World, metadata: &OusterMetadata, out: &mut Judge) {
         .likely()
         .relation("beam-angles")
         .help("take the metadata from the sensor again: a consumer turns every column by these angles");
-    out.fail(measured.into_iter().fold(finding, Finding::measured));
+    out.fail(finding.measured(measured));
 }
 
-/// Limits of SENSOR02.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

@@ -5,7 +5,6 @@ use crate::source::Confidence;
 use crate::verdict::Judge;
 use crate::verdict::{Finding, Measured, Severity};
 
-use crate::verdict::NotEvaluated;
 
 use crate::analysis::time::streams::{Clock, Stream, UPTIME_BELOW_S};
 
@@ -28,13 +27,11 @@ pub(crate) fn judge_simulated(stream: &Stream<'_>, others: &[Stream<'_>], measur
     let simulated = counting(others);
     let data = others.iter().filter(|other| is_data(other)).count();
     if stream.clock() != Some(Clock::Calendar) || simulated * 2 <= data {
-        out.pass(stream.subject.clone(), [measured]);
-        return;
+        return out.pass(stream.subject.clone(), [measured]);
     }
     if !is_data(stream) {
         let why = "messages of this type may be stamped by a wall clock beside a simulation";
-        out.not_evaluated(stream.subject.clone(), NotEvaluated::NotApplicable, why);
-        return;
+        return out.not_applicable(stream.subject.clone(), why);
     }
     let message = format!(
         "stamps on {} are calendar time, but the recording runs in simulated time",

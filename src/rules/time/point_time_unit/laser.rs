@@ -5,7 +5,6 @@ use crate::math::stats::median;
 use crate::verdict::Finding;
 use crate::verdict::Judge;
 use crate::verdict::Measured;
-use crate::verdict::NotEvaluated;
 use crate::world::laser::LaserScanAt;
 
 /// What a second is, where a number is in another unit.
@@ -43,8 +42,7 @@ pub(crate) fn judge_times(scans: &Clouds, share: [f64; 2], out: &mut Judge) {
     }
     let subject = scans.subject("unit of the times of the rays");
     let Some(period_s) = scans.period_s() else {
-        let why = "the scans have no steps between their stamps: how long one takes is not known";
-        return out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+        return out.too_little(subject, "the scans have no steps between their stamps: how long one takes is not known");
     };
     let fits = |seconds: f64| (share[0]..=share[1]).contains(&(seconds / period_s));
     let what = |name: &str| match name {
@@ -71,7 +69,7 @@ pub(crate) fn judge_times(scans: &Clouds, share: [f64; 2], out: &mut Judge) {
             .help(format!(
                 "publish `{name}` in seconds: who takes the motion out of a scan multiplies by it"
             ));
-        return out.fail(measured.fold(finding, Finding::measured));
+        return out.fail(finding.measured(measured));
     }
     if told.iter().any(|(_, value)| fits(*value)) {
         return out.pass(subject, measured);
@@ -84,5 +82,5 @@ pub(crate) fn judge_times(scans: &Clouds, share: [f64; 2], out: &mut Judge) {
         "{}, where scans come every {period_s:.3} s: no unit explains that",
         values.join(", ")
     );
-    out.not_evaluated(subject, NotEvaluated::TooLittleEvidence, why);
+    out.too_little(subject, why);
 }

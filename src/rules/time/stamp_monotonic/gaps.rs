@@ -79,7 +79,6 @@ fn gap(stream: &Stream<'_>, limits: &Limits) -> Option<Gap> {
     })
 }
 
-/// Limits of TIME03.
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {

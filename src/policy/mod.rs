@@ -1,4 +1,4 @@
-//! The gate: what the user weighs otherwise, accepts and demands, laid over a verdict.
+//! The policy: what the user weighs otherwise, accepts and demands, laid over a verdict.
 //!
 //! Owns what a waiver matches and when a requirement is met. Knows no file format but that of comments and of baselines, and reads no file.
 //! Nothing is lost here: what is accepted stays in the verdict, marked.
@@ -90,7 +90,7 @@ pub struct Policy {
     pub required: Vec<Requirement>,
 }
 
-/// What is known of a run when its verdict comes to the gate.
+/// What is known of a run when its verdict is held against the policy.
 #[derive(Clone, Copy, Debug)]
 pub struct Context<'a> {
     /// Every source, by id.
@@ -115,7 +115,7 @@ pub struct Laid {
     unmet: Vec<Unmet>,
 }
 
-/// What the gate has to say of a run besides the marks in its verdict.
+/// What the policy has to say of a run besides the marks in its verdict.
 #[derive(Clone, Debug, Default)]
 pub struct Passed {
     /// What became of every acceptance.

@@ -7,7 +7,7 @@ use crate::errors::{GRAVITY, as_imu_rows, each_covariance};
 use crate::streams::{Kind, Stream};
 use crate::support::drive::errors::{Error, rotation, slots};
 
-/// Findings on mended recordings that are true: words of the recording, the rule, and why.
+/// Findings on fixed recordings that are true: words of the recording, the rule, and why.
 const TRUE: &[(&str, &str, &str)] = &[
     (
         "novatel",
@@ -26,19 +26,22 @@ const TRUE: &[(&str, &str, &str)] = &[
     ),
 ];
 
-/// Why a finding of a rule on a mended world is true; `None` for one that nobody has judged.
+/// Why a finding of a rule on a fixed world is true; `None` for one that nobody has judged.
 pub fn why_true(world: &World, rule: &str) -> Option<&'static str> {
     let is_it = |known: &&(&str, &str, &str)| world.label.contains(known.0) && known.1 == rule;
     TRUE.iter().find(is_it).map(|known| known.2)
 }
 
 /// Makes a world healthy; gives what was done.
-pub fn mend(world: &mut World) -> Vec<String> {
+pub fn correct(world: &mut World) -> Vec<String> {
     let mut told = Vec::new();
     if world.label.contains("lab5/data/circle") {
         // A VN-100 copied raw: NED of a body in FRD. The same change leads back.
         as_imu_rows(world, None, |row| row.apply(Error::NedFrd, GRAVITY));
-        told.push(format!("{}: the sensor in NED/FRD is told in ENU/FLU", world.label));
+        told.push(format!(
+            "{}: the sensor in NED/FRD is expressed in ENU/FLU",
+            world.label
+        ));
     }
     if world.label.contains("turtlebot3") {
         // A simulator that gives the acceleration without gravity.
@@ -83,7 +86,10 @@ pub fn mend(world: &mut World) -> Vec<String> {
                 }
             });
         }
-        told.push(format!("{}: variances of angles in deg2 are told in rad2", world.label));
+        told.push(format!(
+            "{}: variances of angles in deg2 are expressed in rad2",
+            world.label
+        ));
     }
     world.absorb(Facts::default());
     told

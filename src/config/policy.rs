@@ -1,10 +1,10 @@
-//! The keys `fail-on`, `rules`, `limits`, `paths`, `waivers` and `require` of the configuration: what the gate asks for.
+//! The keys `fail-on`, `rules`, `limits`, `paths`, `waivers` and `require` of the configuration: what the user accepts and requires.
 //!
 //! Which rules there are is not known here: words that name them are kept with their place, and the engine holds them against the rules.
 
 use globset::GlobMatcher;
 
-use crate::gate::{Exception, Level, Requirement, Scope, Weight};
+use crate::policy::{Exception, Level, Requirement, Scope, Weight};
 use crate::read::calibration::document::Node;
 use crate::run::FailOn;
 use crate::source::{Place, SourceId, Span};
@@ -14,7 +14,7 @@ use crate::verdict::waiver::{Day, Waiver, WaiverKind};
 use super::ConfigError;
 use super::reader::Reader;
 
-/// What one layer asks the gate for.
+/// What one layer asks for.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Asked {
     pub(super) fail_on: Option<FailOn>,
@@ -100,7 +100,7 @@ const FAIL_ON: &[(&str, FailOn)] = &[
 ];
 
 impl Reader<'_> {
-    /// The keys that the gate asks with.
+    /// The keys of the policy.
     pub(super) fn asked(&self, root: &Node) -> Result<Asked, ConfigError> {
         let mut asked = Asked {
             fail_on: self.word(root, "fail-on", FAIL_ON)?,

@@ -1,13 +1,13 @@
-//! Brings a run to the gate: the policy of the configuration, a baseline, today, and the rules that speak of waivers.
+//! Lays over a run what the user accepts and requires: the policy of the configuration, a baseline, today, and the rules that speak of waivers.
 
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::time::SystemTime;
 
 use crate::config::Config;
-use crate::gate::baseline::{self, Document};
-use crate::gate::{self, Context, Laid, Policy};
 use crate::page::Front;
+use crate::policy::baseline::{self, Document};
+use crate::policy::{self, Context, Laid, Policy};
 use crate::read::calibration::document::Node;
 use crate::read::calibration::events;
 use crate::read::calibration::repair::OffsetMap;
@@ -19,8 +19,8 @@ use crate::verdict::{Row, Verdict};
 use super::enabled::Enabled;
 use super::{Options, UsageError, judge};
 
-/// What the user asks of the gate, for every verdict of a run.
-pub(super) struct Gate<'a> {
+/// What the user accepts and requires, for every verdict of a run.
+pub(super) struct RunPolicy<'a> {
     policy: Policy,
     /// Every rule of the tool.
     rules: Vec<RuleInfo>,
@@ -41,7 +41,7 @@ pub(super) struct Demanded<'a> {
     pub(super) recording: Option<&'a str>,
 }
 
-impl<'a> Gate<'a> {
+impl<'a> RunPolicy<'a> {
     /// Reads the baseline, which becomes a source behind these; the configuration is among them already.
     pub(super) fn new(
         options: &'a Options,
@@ -80,7 +80,9 @@ impl<'a> Gate<'a> {
 
     /// Lays everything over a verdict but what is required.
     pub(super) fn lay(&self, verdict: &mut Verdict, sources: &[Source], platforms: &[String]) -> Laid {
-        self.with(sources, platforms, |context| gate::lay(verdict, &self.policy, context))
+        self.with(sources, platforms, |context| {
+            policy::lay(verdict, &self.policy, context)
+        })
     }
 
     /// Whether anything is required at all.
@@ -101,7 +103,7 @@ impl<'a> Gate<'a> {
         let passed = self.with(&run.sources, &run.platforms, |context| {
             laid.close(&run.verdict, context)
         });
-        judge::judge_gate(&passed.applied, &passed.misspelt, enabled, &mut run.verdict);
+        judge::judge_policy(&passed.applied, &passed.misspelt, enabled, &mut run.verdict);
         run.unmet = passed.unmet;
         for unmet in &mut run.unmet {
             let rule = self.rules.iter().find(|rule| rule.code == unmet.rule);

@@ -228,7 +228,7 @@ fn a_baseline_lets_old_findings_pass_wherever_their_lines_are() {
         "{}",
         ran.text()
     );
-    // Mended: the entry is for nothing.
+    // Fixed: the entry is for nothing.
     fs::write(
         folder.path().join("car/robot.urdf"),
         ROBOT.replace("1.57", "1.5707963267948966"),
