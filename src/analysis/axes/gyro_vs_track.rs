@@ -31,6 +31,13 @@ pub(crate) struct Turned {
     pub(crate) is_geodetic: bool,
 }
 
+impl Turned {
+    /// Whether the gyro turns as far as the track, one way or the other: it is in rad/s.
+    pub(crate) fn confirms_gyro(&self) -> bool {
+        (0.5..=2.0).contains(&self.slope.gain.abs())
+    }
+}
+
 impl Limits {
     /// Whether a slope is one.
     pub(crate) fn tells(&self, slope: &Slope) -> bool {

@@ -113,6 +113,16 @@ fn sensors(
             base_yaw_rad: None,
             unseen: None,
         };
+        // A gyro alone may be in degrees, and show its bias.
+        if sensor.turn.is_err()
+            && sensor
+                .sense
+                .as_ref()
+                .is_ok_and(crate::analysis::axes::gyro_vs_track::Turned::confirms_gyro)
+        {
+            let still = crate::analysis::quat::turned::still(imu, &turn);
+            sensor.turn = still.map_or(sensor.turn, Ok);
+        }
         let decided = sensor.heading.as_ref().ok();
         sensor.offset = decided.and_then(|decided| decided.known_offset(imu, &heading));
         let mount = imu.mount.as_ref().map(|mount| &mount.base);

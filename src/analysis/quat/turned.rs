@@ -73,6 +73,13 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
     little(fast.unclear(limits))
 }
 
+/// An orientation that hardly turns, though its gyro does: for a gyro that something else confirms.
+pub(crate) fn still(imu: &Imu, limits: &Limits) -> Option<Turned> {
+    let fast = imu.inertial.turns.as_ref().and_then(Ways::of)?;
+    let is_still = imu.no_orientation.is_none() && fast.is_still(limits);
+    is_still.then(|| fast.found(Turn::Unrelated, None, limits))
+}
+
 /// The order of the angles behind the orientation, if it is another one. The search is dear, and its answer is sure: asked
 /// where anything speaks for it, at any rate.
 pub(crate) fn fast_order(imu: &Imu, fast: &Ways, limits: &Limits) -> Option<Ordered> {

@@ -241,6 +241,12 @@ impl<'a> Ways<'a> {
             && turns
     }
 
+    /// Whether the orientation, noise and all, hardly turns where the gyro does.
+    pub(crate) fn is_still(&self, limits: &Limits) -> bool {
+        let own = self.as_published;
+        own.turn_power < limits.standing * own.gyro_power && self.rotation_deg() >= limits.unrelated_deg
+    }
+
     /// Whether no reading, no other axes and no turn of them explains these windows and longer ones, though noise does not hide it: the noise
     /// of an orientation is as large in a long window as in a short one, and a turn that is not the gyro's grows.
     pub(crate) fn is_unexplained(&self, slow: &Self, limits: &Limits) -> bool {

@@ -40,8 +40,10 @@ pub enum Error {
     EulerXyz,
     /// Degrees taken for radians where roll, pitch and yaw become a quaternion.
     AnglesInDegrees,
-    /// The first two slots of the quaternion changed.
-    SlotsSwapped,
+    /// The orientation leans by 20 degrees; what the sensor measures does not.
+    OrientationLeans,
+    /// A yaw that stays zero, beside right roll and pitch.
+    YawFrozen,
     /// A left-handed world and body: y to the right.
     LeftHanded,
 
@@ -220,10 +222,10 @@ pub fn apply(row: &mut impl Oriented, error: Error) -> bool {
                     let [roll, pitch, yaw] = [roll, pitch, yaw].map(f64::to_degrees);
                     slots(UnitQuaternion::from_euler_angles(roll, pitch, yaw))
                 }
-                Error::SlotsSwapped => {
-                    let [x, y, z, w] = *row.orientation();
-                    [y, x, z, w]
+                Error::OrientationLeans => {
+                    slots(published * UnitQuaternion::from_axis_angle(&Vector3::x_axis(), 20f64.to_radians()))
                 }
+                Error::YawFrozen => slots(UnitQuaternion::from_euler_angles(roll, pitch, 0.0)),
                 _ => return false,
             };
             return true;
