@@ -1,6 +1,6 @@
 //! How a finding says that the data were read as the user, or a name, has it.
 
-use crate::analysis::{motion::ToldIn, time::streams::Stream};
+use crate::analysis::{motion::ExpressedIn, time::streams::Stream};
 use crate::source::Place;
 use crate::verdict::Finding;
 
@@ -13,7 +13,7 @@ fn tell(mut finding: Finding, sentence: &str, place: Option<&Place>) -> Finding 
     }
 }
 
-impl ToldIn {
+impl ExpressedIn {
     /// A finding that says how the numbers were read, where not as ROS has it.
     pub(crate) fn tell(&self, finding: Finding) -> Finding {
         if !self.converts() {

@@ -8,7 +8,7 @@ use crate::verdict::{Finding, RuleCode};
 /// is the help where no known fault fits. Where another aspect shows the fault better, the finding defers to that one's rule.
 pub(crate) fn explain(diagnosis: &Diagnosis, imu: &Imu, own: Aspect, finding: Finding, otherwise: &str) -> Finding {
     let help = diagnosis.help().unwrap_or_else(|| otherwise.to_owned());
-    let mut finding = diagnosis.told_in.tell(finding).help(help);
+    let mut finding = diagnosis.expressed_in.tell(finding).help(help);
     if let Some(word) = diagnosis.word() {
         finding = finding.relation(word);
     }

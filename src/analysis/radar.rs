@@ -277,7 +277,7 @@ pub(crate) fn scans<'w>(radar: &Radar<'w>, way: &Way, wanted: &Wanted) -> (Vec<S
     (all, enough)
 }
 
-/// How many detections are found again in a later scan if their rates are as told, and if they have the other sign: only those that
+/// How many detections are found again in a later scan if their rates are as published, and if they have the other sign: only those that
 /// agree with the velocity of their scan, and that went at least so far.
 pub(crate) fn found_again(scans: &[Scan], way: &Way, least_m: f64, near: Near) -> [usize; 2] {
     let mut counts = [0; 2];

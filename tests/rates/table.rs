@@ -5,6 +5,7 @@ use std::fmt::Write;
 use std::ops::Range;
 
 use frames_lint::engine::Rules;
+use frames_lint::verdict::Finding;
 use rayon::prelude::*;
 
 use crate::answers::{self, Answer};
@@ -17,6 +18,8 @@ use crate::{frame_worlds, place_lines};
 
 /// Share of wrong answers that a rule may have in a group of lines.
 pub const MOST_WRONG: f64 = 0.005;
+/// Share of healthy drives on which a contradiction may be found that no named error explains.
+const MOST_UNEXPLAINED: f64 = 0.001;
 /// A drive up to this is short, seconds.
 const SHORT_S: u32 = 10;
 /// Wrong answers of a line that are kept to be printed.
@@ -80,6 +83,23 @@ pub struct Table {
     drives: Vec<Drives>,
     /// Reasons that point at silent rules, on the worlds of the first seed.
     pub silent: Vec<String>,
+    /// Healthy drives that were judged.
+    healthy: usize,
+    /// Contradictions found on them that no named error explains.
+    unexplained: Vec<String>,
+}
+
+/// What came of one drive.
+#[derive(Default)]
+struct Answered {
+    answers: Vec<(usize, Answer)>,
+    silent: Vec<String>,
+    healthy: usize,
+    unexplained: Vec<String>,
+}
+
+fn is_unexplained(finding: &Finding) -> bool {
+    [Some("unexplained"), Some("scale")].contains(&finding.relation.as_deref())
 }
 
 /// Where an answer is counted.
@@ -182,10 +202,10 @@ impl Table {
         }
         tasks.sort_by_key(|(drives, seed)| (std::cmp::Reverse(self.drives[*drives].kind.seconds), *drives, *seed));
         let first = seeds.start;
-        let answered = |(drives, seed): &(usize, u64)| -> (Vec<(usize, Answer)>, Vec<String>) {
+        let answered = |(drives, seed): &(usize, u64)| -> Answered {
             let Drives { kind, cells } = &self.drives[*drives];
             let messages = LazyCell::new(|| kind.messages(*seed));
-            let (mut answers, mut silent) = (Vec::new(), Vec::new());
+            let mut answered = Answered::default();
             let shared = Shared::default();
             for cell in cells {
                 let (rules, world, truth) = match cell.fault {
@@ -197,9 +217,18 @@ impl Table {
                     fault => (&rules, messages.world(fault), frame_worlds::truth(&messages, fault)),
                 };
                 let verdict = rules.judge(&world);
+                let where_it_is = format!("seed {seed}, {}, {}", words(*kind), cell.fault.words());
                 if *seed == first {
                     let faults = deference::faults(&world).into_iter();
-                    silent.extend(faults.map(|said| format!("{}, {}: {said}", words(*kind), cell.fault.words())));
+                    answered
+                        .silent
+                        .extend(faults.map(|said| format!("{where_it_is}: {said}")));
+                }
+                if cell.fault == Fault::Healthy {
+                    answered.healthy += 1;
+                    let found = verdict.findings.iter().filter(|finding| is_unexplained(finding));
+                    let found = found.map(|finding| format!("{where_it_is}: {} {}", finding.rule, finding.message));
+                    answered.unexplained.extend(found);
                 }
                 for question in &cell.questions {
                     let answer = if question.rule == ALL {
@@ -216,17 +245,19 @@ impl Table {
                         Answer::Wrong(said) => Answer::Wrong(of(said)),
                         Answer::NotEvaluated(why) => Answer::NotEvaluated(of(why)),
                     };
-                    answers.push((question.line, answer));
+                    answered.answers.push((question.line, answer));
                 }
             }
-            (answers, silent)
+            answered
         };
-        let answers: Vec<_> = tasks.par_iter().map(answered).collect();
-        for (answers, silent) in answers {
-            for (line, answer) in answers {
+        let all: Vec<_> = tasks.par_iter().map(answered).collect();
+        for answered in all {
+            for (line, answer) in answered.answers {
                 self.lines[line].count(answer);
             }
-            self.silent.extend(silent);
+            self.silent.extend(answered.silent);
+            self.healthy += answered.healthy;
+            self.unexplained.extend(answered.unexplained);
         }
     }
 
@@ -262,6 +293,15 @@ impl Table {
                 line.all(),
                 if line.is_short() { "  LESS" } else { "" }
             );
+        }
+        let _ = writeln!(
+            text,
+            "\n{} healthy drives, {} contradictions that no named error explains",
+            self.healthy,
+            self.unexplained.len()
+        );
+        for said in &self.unexplained {
+            let _ = writeln!(text, "unexplained: {said}");
         }
         for line in self.counted() {
             for example in &line.examples {
@@ -307,6 +347,12 @@ impl Table {
             if share >= MOST_WRONG {
                 faults.push(format!("{group} {rule}: {:.2} % wrong", 100.0 * share));
             }
+        }
+        let (unexplained, healthy) = (self.unexplained.len(), self.healthy);
+        if unexplained as f64 > MOST_UNEXPLAINED * healthy as f64 {
+            faults.push(format!(
+                "{unexplained} contradictions unexplained on {healthy} healthy drives"
+            ));
         }
         faults
     }

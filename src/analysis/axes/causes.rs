@@ -2,7 +2,7 @@
 //!
 //! Owns the words for what is measured, and the table. Must not measure, nor decide who reports.
 
-use crate::analysis::motion::ToldIn;
+use crate::analysis::motion::ExpressedIn;
 
 /// What is measured of a sensor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +45,8 @@ pub(crate) enum World {
     Down,
     /// Elsewhere, steadily.
     Elsewhere,
+    /// Beside up, steadily, by less than any convention error turns it.
+    Leaning,
     /// Far from up in the mean, though not steadily. It says which fault it is as little as it is healthy.
     Far,
 }
@@ -375,8 +377,8 @@ const NOT_NED: Cause = Cause {
 
 impl Cause {
     /// What the fault is of a sensor whose numbers were brought from what they are said to be expressed in.
-    pub(crate) fn seen_from(&'static self, told_in: &ToldIn) -> &'static Self {
-        if *self == NED && told_in.is_ned() {
+    pub(crate) fn seen_from(&'static self, expressed_in: &ExpressedIn) -> &'static Self {
+        if *self == NED && expressed_in.is_ned() {
             &NOT_NED
         } else {
             self

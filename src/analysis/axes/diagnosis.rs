@@ -4,7 +4,7 @@
 
 use std::sync::Arc;
 
-use crate::analysis::motion::ToldIn;
+use crate::analysis::motion::ExpressedIn;
 use crate::tables::InsDriver;
 
 use super::causes::{Aspect, Base, CAUSES, Cause, HEALTHY, Heading, Push, Seen, Sense, Turn, World};
@@ -27,21 +27,21 @@ pub(crate) struct Diagnosis {
     /// The measurement that shows them best.
     pub(crate) shown_by: Option<Aspect>,
     /// What the sensor's numbers were expressed in.
-    pub(crate) told_in: ToldIn,
+    pub(crate) expressed_in: ExpressedIn,
     /// The driver, where names tell it.
     driver: Option<Arc<InsDriver>>,
 }
 
 impl Diagnosis {
     /// Finds the faults that fit.
-    pub(crate) fn of(mut seen: Seen, told_in: &ToldIn, driver: Option<Arc<InsDriver>>) -> Self {
+    pub(crate) fn of(mut seen: Seen, expressed_in: &ExpressedIn, driver: Option<Arc<InsDriver>>) -> Self {
         if seen.turn == Some(Turn::Ordered) {
             // The order is a fault by itself. Wrong roll and pitch tilt the world; whatever else is seen has a cause of
             // its own.
             let tilted = seen.world == Some(World::Elsewhere);
             seen.turn = Some(Turn::Agree);
             seen.world = seen.world.filter(|_| !tilted);
-            let rest = Self::of(seen, told_in, driver);
+            let rest = Self::of(seen, expressed_in, driver);
             let shown_by = rest.shown_by.or(tilted.then_some(Aspect::AngleOrder));
             return Self { shown_by, ..rest };
         }
@@ -49,16 +49,16 @@ impl Diagnosis {
             // About one axis it does not follow, which shows by itself; about the others it says nothing that would be a cause.
             seen.turn = None;
         }
-        let told_in = told_in.clone();
+        let expressed_in = expressed_in.clone();
         if HEALTHY.fits(seen) {
             return Self {
-                told_in,
+                expressed_in,
                 driver,
                 ..Self::default()
             };
         }
         let fitting = CAUSES.iter().filter(|cause| cause.fits(seen));
-        let causes: Vec<&'static Cause> = fitting.map(|cause| cause.seen_from(&told_in)).collect();
+        let causes: Vec<&'static Cause> = fitting.map(|cause| cause.seen_from(&expressed_in)).collect();
         let shows = |aspect: &Aspect| shows(seen, *aspect);
         let aspects = causes.iter().map(|cause| cause.shown_by);
         let one = aspects
@@ -71,7 +71,7 @@ impl Diagnosis {
         Self {
             causes,
             shown_by,
-            told_in,
+            expressed_in,
             driver,
         }
     }
@@ -147,7 +147,7 @@ mod tests {
     use crate::analysis::axes::causes::Readings;
 
     fn words(seen: Seen) -> (Vec<&'static str>, Option<Aspect>) {
-        let diagnosis = Diagnosis::of(seen, &ToldIn::default(), None);
+        let diagnosis = Diagnosis::of(seen, &ExpressedIn::default(), None);
         (
             diagnosis.causes.iter().map(|cause| cause.word).collect(),
             diagnosis.shown_by,

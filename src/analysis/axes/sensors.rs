@@ -129,7 +129,7 @@ fn sensors(
         let on = bases.iter().find(|base| Some(&base.frame) == mount);
         let on = on.and_then(|base| base.seen.as_ref().ok());
         let seen = sensor.seen();
-        sensor.diagnosis = Diagnosis::of(seen, &imu.stream.told_in, imu.driver.clone());
+        sensor.diagnosis = Diagnosis::of(seen, &imu.stream.expressed_in, imu.driver.clone());
         sensor.unseen = diagnosis::unseen(seen);
         if let Some(on) = on.filter(|on| on.is_turned() || on.is_backward()) {
             sensor.diagnosis.leave_mounting_to_body();
@@ -166,13 +166,7 @@ impl Sensor {
 
     /// Angle between the acceleration and the world's up, by the orientation, radians; or why it was not measured.
     pub(crate) fn up_rad(&self) -> Look<f64> {
-        match &self.world {
-            Ok(above) if above.class == causes::World::Far => {
-                let why = "the acceleration points to no one place in the world".to_owned();
-                Err((NotEvaluated::TooLittleEvidence, why))
-            }
-            world => world.as_ref().map(Above::off_up_rad).map_err(Clone::clone),
-        }
+        self.world.as_ref().map_err(Clone::clone).and_then(Above::off_up_rad)
     }
 
     /// Yaw minus course, radians, where the track knows where east is; or why it was not measured.
@@ -202,7 +196,7 @@ impl Sensor {
         }
         Seen {
             base: class(&self.base, |seen| seen.class),
-            world: class(&self.world, |seen| seen.class).filter(|world| *world != causes::World::Far),
+            world: class(&self.world, Above::sign).flatten(),
             turn: class(&self.turn, |seen| seen.class),
             heading,
             sense,

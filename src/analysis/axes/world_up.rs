@@ -15,6 +15,7 @@ pub(crate) struct Limits {
     pub(crate) max_tilt_deg: f64,
     pub(crate) steady_concentration: f64,
     pub(crate) tilted: f64,
+    pub(crate) leaning_deg: f64,
     pub(crate) far_deg: f64,
     pub(crate) far_concentration: f64,
     pub(crate) gravity: f64,
@@ -30,9 +31,24 @@ pub(crate) struct Above {
 }
 
 impl Above {
-    /// Angle between the acceleration and the world's up, radians.
-    pub(crate) fn off_up_rad(&self) -> f64 {
-        self.force.from_up_rad
+    /// Angle between the acceleration and the world's up, radians; or why it says nothing.
+    pub(crate) fn off_up_rad(&self) -> Look<f64> {
+        match self.class {
+            World::Far => {
+                let why = "the acceleration points to no one place in the world".to_owned();
+                Err((NotEvaluated::TooLittleEvidence, why))
+            }
+            _ => Ok(self.force.from_up_rad),
+        }
+    }
+
+    /// What it is a sign of.
+    pub(crate) fn sign(&self) -> Option<World> {
+        match self.class {
+            World::Far => None,
+            World::Leaning => Some(World::Up),
+            class => Some(class),
+        }
     }
 }
 
@@ -67,7 +83,11 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Above> {
     } else if force.concentration >= limits.min_concentration && degrees >= 180.0 - limits.max_tilt_deg {
         World::Down
     } else if force.concentration >= limits.steady_concentration && degrees > limits.tilted * limits.max_tilt_deg {
-        World::Elsewhere
+        if degrees <= limits.leaning_deg {
+            World::Leaning
+        } else {
+            World::Elsewhere
+        }
     } else if force.concentration >= limits.far_concentration && degrees >= limits.far_deg {
         World::Far
     } else if force.concentration >= limits.min_concentration {

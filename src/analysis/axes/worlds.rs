@@ -8,7 +8,7 @@ use std::rc::Rc;
 use nalgebra::{UnitQuaternion, Vector3};
 use serde::Deserialize;
 
-use crate::analysis::motion::{BagMotion, Imu, Motion, Stream, ToldIn, Turned};
+use crate::analysis::motion::{BagMotion, ExpressedIn, Imu, Motion, Stream, Turned};
 use crate::analysis::{Estimates, axes::base_up, axes::causes::Base, axes::turns_with::turns_with, look::Look, names};
 use crate::math::stats::median;
 use crate::source::Place;
@@ -58,7 +58,7 @@ pub(crate) struct Frame {
     pub(crate) stream: String,
     pub(crate) place: Place,
     /// What its poses are expressed in, by its name or the configuration; here they are as ROS has them.
-    pub(crate) told_in: ToldIn,
+    pub(crate) expressed_in: ExpressedIn,
     pub(crate) gravity: Look<Gravity>,
     pub(crate) heights: Look<Heights>,
 }
@@ -135,7 +135,7 @@ fn frames(world: &Estimates, bag: &BagMotion) -> Vec<(Frame, bool)> {
         let next = Frame {
             stream: stream.subject.clone(),
             place: stream.place(),
-            told_in: stream.told_in.clone(),
+            expressed_in: stream.expressed_in.clone(),
             gravity,
             heights,
             name: frame,

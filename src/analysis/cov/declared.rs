@@ -89,11 +89,11 @@ impl<'w> Declared<'w> {
         };
         let samples = evidence.samples.iter().filter(says);
         let in_ros = |sample: &'w CovarianceAt| {
-            if !stream.told_in.converts() {
+            if !stream.expressed_in.converts() {
                 return Cow::Borrowed(sample);
             }
             Cow::Owned(CovarianceAt {
-                values: stream.told_in.covariance(&sample.values, is_twist),
+                values: stream.expressed_in.covariance(&sample.values, is_twist),
                 ..sample.clone()
             })
         };

@@ -11,7 +11,7 @@ use crate::world::motion::PoseRow;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reading {
     /// m² of x, y, z, then rad² about them.
-    AsTold,
+    AsPublished,
     /// Rotations first.
     RotationFirst,
     /// Rotations in degrees squared.
@@ -25,7 +25,7 @@ pub(crate) enum Reading {
 }
 
 const READINGS: [Reading; 6] = [
-    Reading::AsTold,
+    Reading::AsPublished,
     Reading::RotationFirst,
     Reading::Degrees,
     Reading::Centimetres,
@@ -43,7 +43,7 @@ impl Reading {
             yaw: told.yaw / angular,
         };
         match self {
-            Self::AsTold => told,
+            Self::AsPublished => told,
             Self::RotationFirst => Variances {
                 horizontal: told.tilt,
                 vertical: told.yaw,
@@ -115,7 +115,7 @@ impl Fit {
         Ok(Self {
             readings,
             poses: noise.count() as u64,
-            order_ratio: likelihood(Reading::RotationFirst) - likelihood(Reading::AsTold),
+            order_ratio: likelihood(Reading::RotationFirst) - likelihood(Reading::AsPublished),
         })
     }
 

@@ -32,7 +32,7 @@ pub(crate) struct Limits {
 /// What the mounting may be.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Reading {
-    AsTold,
+    AsPublished,
     Inverse,
     Turned,
     InverseTurned,
@@ -42,7 +42,7 @@ impl Reading {
     /// Whether it must win against another. What is told needs no fault, and is not held against two at once: at a yaw of 90 deg both
     /// together are nearly nothing.
     pub(crate) fn is_held_against(self, rival: Self) -> bool {
-        self != rival && (self, rival) != (Self::AsTold, Self::InverseTurned)
+        self != rival && (self, rival) != (Self::AsPublished, Self::InverseTurned)
     }
 }
 
@@ -89,7 +89,7 @@ pub(crate) struct Seen {
     /// What each reading leaves, the best first.
     pub(crate) residuals: Vec<Residuals>,
     pub(crate) decided: Option<Reading>,
-    /// Whether the inverse explains the motion better than what was told, if perhaps not alone.
+    /// Whether the inverse explains the motion better than what is stated, if perhaps not alone.
     pub(crate) inverse_serves: bool,
 }
 
@@ -161,7 +161,7 @@ pub(crate) fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Resul
     sure.truncate(turned.max(limits.min_pairs));
     let all = |mounting: &Isometry3<f64>| -> Vec<f64> { sure.iter().map(|pair| pair.residual_m(mounting)).collect() };
     let readings = [
-        (Reading::AsTold, known.told),
+        (Reading::AsPublished, known.told),
         (Reading::Inverse, inverse),
         (Reading::Turned, known.told * half_turn()),
         (Reading::InverseTurned, inverse * half_turn()),
@@ -172,7 +172,7 @@ pub(crate) fn look(world: &Estimates, clouds: &Clouds, limits: &Limits) -> Resul
         .map(|(reading, mounting)| Residuals::of(*reading, all(mounting)))
         .collect();
     residuals.sort_by(|a, b| a.median_m.total_cmp(&b.median_m));
-    let told = of(&residuals, Reading::AsTold);
+    let told = of(&residuals, Reading::AsPublished);
     let by_pairs = residuals.first().zip(told).and_then(|(best, told)| {
         let best = if told.is_beaten_by(best, limits) { best } else { told };
         let mut rivals = residuals
@@ -209,7 +209,7 @@ impl Placed {
     pub(crate) fn agreed(&self, by_pairs: Option<Reading>) -> Option<Reading> {
         match (by_pairs, self.alone) {
             (Some(by_pairs), None) => {
-                (by_pairs == Reading::AsTold || self.near.contains(&by_pairs)).then_some(by_pairs)
+                (by_pairs == Reading::AsPublished || self.near.contains(&by_pairs)).then_some(by_pairs)
             }
             (Some(by_pairs), Some(alone)) => (by_pairs == alone).then_some(alone),
             (None, alone) => alone,

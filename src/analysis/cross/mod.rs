@@ -1,5 +1,6 @@
 //! What several sources state of the same pair of frames.
 
+pub(crate) mod aliases;
 pub(crate) mod angles;
 pub(crate) mod blame;
 pub(crate) mod direction;

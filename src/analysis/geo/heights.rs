@@ -168,7 +168,7 @@ impl Heights {
     fn of_poses(world: &World, stream: &Stream<PoseRow>) -> Option<Self> {
         let frame = stream.frame.as_ref()?;
         // TF ties the frame itself to `earth`; rows that were brought to ENU are no longer expressed in it.
-        if stream.told_in.converts() || stream.child.as_ref().is_some_and(|child| !names::is_base(child)) {
+        if stream.expressed_in.converts() || stream.child.as_ref().is_some_and(|child| !names::is_base(child)) {
             return None;
         }
         let graph = world.graph();

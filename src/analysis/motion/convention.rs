@@ -15,6 +15,8 @@ use crate::world::conventions::{BodyAxes, Convention, Declared, QuaternionAlgebr
 use crate::world::motion::{InertialRow, OrientationRow, PoseRow, Twist, TwistRow};
 use crate::world::{FrameId, World};
 
+use super::mount::Mount;
+
 /// What moves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Moving<'a> {
@@ -26,7 +28,7 @@ pub(crate) enum Moving<'a> {
 
 /// What a stream is expressed in, and who says so.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub(crate) struct ToldIn {
+pub(crate) struct ExpressedIn {
     /// What was said; nothing where the stream is told as ROS has it.
     pub(crate) convention: Convention,
     /// Who says so: `` `frames-lint.yaml:4` declares `` or `` the name of `odom_ned` says ``.
@@ -37,7 +39,7 @@ pub(crate) struct ToldIn {
     pub(crate) place: Option<Place>,
 }
 
-impl ToldIn {
+impl ExpressedIn {
     /// What the stream of a topic, or of TF, is expressed in. The configuration speaks before names.
     pub(crate) fn of(
         world: &World,
@@ -91,9 +93,11 @@ impl ToldIn {
         }
     }
 
-    /// Leaves the body's axes to TF, which turns the frame itself.
-    pub(crate) fn without_body(mut self) -> Self {
-        self.convention.body = None;
+    /// Leaves the body's axes to TF, where TF itself turns the frame that moves: numbers are expressed in that frame as it is.
+    pub(crate) fn without_turn_of(mut self, mount: Option<&Mount>) -> Self {
+        if mount.is_some_and(Mount::is_upside_down) {
+            self.convention.body = None;
+        }
         self
     }
 
@@ -201,36 +205,36 @@ pub(crate) trait Convert {
     const IS_SENSOR: bool;
 
     /// The row in the convention of ROS. `frame` is the one that its header names.
-    fn convert(&mut self, told_in: &ToldIn, frame: Option<&FrameId>);
+    fn convert(&mut self, expressed_in: &ExpressedIn, frame: Option<&FrameId>);
 }
 
 impl Convert for InertialRow {
     const IS_SENSOR: bool = true;
 
-    fn convert(&mut self, told_in: &ToldIn, _: Option<&FrameId>) {
-        self.orientation = told_in.orientation(self.orientation);
-        self.angular_velocity = told_in.in_body(self.angular_velocity);
-        self.linear_acceleration = told_in.in_body(self.linear_acceleration);
+    fn convert(&mut self, expressed_in: &ExpressedIn, _: Option<&FrameId>) {
+        self.orientation = expressed_in.orientation(self.orientation);
+        self.angular_velocity = expressed_in.in_body(self.angular_velocity);
+        self.linear_acceleration = expressed_in.in_body(self.linear_acceleration);
     }
 }
 
 impl Convert for OrientationRow {
     const IS_SENSOR: bool = true;
 
-    fn convert(&mut self, told_in: &ToldIn, _: Option<&FrameId>) {
-        self.orientation = told_in.orientation(self.orientation);
+    fn convert(&mut self, expressed_in: &ExpressedIn, _: Option<&FrameId>) {
+        self.orientation = expressed_in.orientation(self.orientation);
     }
 }
 
 impl Convert for PoseRow {
     const IS_SENSOR: bool = false;
 
-    fn convert(&mut self, told_in: &ToldIn, _: Option<&FrameId>) {
-        self.position = told_in.in_world(self.position);
-        self.orientation = told_in.orientation(self.orientation);
+    fn convert(&mut self, expressed_in: &ExpressedIn, _: Option<&FrameId>) {
+        self.position = expressed_in.in_world(self.position);
+        self.orientation = expressed_in.orientation(self.orientation);
         self.twist = self.twist.map(|twist| Twist {
-            linear: told_in.in_body(twist.linear),
-            angular: told_in.in_body(twist.angular),
+            linear: expressed_in.in_body(twist.linear),
+            angular: expressed_in.in_body(twist.angular),
         });
     }
 }
@@ -238,13 +242,13 @@ impl Convert for PoseRow {
 impl Convert for TwistRow {
     const IS_SENSOR: bool = true;
 
-    fn convert(&mut self, told_in: &ToldIn, frame: Option<&FrameId>) {
+    fn convert(&mut self, expressed_in: &ExpressedIn, frame: Option<&FrameId>) {
         // A velocity is expressed in the header's frame, whichever that is.
-        let is_of_world = frame.is_some_and(names::is_world) || told_in.turn_of_body().is_none();
+        let is_of_world = frame.is_some_and(names::is_world) || expressed_in.turn_of_body().is_none();
         let turn = if is_of_world {
-            told_in.turn_of_world()
+            expressed_in.turn_of_world()
         } else {
-            told_in.turn_of_body()
+            expressed_in.turn_of_body()
         };
         self.twist = Twist {
             linear: turned(turn, self.twist.linear),
@@ -259,14 +263,14 @@ mod tests {
     use super::*;
     use crate::math::rotation::from_rpy;
 
-    fn told_in(world: Option<WorldAxes>, body: Option<BodyAxes>) -> ToldIn {
-        ToldIn {
+    fn expressed_in(world: Option<WorldAxes>, body: Option<BodyAxes>) -> ExpressedIn {
+        ExpressedIn {
             convention: Convention {
                 world,
                 body,
                 ..Convention::default()
             },
-            ..ToldIn::default()
+            ..ExpressedIn::default()
         }
     }
 
@@ -285,13 +289,13 @@ mod tests {
         let (roll, pitch, yaw) = (0.2, -0.1, 0.7);
         let ned = from_rpy(roll, pitch, yaw);
         let enu = from_rpy(roll, -pitch, std::f64::consts::FRAC_PI_2 - yaw);
-        let both = told_in(Some(WorldAxes::Ned), Some(BodyAxes::Frd));
+        let both = expressed_in(Some(WorldAxes::Ned), Some(BodyAxes::Frd));
         assert!(same(both.orientation(slots(ned)), slots(enu)));
     }
 
     #[test]
     fn north_and_west_become_the_second_and_the_negative_first_axis() {
-        let nwu = told_in(Some(WorldAxes::Nwu), None);
+        let nwu = expressed_in(Some(WorldAxes::Nwu), None);
         let [east, north, up] = nwu.in_world([5.0, 2.0, 1.0]);
         assert!((east + 2.0).abs() < 1e-12 && (north - 5.0).abs() < 1e-12 && (up - 1.0).abs() < 1e-12);
     }
@@ -314,7 +318,7 @@ mod tests {
         ] {
             values[at] = value;
         }
-        let ned = told_in(Some(WorldAxes::Ned), None);
+        let ned = expressed_in(Some(WorldAxes::Ned), None);
         let enu = ned.covariance(&values, false);
         let near = |at: usize, value: f64| assert!((enu[at] - value).abs() < 1e-12, "{at}: {}", enu[at]);
         for (at, value) in [
@@ -337,7 +341,9 @@ mod tests {
         let of = |frame: &str, child: Option<&str>| {
             let child = child.map(FrameId::new);
             let moving = child.as_ref().map_or(Moving::Frame, |child| Moving::Child(Some(child)));
-            ToldIn::by_names(Some(&FrameId::new(frame)), moving).convention.words()
+            ExpressedIn::by_names(Some(&FrameId::new(frame)), moving)
+                .convention
+                .words()
         };
         assert_eq!(of("odom_ned", Some("base_link_frd")), "world NED, body FRD");
         assert_eq!(of("odom_ned", Some("base_link")), "world NED");

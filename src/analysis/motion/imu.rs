@@ -64,23 +64,17 @@ impl Imu {
 
 /// The stream in the convention of ROS.
 fn in_ros(world: &World, stream: Stream<InertialRow>, mount: Option<&Mount>) -> Stream<InertialRow> {
-    let told_in = stream.said(world);
-    // Where TF itself turns the frame, the numbers are expressed in it as it is.
-    let told_in = if mount.is_some_and(Mount::is_upside_down) {
-        told_in.without_body()
-    } else {
-        told_in
-    };
-    if !told_in.is_of_body_alone() {
-        return stream.converted(told_in);
+    let expressed_in = stream.said(world).without_turn_of(mount);
+    if !expressed_in.is_of_body_alone() {
+        return stream.converted(expressed_in);
     }
     // Which world goes with a body in FRD is not said: gravity tells it.
-    let enu = stream.clone().converted(told_in.clone());
+    let enu = stream.clone().converted(expressed_in.clone());
     let is_down = Inertial::of(&enu, true)
         .gravity
         .and_then(|gravity| Some(gravity.mean(Reading::Xyzw)?.mean_m_s2.z < 0.0));
     if is_down == Some(true) {
-        stream.converted(told_in.with_ned())
+        stream.converted(expressed_in.with_ned())
     } else {
         enu
     }

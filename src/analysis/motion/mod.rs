@@ -27,7 +27,7 @@ use crate::world::{BagEvidence, FrameId, bag::TopicEvidence};
 
 pub(crate) use along::{Follower, around};
 pub(crate) use compass::Compass;
-pub(crate) use convention::ToldIn;
+pub(crate) use convention::ExpressedIn;
 pub(crate) use imu::Imu;
 
 pub(crate) use stream::{Stream, Timed};

@@ -6,7 +6,7 @@ use std::sync::{Arc, OnceLock};
 use nalgebra::Vector3;
 
 use crate::analysis::geo::kinds::{Limits, is_earth_centred};
-use crate::analysis::motion::convention::{Convert, Moving, ToldIn};
+use crate::analysis::motion::convention::{Convert, ExpressedIn, Moving};
 use crate::analysis::{motion::clock::Clock, motion::mount::mount, motion::track::Track, names};
 use crate::math::{circular::wrapped, geodesy::Geodetic};
 use crate::source::{MessageRef, Place, SourceId};
@@ -46,7 +46,7 @@ pub(crate) struct Stream<R> {
     /// First message.
     first: Option<MessageRef>,
     /// What the rows were expressed in; they stand here in the convention of ROS.
-    pub(crate) told_in: ToldIn,
+    pub(crate) expressed_in: ExpressedIn,
     /// Runs of rows without a hole, times growing inside each.
     pub(crate) stretches: Vec<Vec<Timed<R>>>,
     is_earth_centred: bool,
@@ -82,7 +82,7 @@ impl<R: Row> Stream<R> {
             child: only(said.child_frames),
             stamp_offset_s,
             first: said.first.cloned(),
-            told_in: ToldIn::default(),
+            expressed_in: ExpressedIn::default(),
             stretches,
             is_earth_centred: false,
             made: Made::default(),
@@ -142,37 +142,33 @@ impl<R: Row> Stream<R> {
 impl<R: Row + Convert> Stream<R> {
     /// The stream in the convention of ROS, by what the configuration or names say of it.
     pub(crate) fn in_ros(self, world: &World) -> Self {
-        let told_in = self.said(world);
-        // Where TF itself turns the frame that moves, as `base_link_frd`, the numbers are expressed in it as it is.
-        let is_turned = |child| mount(world, child).is_some_and(|mount| mount.is_upside_down());
-        let told_in = match &self.child {
-            Some(child) if !R::IS_SENSOR && told_in.convention.body.is_some() && is_turned(child) => {
-                told_in.without_body()
-            }
-            _ => told_in,
-        };
-        self.converted(told_in)
+        let expressed_in = self.said(world);
+        let child = self.child.as_ref();
+        let mount = child
+            .filter(|_| !R::IS_SENSOR && expressed_in.convention.body.is_some())
+            .and_then(|child| mount(world, child));
+        self.converted(expressed_in.without_turn_of(mount.as_ref()))
     }
 
     /// What the configuration or names say that the stream is expressed in.
-    pub(crate) fn said(&self, world: &World) -> ToldIn {
+    pub(crate) fn said(&self, world: &World) -> ExpressedIn {
         let moving = if R::IS_SENSOR {
             Moving::Frame
         } else {
             Moving::Child(self.child.as_ref())
         };
-        ToldIn::of(world, self.source, &self.topic, self.frame.as_ref(), moving)
+        ExpressedIn::of(world, self.source, &self.topic, self.frame.as_ref(), moving)
     }
 
     /// The stream in the convention of ROS.
-    pub(crate) fn converted(mut self, told_in: ToldIn) -> Self {
-        if told_in.converts() {
+    pub(crate) fn converted(mut self, expressed_in: ExpressedIn) -> Self {
+        if expressed_in.converts() {
             let frame = self.frame.clone();
             for timed in self.stretches.iter_mut().flatten() {
-                timed.row.convert(&told_in, frame.as_ref());
+                timed.row.convert(&expressed_in, frame.as_ref());
             }
         }
-        self.told_in = told_in;
+        self.expressed_in = expressed_in;
         self
     }
 }
@@ -230,7 +226,7 @@ impl Stream<PoseRow> {
             child: Some(child),
             stamp_offset_s,
             first: Some(edge.first_at.clone()),
-            told_in: ToldIn::default(),
+            expressed_in: ExpressedIn::default(),
             stretches,
             is_earth_centred: false,
             made: Made::default(),

@@ -24,7 +24,7 @@ pub(crate) struct Ordered {
     pub(crate) windows: u64,
 }
 
-/// How much better an order must be than what was published, and than the orders that are not the same.
+/// How much better an order must be than the published one, and than the orders that are not the same.
 pub(crate) struct Margins {
     /// A residual up to this is an agreement.
     pub(crate) agrees: f64,

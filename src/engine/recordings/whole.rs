@@ -27,7 +27,7 @@ struct OfFiles {
 }
 
 impl OfFiles {
-    /// The verdict of a drive without what was told before.
+    /// The verdict of a drive without what was reported before.
     fn once(&mut self, mut verdict: Verdict, platforms: &[String], sources: &[Source]) -> Verdict {
         let is_file = |label: &Label| {
             let source = sources.get(label.place.source.0 as usize);

@@ -126,7 +126,7 @@ fn judge_votes(
             "one of the two has x and y changed (north and east taken for x and y), or one of them negated: NED positions \
              become ENU as (y, x, -z); latitude comes before longitude",
         );
-    out.fail(better(poses.told_in.tell(finding).measured(measured)));
+    out.fail(better(poses.expressed_in.tell(finding).measured(measured)));
 }
 
 /// A finding on two tracks of which neither is the other, turned or mirrored.
@@ -161,7 +161,7 @@ fn unexplained(
     )
 }
 
-/// A finding, where the tracks fit once latitude and longitude are exchanged, and as told neither turned nor, by far, mirrored.
+/// A finding, where the tracks fit once latitude and longitude are exchanged, and as published neither turned nor, by far, mirrored.
 /// A track of exchanged coordinates is mirrored, and stretched besides: away from the equator neither fit meets it.
 pub(crate) fn swapped<'t>(
     poses: &Stream<PoseRow>,
@@ -186,7 +186,7 @@ pub(crate) fn swapped<'t>(
         return None;
     }
     let message = format!(
-        "latitude and longitude on {} are exchanged: so read the track on {} fits the satellites' within {rms_m:.2} m, as told it does \
+        "latitude and longitude on {} are exchanged: so read the track on {} fits the satellites' within {rms_m:.2} m, as published it does \
          not",
         fixes.topic, poses.topic
     );

@@ -140,12 +140,12 @@ fn offset_finding(imu: &Imu, subject: &str, decided: &Decided, limits: &Limits) 
     let finding = Finding::warning(subject, message, imu.stream.place());
     // Where yaw is zero is a guess, unless the user says it, or it is a quarter turn to the degree in every direction.
     let is_quarter = imu.mount.is_some() && decided.is_a_quarter_turn(offset, limits);
-    let finding = if imu.stream.told_in.declares_world() || is_quarter {
+    let finding = if imu.stream.expressed_in.declares_world() || is_quarter {
         finding.likely()
     } else {
         finding.hint()
     };
     Some(
-        imu.stream.told_in.tell(finding).help("compare with the mounting, and with `yaw_offset` and `magnetic_declination_radians` of the filter that uses it"),
+        imu.stream.expressed_in.tell(finding).help("compare with the mounting, and with `yaw_offset` and `magnetic_declination_radians` of the filter that uses it"),
     )
 }

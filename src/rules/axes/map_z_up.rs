@@ -98,8 +98,8 @@ fn judge_gravity(frame: &Frame, subject: String, gravity: &Gravity, limits: &Lim
 
 /// A finding on a frame whose name may promise other axes: then the rule of such names says it better.
 fn by_name(frame: &Frame, finding: Finding) -> Finding {
-    let finding = frame.told_in.tell(finding);
-    if frame.told_in.is_ned() {
+    let finding = frame.expressed_in.tell(finding);
+    if frame.expressed_in.is_ned() {
         finding.unless_about(codes::NAME04, format!("`{}`", frame.name))
     } else {
         finding
@@ -112,7 +112,7 @@ fn named(frame: &Frame, gravity: &Gravity, limits: &Limits) -> (&'static str, &'
         let cosine = gravity.up.x * x + gravity.up.y * y + gravity.up.z * z;
         cosine >= limits.error_deg.to_radians().cos()
     };
-    if near(0.0, 0.0, -1.0) && frame.told_in.is_ned() {
+    if near(0.0, 0.0, -1.0) && frame.expressed_in.is_ned() {
         let help = "the data have z up: call the frame by a name without `ned`, or convert its poses to NED";
         ("z-up", " (z up, where north-east-down has it down)", help)
     } else if near(0.0, 0.0, -1.0) {

@@ -84,7 +84,7 @@ fn fail_pose(
         (best.0.words(), best.0.word(), best.0.help())
     };
     let message = format!(
-        "the velocity on {} is {words}: so read it leaves {:.1} % of the motion of the pose, as told {:.0} %",
+        "the velocity on {} is {words}: so read it leaves {:.1} % of the motion of the pose, as published {:.0} %",
         stream.topic,
         100.0 * best.1,
         100.0 * as_defined
@@ -97,7 +97,7 @@ fn fail_pose(
     let finding = Finding::error(format!("velocity of {}", stream.subject), message, stream.place());
     out.fail(
         stream
-            .told_in
+            .expressed_in
             .tell(finding)
             .likely()
             .relation(word)
@@ -182,7 +182,7 @@ fn judge_linear(stream: &Stream<PoseRow>, twists: &Twists, limits: &Limits, out:
     );
     out.fail(
         stream
-            .told_in
+            .expressed_in
             .tell(Finding::error(&subject, message, stream.place()))
             .likely()
             .relation(best.0.word())
@@ -209,7 +209,7 @@ fn scaled(stream: &Stream<PoseRow>, subject: String, twists: &Twists, limits: &L
     let residual = Measured::new("residual, as defined", twists.residual(Reading::Body), "1").limit(limits.max_residual);
     let finding = Finding::error(subject, message, stream.place()).likely().relation("scale");
     stream
-        .told_in
+        .expressed_in
         .tell(finding)
         .help("publish metres per second (REP-103); or the position beside it is not in metres: compare a known distance")
         .measured(Measured::new("velocity over that of the pose", times, "1").samples(twists.windows))
@@ -282,7 +282,7 @@ fn judge_turning(stream: &Stream<PoseRow>, twists: &Twists, cause: Option<String
             stream.topic, turning.slope
         );
         let finding = stream
-            .told_in
+            .expressed_in
             .tell(Finding::error(&subject, message, stream.place()))
             .likely()
             .help(help)

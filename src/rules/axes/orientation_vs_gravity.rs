@@ -62,7 +62,7 @@ fn judge_above(imu: &Imu, subject: String, above: &Above, diagnosis: &Diagnosis,
         above.force.mean_m_s2.z,
         above.seconds,
         above.force.concentration,
-        diagnosis.words()
+        if above.class == World::Leaning { String::new() } else { diagnosis.words() }
     );
     let otherwise =
         "align the orientation with gravity: level and at rest `R(q) * acceleration` is +9.81 along z (REP-145)";
@@ -72,6 +72,7 @@ fn judge_above(imu: &Imu, subject: String, above: &Above, diagnosis: &Diagnosis,
         World::Far => explain(diagnosis, imu, Aspect::World, finding.relation(UNEXPLAINED), otherwise)
             .unless(codes::QUAT01)
             .unless(codes::QUAT03),
+        World::Leaning => finding.relation("tilted").help(otherwise),
         _ => explain(diagnosis, imu, Aspect::World, finding, otherwise),
     };
     out.fail(finding.measured(measured));

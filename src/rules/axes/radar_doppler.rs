@@ -46,7 +46,7 @@ type Why = (NotEvaluated, String);
 /// Which way the ranges go that the rates tell of.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Sign {
-    AsTold,
+    AsPublished,
     Reversed,
     Unknown,
 }
@@ -59,7 +59,7 @@ struct Seen {
     resultant: f64,
     scale: f64,
     sign: Sign,
-    /// Detections found again with the sign as told, and with the other.
+    /// Detections found again with the sign as published, and with the other.
     found: [usize; 2],
     scans: usize,
     share: f64,
@@ -239,7 +239,7 @@ fn seen(way: &Way, scans: &[Scan], limits: &Limits) -> Result<Seen, Why> {
     let is_more =
         |more: usize, less: usize| more >= limits.min_found && more as f64 >= limits.found_ratio * less as f64;
     let sign = match found {
-        [told, other] if is_more(told, other) => Sign::AsTold,
+        [told, other] if is_more(told, other) => Sign::AsPublished,
         [told, other] if is_more(other, told) => Sign::Reversed,
         _ => Sign::Unknown,
     };
@@ -400,7 +400,7 @@ fn measured(seen: &Seen, off_rad: f64, limits: &Limits) -> Vec<Measured> {
             lever_rad.to_degrees(),
             "deg",
         ),
-        Measured::count("detections found again with the sign as told", told),
+        Measured::count("detections found again with the sign as published", told),
         Measured::count("detections found again with the other sign", other),
     ]
 }

@@ -60,7 +60,7 @@ fn axes(declared: &Declared<'_>, limits: &Limits) -> Result<Axes, String> {
 fn measured(axes: &Axes, limits: &Limits) -> [Measured; 3] {
     let n = axes.count as u64;
     [
-        Measured::new("constancy of the longer axis as told", axes.constant, "1").samples(n),
+        Measured::new("constancy of the longer axis as published", axes.constant, "1").samples(n),
         Measured::new("constancy of the longer axis less the yaw", axes.less_yaw, "1").samples(n),
         Measured::new("longer over shorter axis", axes.stretch, "1").limit(limits.min_stretch),
     ]
@@ -88,7 +88,7 @@ fn judge_twist(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
         return out.not_evaluated(subject, little, why);
     }
     let message = format!(
-        "`twist.covariance` on `{}` turns with the yaw (constancy of its longer axis {:.2} less the yaw, {:.2} as told): it is in the \
+        "`twist.covariance` on `{}` turns with the yaw (constancy of its longer axis {:.2} less the yaw, {:.2} as published): it is in the \
          axes of the world, and the velocity is in those of the child frame",
         stream.topic, axes.less_yaw, axes.constant
     );

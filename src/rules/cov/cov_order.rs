@@ -44,7 +44,7 @@ fn judge_stream(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limi
         Ok(fit) => fit,
         Err(why) => return out.too_little(subject, why),
     };
-    let (told, swapped) = (fit.miss(Reading::AsTold), fit.miss(Reading::RotationFirst));
+    let (told, swapped) = (fit.miss(Reading::AsPublished), fit.miss(Reading::RotationFirst));
     let measured = [
         Measured::new("factor to the noise, positions first", told, "1").samples(fit.poses),
         Measured::new("factor to the noise, rotations first", swapped, "1")
@@ -63,8 +63,8 @@ fn judge_stream(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limi
     let is_swapped = best == Some(Reading::RotationFirst) && told >= limits.misses && fit.order_ratio > 0.0;
     if !is_swapped {
         return out.too_little(subject, match best {
-            Some(Reading::AsTold | Reading::RotationFirst) | None => format!(
-                "the variances miss the noise of the poses by a factor of {told:.1e} as told, and by {swapped:.1e} with rotations first: \
+            Some(Reading::AsPublished | Reading::RotationFirst) | None => format!(
+                "the variances miss the noise of the poses by a factor of {told:.1e} as published, and by {swapped:.1e} with rotations first: \
                  they speak of other errors than those from pose to pose"
             ),
             Some(_) => "another unit explains it".to_owned(),

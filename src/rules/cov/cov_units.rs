@@ -130,7 +130,7 @@ fn judge_noise(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
         Ok(fit) => fit,
         Err(why) => return out.too_little(subject, why),
     };
-    let told = fit.miss(Reading::AsTold);
+    let told = fit.miss(Reading::AsPublished);
     let factor = |what: &str, value: f64| Measured::new(what, value, "1").limit(limits.fits).samples(fit.poses);
     if told <= limits.fits {
         return out.pass(subject, [factor("factor to the noise, m2 and rad2", told)]);
@@ -162,7 +162,7 @@ fn judge_noise(stream: &Stream<PoseRow>, declared: &Declared<'_>, limits: &Limit
             "its rotations first",
             "exchange the blocks of three: positions come before rotations",
         ),
-        Some(Reading::AsTold) | None => {
+        Some(Reading::AsPublished) | None => {
             let why = format!(
                 "the variances miss the noise of the poses by a factor of {told:.1e}, and no other unit explains that: they speak of other \
                  errors than those from pose to pose"

@@ -25,16 +25,16 @@ impl Rule for ExtrinsicDirection {
 
 fn judge_seen(clouds: &Clouds, seen: &Seen, limits: &Limits, out: &mut Judge) {
     let subject = clouds.subject("direction of the mounting");
-    let (told, inverse) = (seen.of(Reading::AsTold), seen.of(Reading::Inverse));
+    let (told, inverse) = (seen.of(Reading::AsPublished), seen.of(Reading::Inverse));
     let measured = [
-        Measured::new("residual of the motions, as told", told, "m")
+        Measured::new("residual of the motions, as published", told, "m")
             .limit(limits.max_residual_m)
             .samples(seen.pairs as u64),
         Measured::new("residual of the inverse", inverse, "m"),
     ];
     let name = format!("{}_from_{}", seen.known.body, seen.known.lidar);
     match seen.decided {
-        Some(Reading::AsTold) => out.pass(subject, measured),
+        Some(Reading::AsPublished) => out.pass(subject, measured),
         Some(Reading::Inverse) => {
             let message = format!(
                 "`{name}` is told the wrong way round: its inverse brings the scans on `{}` and {} together to {inverse:.2} m, the transform as it is \

@@ -2,12 +2,12 @@
 
 use nalgebra::Isometry3;
 
-use crate::analysis::names::{has_word, has_word_of};
-use crate::analysis::{cross::exact, names};
-use crate::math::relation::{Classification, Relation, Tolerance, classify};
+use crate::analysis::cross::aliases::Candidate;
+use crate::analysis::cross::exact;
+use crate::math::relation::Relation;
 use crate::rules::prelude::*;
 use crate::source::{Confidence, SourceId};
-use crate::world::{Claim, ClaimKind, FrameId, World, graph::FrameGraph};
+use crate::world::{Claim, ClaimKind, FrameId, World};
 
 pub(crate) struct FrameAliases;
 
@@ -85,13 +85,6 @@ impl Suspicion {
     }
 }
 
-/// A pair of the platform's frames that may be meant.
-struct Candidate<'g> {
-    target: &'g FrameId,
-    source: &'g FrameId,
-    pose: Isometry3<f64>,
-}
-
 fn judge_claim(
     world: &World,
     claim: &Claim,
@@ -103,13 +96,7 @@ fn judge_claim(
 ) -> Option<Suspicion> {
     let path = world.path(claim.place.source);
     let subject = format!("`{target}` and `{source}` of `{}` of {path}", claim.label);
-    let mut candidates = candidates(world.graph(), target, source);
-    if !candidates.iter().any(|candidate| is_met(candidate, pose, exact)) {
-        let by_numbers = by_numbers(world.graph(), target, source, pose, exact);
-        if !by_numbers.is_empty() {
-            candidates = by_numbers;
-        }
-    }
+    let candidates = Candidate::all(world.graph(), (target, source), pose, exact);
     if candidates.is_empty() {
         out.missing(subject, "no frames of the platform have names of these kinds and a rigid transform between them");
         return None;
@@ -122,54 +109,41 @@ fn judge_claim(
         out.too_little(subject, why);
         return None;
     }
-    let off = |candidate: &Candidate| {
-        let difference = candidate.pose.inv_mul(pose);
-        (
-            difference.rotation.angle().to_degrees(),
-            difference.translation.vector.norm(),
-        )
-    };
     let is_plain = |pose: &Isometry3<f64>| {
         pose.rotation.angle().to_degrees() <= limits.plain_deg && pose.translation.vector.norm() <= limits.plain_m
     };
     let equal: Vec<&Candidate> = candidates
         .iter()
-        .filter(|candidate| {
-            let (deg, m) = off(candidate);
-            deg <= limits.equal_deg && m <= limits.equal_m
-        })
+        .filter(|candidate| candidate.is_within(limits.equal_deg, limits.equal_m))
         .collect();
-    let measured = |(deg, m): (f64, f64)| {
+    let measured = |candidate: &Candidate| {
         [
-            Measured::new("rotation difference", deg, "deg").limit(limits.equal_deg),
-            Measured::new("translation difference", m, "m").limit(limits.equal_m),
+            Measured::new("rotation difference", candidate.off_deg, "deg").limit(limits.equal_deg),
+            Measured::new("translation difference", candidate.off_m, "m").limit(limits.equal_m),
         ]
     };
     match (equal.as_slice(), candidates.as_slice()) {
-        ([one], _) if !roles && !is_plain(&one.pose) => out.pass(subject, measured(off(one))),
+        ([one], _) if !roles && !is_plain(&one.pose) => out.pass(subject, measured(one)),
         ([one], _) if !is_plain(&one.pose) => {
             let names = (target, source);
-            let [turn, shift] = measured(off(one));
             let finding = proposal(world, claim, subject, dialect, names, one);
-            out.fail(finding.measured(turn).measured(shift));
+            out.fail(finding.measured(measured(one)));
         }
         ([], _) => {
             let related = candidates.iter().filter(|candidate| !is_plain(&candidate.pose));
-            let related = related.map(|candidate| (candidate, classify(&candidate.pose, pose, &Tolerance::default())));
-            let related: Vec<_> = related.filter(|(_, found)| found.error().is_some()).collect();
-            let fits = |(candidate, found): &&(&Candidate<'_>, Classification)| exact.fits(&candidate.pose, found);
+            let related: Vec<_> = related.filter(|candidate| candidate.found.error().is_some()).collect();
+            let fits = |candidate: &&&Candidate| exact.fits(&candidate.pose, &candidate.found);
             let exact: Vec<_> = related.iter().filter(fits).collect();
-            let (is_exact, (candidate, found)) = match (exact.as_slice(), related.as_slice(), candidates.as_slice()) {
+            let (is_exact, candidate) = match (exact.as_slice(), related.as_slice(), candidates.as_slice()) {
                 ([one], ..) => (true, *one),
                 (_, [one], [_]) if roles => (false, one),
                 _ => {
                     out.too_little(subject, match candidates.as_slice() {
                         [only] => {
-                            let (deg, m) = off(only);
                             format!(
-                                "`{}` from `{}` differs by {deg:.2} deg and {m:.3} m, and no convention error explains that: other frames \
-                                 may be meant",
-                                only.target, only.source
+                                "`{}` from `{}` differs by {:.2} deg and {:.3} m, and no convention error explains that: other frames may \
+                                 be meant",
+                                only.target, only.source, only.off_deg, only.off_m
                             )
                         }
                         several => format!(
@@ -180,14 +154,13 @@ fn judge_claim(
                     return None;
                 }
             };
-            let relation = found.error()?;
-            let [turn, shift] = measured(off(candidate));
+            let relation = candidate.found.error()?;
             let finding = suspicion(world, claim, subject, relation, (target, source), candidate);
             return Some(Suspicion {
                 file: claim.place.source,
                 relation,
                 is_exact,
-                finding: finding.measured(turn).measured(shift),
+                finding: finding.measured(measured(candidate)),
             });
         }
         _ => {
@@ -251,111 +224,4 @@ fn suspicion(
             relation.describe(),
             aliases(names, candidate)
         ))
-}
-
-/// Every pair of the platform's frames of these kinds with a rigid transform between them.
-fn candidates<'g>(graph: &'g FrameGraph, target: &FrameId, source: &FrameId) -> Vec<Candidate<'g>> {
-    let mut found = Vec::new();
-    for a in meant(graph, target) {
-        for b in meant(graph, source) {
-            if a == b {
-                continue;
-            }
-            if let Some((pose, _)) = graph.chain(a, b, |edge| edge.is_rigid) {
-                found.push(Candidate {
-                    target: a,
-                    source: b,
-                    pose,
-                });
-            }
-        }
-    }
-    found
-}
-
-/// Whether a transform is that of a candidate, as it is or with a convention error, to the last digits.
-fn is_met(candidate: &Candidate<'_>, pose: &Isometry3<f64>, exact: &exact::Limits) -> bool {
-    let difference = candidate.pose.inv_mul(pose);
-    let is_equal = difference.rotation.angle().to_degrees() <= exact.exact_deg
-        && difference.translation.vector.norm() <= exact.exact_m;
-    let found = || classify(&candidate.pose, pose, &Tolerance::default());
-    is_equal || Some(found()).is_some_and(|found| found.error().is_some() && exact.fits(&candidate.pose, &found))
-}
-
-/// Pairs of which one frame is of the right kind, and the other is called anything, whose transform is met to the last digits and not by
-/// chance. One frame has to be of its kind: of two strangers nothing tells the direction.
-fn by_numbers<'g>(
-    graph: &'g FrameGraph,
-    target: &FrameId,
-    source: &FrameId,
-    pose: &Isometry3<f64>,
-    exact: &exact::Limits,
-) -> Vec<Candidate<'g>> {
-    let length_m = pose.translation.vector.norm();
-    let mut found: Vec<Candidate<'g>> = Vec::new();
-    let mut look = |target: &'g FrameId, source: &'g FrameId| {
-        let Some((pose_of, _)) = graph.chain(target, source, |edge| edge.is_rigid) else { return };
-        let candidate = Candidate { target, source, pose: pose_of };
-        // What every convention error leaves as it is, comes first: it is cheap.
-        let is_near = (candidate.pose.translation.vector.norm() - length_m).abs() <= exact.exact_m;
-        // Frames in one place are one candidate.
-        let is_new = |one: &Candidate| {
-            let apart = one.pose.inv_mul(&candidate.pose);
-            apart.rotation.angle().to_degrees() > exact.exact_deg || apart.translation.vector.norm() > exact.exact_m
-        };
-        if target != source && is_near && exact.tells_alone(&candidate.pose) && found.iter().all(is_new) && is_met(&candidate, pose, exact) {
-            found.push(candidate);
-        }
-    };
-    for target in meant(graph, target) {
-        graph.frames.iter().for_each(|source| look(target, source));
-    }
-    for source in meant(graph, source) {
-        graph.frames.iter().for_each(|target| look(target, source));
-    }
-    found
-}
-
-/// The platform's frames that a program's word for a sensor may mean.
-fn meant<'g>(graph: &'g FrameGraph, role: &FrameId) -> Vec<&'g FrameId> {
-    if let Some(own) = graph.frames.get(&role.canonical()) {
-        return vec![own];
-    }
-    let of = |test: &dyn Fn(&FrameId) -> bool| graph.frames.iter().filter(|frame| test(frame)).collect::<Vec<_>>();
-    let lidars: &[&[&str]] = &[names::LIDARS, names::LIDAR_MAKERS, &["velo", "os", "pandar"]];
-    if has_word(role, names::CAMERAS) {
-        let all = of(&|frame| has_word(frame, names::CAMERAS) || names::optical_stem(frame).is_some());
-        // Programs that look through cameras mean the axes of images.
-        let optical: Vec<&FrameId> = all
-            .iter()
-            .copied()
-            .filter(|frame| names::optical_stem(frame).is_some())
-            .collect();
-        let cameras = if optical.is_empty() { all } else { optical };
-        let numbered: Vec<&FrameId> = cameras
-            .iter()
-            .copied()
-            .filter(|frame| number(frame) == number(role))
-            .collect();
-        return if numbered.is_empty() { cameras } else { numbered };
-    }
-    if has_word_of(role, lidars) {
-        return of(&|frame| has_word_of(frame, lidars));
-    }
-    if has_word(role, &["imu", "body"]) {
-        return of(&|frame| has_word(frame, names::IMUS));
-    }
-    if has_word(role, &["base", "ego", "egovehicle", "vehicle", "robot"]) {
-        return of(&names::is_base);
-    }
-    Vec::new()
-}
-
-/// The number in a name, `0` and none alike.
-fn number(frame: &FrameId) -> u32 {
-    let digits = frame.tokens().into_iter().find_map(|token| {
-        let start = token.find(|letter: char| letter.is_ascii_digit())?;
-        token.get(start..)?.parse().ok()
-    });
-    digits.unwrap_or(0)
 }

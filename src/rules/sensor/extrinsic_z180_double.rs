@@ -141,7 +141,7 @@ fn decided(ratio: f64, limits: &Limits) -> Option<bool> {
 fn crispness(maps: &Maps, ratio: f64, limits: &Limits) -> Measured {
     Measured::new(
         format!(
-            "cells of the map with another half turn over those as told, on {:.0} m",
+            "cells of the map with another half turn over those as published, on {:.0} m",
             maps.way_m
         ),
         ratio,

@@ -97,7 +97,7 @@ fn judge_zero(imu: &Imu, sensor: &Sensor, driver: &InsDriver, limits: &Limits, o
             known.setting
         ))
         .measured(measured);
-    out.fail(imu.stream.told_in.tell(finding));
+    out.fail(imu.stream.expressed_in.tell(finding));
 }
 
 /// What hides the setting of the driver.

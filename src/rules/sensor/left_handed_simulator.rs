@@ -111,6 +111,6 @@ fn judge_track(poses: &Stream<PoseRow>, simulator: &Simulator, told: Vec<Told>, 
             "{} is {}; to ROS: {}",
             simulator.name, simulator.axes, simulator.conversion
         ));
-    let finding = poses.told_in.tell(finding);
+    let finding = poses.expressed_in.tell(finding);
     out.fail(finding.measured(left.into_iter().map(|told| told.measured)));
 }

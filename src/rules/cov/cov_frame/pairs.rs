@@ -137,7 +137,7 @@ fn judge_pair(a: &Told, b: &Told, turn_rad: f64, limits: &Limits, out: &mut Judg
         return out.too_little(subject, why);
     }
     let measured = [
-        Measured::new("difference of the covariances as told", same, "1")
+        Measured::new("difference of the covariances as published", same, "1")
             .limit(limits.same_share)
             .samples(count as u64),
         Measured::new("difference once turned", turned, "1")
@@ -150,7 +150,7 @@ fn judge_pair(a: &Told, b: &Told, turn_rad: f64, limits: &Limits, out: &mut Judg
     }
     if same > limits.same_share {
         let why = format!(
-            "they differ by {:.0} % as told and by {:.0} % once turned: two different estimates of the error",
+            "they differ by {:.0} % as published and by {:.0} % once turned: two different estimates of the error",
             100.0 * same,
             100.0 * turned
         );

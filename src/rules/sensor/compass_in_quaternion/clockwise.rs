@@ -93,7 +93,7 @@ impl Found {
                 "REP-103 counts yaw counter-clockwise from east: publish `yaw_ros = pi/2 - heading` (the topic `heading` of \
                  nmea_navsat_driver holds the compass heading itself)",
             );
-        let finding = stream.told_in.tell(finding);
+        let finding = stream.expressed_in.tell(finding);
         finding.measured(self.measured(turns))
     }
 }

@@ -1,0 +1,90 @@
+//! What a run is asked for, and a call that cannot be carried out.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use crate::config::ConfigError;
+use crate::read::discover::Wanted;
+use crate::run::FailOn;
+use crate::verdict::waiver::Day;
+
+use super::sampling::Extent;
+
+/// What the user asked for.
+#[derive(Clone, Debug, Default)]
+pub struct Options {
+    /// Files and folders.
+    pub paths: Vec<PathBuf>,
+    /// Documents of evidence, judged beside the paths.
+    pub evidence: Vec<PathBuf>,
+    /// Which files of the folders are read.
+    pub wanted: Wanted,
+    /// Codes, names and families of the rules to run; all where empty.
+    pub select: Vec<String>,
+    /// Codes, names and families of the rules to leave out.
+    pub ignore: Vec<String>,
+    /// Arguments handed to xacro (`name:=value`).
+    pub xacro_args: Vec<String>,
+    /// The configuration that [`check`] uses; the nearest above the inputs where `None`.
+    pub config: Option<PathBuf>,
+    /// Whether no configuration is looked for.
+    pub without_config: bool,
+    /// A profile of the tool that the configuration stands on.
+    pub profile: Option<String>,
+    /// A baseline: its findings are accepted.
+    pub baseline: Option<PathBuf>,
+    /// From which severity on findings fail a run, for the verdicts of recordings; as the configuration says where `None`.
+    pub fail_on: Option<FailOn>,
+    /// What has a verdict of its own.
+    pub verdicts: Verdicts,
+    /// What there is to be looked at besides.
+    pub sights: Sights,
+    /// The day on which waivers must still hold; this one in UTC where `None`.
+    pub today: Option<Day>,
+    /// How much of recordings is read.
+    pub extent: Extent,
+    /// Folders with definitions of messages, for recordings that carry none.
+    pub msg_paths: Vec<PathBuf>,
+    /// Whether to draw a progress bar on a terminal.
+    pub progress: bool,
+}
+
+/// What has a verdict of its own in a run.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Verdicts {
+    /// Each recording, where there are several.
+    #[default]
+    Each,
+    /// Everything.
+    One,
+}
+
+/// What a run keeps to be looked at.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Sights {
+    /// Nothing.
+    #[default]
+    None,
+    /// The plots of rules.
+    Plots,
+    /// Plots, and all that is known of every platform, clouds of points among it.
+    Everything,
+}
+
+/// A call that cannot be carried out as it was made.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct UsageError(pub String);
+
+impl fmt::Display for UsageError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(&self.0)
+    }
+}
+
+impl std::error::Error for UsageError {}
+
+impl From<ConfigError> for UsageError {
+    fn from(error: ConfigError) -> Self {
+        Self(error.0)
+    }
+}

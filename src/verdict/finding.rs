@@ -1,0 +1,295 @@
+//! What a rule found: how bad, where, why, and what to do.
+
+use nalgebra::Isometry3;
+use serde::{Deserialize, Serialize};
+
+use crate::source::{Confidence, Place};
+
+use super::Measured;
+use super::deference::{Explainer, RuleCode, Unless};
+use super::waiver::Waived;
+
+/// The relation of a contradiction that no known error explains.
+pub const UNEXPLAINED: &str = "unexplained";
+
+/// How bad a finding is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Severity {
+    /// Worth knowing.
+    Note,
+    /// Probably wrong, or wrong with small effect.
+    Warning,
+    /// Wrong.
+    Error,
+}
+
+impl Severity {
+    /// The word used in reports.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Note => "note",
+            Self::Warning => "warning",
+            Self::Error => "error",
+        }
+    }
+}
+
+/// Whether a place is what the finding is about, or belongs to its explanation.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum PlaceRole {
+    /// What the finding is about.
+    Primary,
+    /// Part of the explanation.
+    Related,
+}
+
+/// A place with what is to be seen there.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Label {
+    /// Primary or related.
+    pub role: PlaceRole,
+    /// Where.
+    pub place: Place,
+    /// What is to be seen there, in a few words; may be empty.
+    pub note: String,
+}
+
+/// Whether a fix can be applied without thinking.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Safety {
+    /// The meaning stays as it was meant by every reader.
+    Safe,
+    /// The robot's behaviour changes.
+    ChangesBehaviour,
+}
+
+/// A replacement of a span of a text.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Edit {
+    /// What is replaced: always a text span.
+    pub place: Place,
+    /// The new text.
+    pub replacement: String,
+}
+
+/// A way to fix the fault by editing files.
+#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
+pub struct Fix {
+    /// What the fix does.
+    pub title: String,
+    /// How safe it is.
+    pub safety: Safety,
+    /// The edits, all or none.
+    pub edits: Vec<Edit>,
+}
+
+/// What a failing rule says.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Finding {
+    /// Code of the rule; set by the engine.
+    pub rule: String,
+    /// Name of the rule; set by the engine.
+    pub name: String,
+    /// What was judged.
+    pub subject: String,
+    /// How bad it is.
+    pub severity: Severity,
+    /// How sure it is.
+    pub confidence: Confidence,
+    /// What is wrong, with the number.
+    pub message: String,
+    /// What to do.
+    pub help: String,
+    /// The word of the relation dictionary that explains a difference.
+    pub relation: Option<String>,
+    /// Places, the primary one first. A finding without one is a fault of ours.
+    pub places: Vec<Label>,
+    /// What was measured. A finding without a number is a fault of ours.
+    pub measured: Vec<Measured>,
+    /// A fix, if one is possible.
+    pub fix: Option<Fix>,
+    /// Set where the user accepts it: it counts for nothing, and stays in every report.
+    #[serde(default)]
+    pub waived: Option<Waived>,
+    /// Rules that would say it better where they find the same: by the subject, topic or part of a file, or by what is named.
+    #[serde(skip)]
+    pub unless: Vec<Unless>,
+    /// Findings that may explain it; see [`deference::match_up`].
+    #[serde(skip)]
+    pub explainers: Vec<Explainer>,
+    /// The finding that says it in its place.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub explained_by: Option<Explainer>,
+    /// Where a frame would stand by the rule's judgement, where it knows: for those who look at it.
+    #[serde(skip)]
+    pub prefers: Option<Preferred>,
+}
+
+/// A transform as a rule would have it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Preferred {
+    /// The target (parent) frame.
+    pub target: String,
+    /// The source (child) frame.
+    pub source: String,
+    /// `target_from_source`.
+    pub pose: Isometry3<f64>,
+}
+
+impl Finding {
+    /// How loudly it is told where there is no word for hints: no hint is louder than a note.
+    pub fn loudness(&self) -> Severity {
+        if self.confidence == Confidence::Hint {
+            Severity::Note
+        } else {
+            self.severity
+        }
+    }
+
+    /// A finding at a primary place. Confidence starts at `Certain`.
+    pub fn new(severity: Severity, subject: impl Into<String>, message: impl Into<String>, primary: Place) -> Self {
+        Self {
+            rule: String::new(),
+            name: String::new(),
+            subject: subject.into(),
+            severity,
+            confidence: Confidence::Certain,
+            message: message.into(),
+            help: String::new(),
+            relation: None,
+            places: vec![Label {
+                role: PlaceRole::Primary,
+                place: primary,
+                note: String::new(),
+            }],
+            measured: Vec::new(),
+            fix: None,
+            waived: None,
+            unless: Vec::new(),
+            explainers: Vec::new(),
+            explained_by: None,
+            prefers: None,
+        }
+    }
+
+    /// An error at a primary place.
+    pub fn error(subject: impl Into<String>, message: impl Into<String>, primary: Place) -> Self {
+        Self::new(Severity::Error, subject, message, primary)
+    }
+
+    /// A warning at a primary place.
+    pub fn warning(subject: impl Into<String>, message: impl Into<String>, primary: Place) -> Self {
+        Self::new(Severity::Warning, subject, message, primary)
+    }
+
+    /// A note at a primary place.
+    pub fn note(subject: impl Into<String>, message: impl Into<String>, primary: Place) -> Self {
+        Self::new(Severity::Note, subject, message, primary)
+    }
+
+    /// Measured with margin, not proven.
+    #[must_use]
+    pub fn likely(self) -> Self {
+        self.confidence(Confidence::Likely)
+    }
+
+    /// A heuristic: never fails a gate.
+    #[must_use]
+    pub fn hint(self) -> Self {
+        self.confidence(Confidence::Hint)
+    }
+
+    /// With at most this confidence.
+    #[must_use]
+    pub fn confidence(mut self, ceiling: Confidence) -> Self {
+        self.confidence = self.confidence.min(ceiling);
+        self
+    }
+
+    /// What is to be seen at the primary place, in a few words.
+    #[must_use]
+    pub fn label(mut self, note: impl Into<String>) -> Self {
+        if let Some(label) = self.places.first_mut() {
+            label.note = note.into();
+        }
+        self
+    }
+
+    /// Another place that belongs to the explanation.
+    #[must_use]
+    pub fn related(mut self, place: Place, note: impl Into<String>) -> Self {
+        self.places.push(Label {
+            role: PlaceRole::Related,
+            place,
+            note: note.into(),
+        });
+        self
+    }
+
+    /// What to do.
+    #[must_use]
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = help.into();
+        self
+    }
+
+    /// Measured numbers, one or several.
+    #[must_use]
+    pub fn measured(mut self, measured: impl IntoIterator<Item = Measured>) -> Self {
+        self.measured.extend(measured);
+        self
+    }
+
+    /// The relation that explains the difference.
+    #[must_use]
+    pub fn relation(mut self, word: impl Into<String>) -> Self {
+        self.relation = Some(word.into());
+        self
+    }
+
+    /// A rule that says it better, where it finds the same.
+    #[must_use]
+    pub fn unless(mut self, rule: RuleCode) -> Self {
+        self.unless.push(Unless::Rule(rule));
+        self
+    }
+
+    /// A rule that says it better, where one of its findings names `about`.
+    #[must_use]
+    pub fn unless_about(mut self, rule: RuleCode, about: impl Into<String>) -> Self {
+        self.unless.push(Unless::About(rule, about.into()));
+        self
+    }
+
+    /// A finding of the same rule on `subject` has the same cause, and speaks for both.
+    #[must_use]
+    pub fn same_cause_as(mut self, subject: impl Into<String>) -> Self {
+        self.unless.push(Unless::CauseOf(subject.into()));
+        self
+    }
+
+    /// Where a frame would stand instead: `target_from_source`.
+    #[must_use]
+    pub fn prefers(mut self, target: impl Into<String>, source: impl Into<String>, pose: Isometry3<f64>) -> Self {
+        self.prefers = Some(Preferred {
+            target: target.into(),
+            source: source.into(),
+            pose,
+        });
+        self
+    }
+
+    /// A fix.
+    #[must_use]
+    pub fn fix(mut self, title: impl Into<String>, safety: Safety, edits: Vec<Edit>) -> Self {
+        self.fix = Some(Fix {
+            title: title.into(),
+            safety,
+            edits,
+        });
+        self
+    }
+}
