@@ -1,5 +1,4 @@
-//! Every limit of every page counts: moved by a configuration, it moves a decision on the page's own cases. Those that no case moves yet are
-//! listed, and may only become fewer.
+//! Every limit of every page counts: moved by a configuration, it moves a decision on the page's own cases.
 
 #![allow(clippy::unwrap_used, clippy::float_cmp)]
 
@@ -14,62 +13,6 @@ use frames_lint::world::World;
 use rayon::prelude::*;
 
 use crate::cases::{cases, pages, worlds};
-
-/// Limits that no case of their own page moves yet. `ALL=1 cargo test --test suite limits` looks at these as well, and names those that move nothing.
-const UNMOVED: &[&str] = &[
-    "AUTH01 moves_deg",
-    "AUTH01 rare_share",
-    "AUTH01 stands_out",
-    "AUTH02 same_m",
-    "AUTH02 same_rad",
-    "CAMERA06 away_m",
-    "CAMERA08 max_beam_mm",
-    "GEO01 scaled_deg",
-    "GEO04 errors_last_s",
-    "GEO04 untold_m",
-    "GEO06 untold_m",
-    "GEO07 errors_last_s",
-    "GEO07 untold_m",
-    "PREC03 tile_m",
-    "ROT08 eighth_rad",
-    "TREE05 same_m",
-    "TREE14 least_deg",
-    "TREE14 least_m",
-    "TREE14 min_corrections",
-    "TREE14 times_usual",
-    "TREE15 origin",
-    "URDF09 shown",
-    "QUAT01 alike",
-    "QUAT01 axis_agrees",
-    "QUAT01 axis_deg_s",
-    "QUAT01 axis_noise",
-    "QUAT01 axis_right",
-    "QUAT01 axis_share",
-    "QUAT01 axis_sigmas",
-    "QUAT01 axis_step_s",
-    "QUAT01 axis_wrong",
-    "QUAT01 grows",
-    "QUAT01 opposes",
-    "QUAT01 slow_agrees",
-    "QUAT01 slow_alike",
-    "QUAT01 slow_gap",
-    "QUAT01 slow_s",
-    "QUAT01 slow_short",
-    "QUAT01 unexplained_correlation",
-    "AXES01 min_rest_s",
-    "AXES04 max_spread_deg",
-    "AXES04 odometry_speed_m_s",
-    "AXES06 gravity",
-    "AXES07 min_minor_m",
-    "AXES10 fix_s",
-    "AXES10 min_above",
-    "AXES10 min_around",
-    "AXES10 min_gravity",
-    "AXES10 narrow",
-    "AXES10 narrow_on",
-    "AXES10 narrow_score",
-    "AXES15 half_turn_deg",
-];
 
 /// Families whose cases are drives with clouds: an hour of work, done where `ALL` is set.
 const COSTLY: &[&str] = &["CROSS", "TIME", "SENSOR"];
@@ -104,8 +47,8 @@ fn decisions(verdict: &Verdict, code: &str) -> Vec<String> {
         let shown: Vec<&str> = finding.measured.iter().map(|measured| measured.what.as_str()).collect();
         let (places, is_fixed) = (finding.places.len(), finding.fix.is_some());
         format!(
-            "{} {severity:?} {confidence:?} {:?} {places} {is_fixed} {shown:?}",
-            finding.subject, finding.relation
+            "{} {severity:?} {confidence:?} {:?} {places} {is_fixed} {shown:?} {:?}",
+            finding.subject, finding.relation, finding.unless
         )
     });
     rows.chain(findings).collect()
@@ -159,10 +102,7 @@ fn idle(front: &Front, select: &[String], worlds: &[World]) -> Vec<String> {
         };
         !asked.iter().any(is_moved)
     };
-    let all = std::env::var_os("ALL").is_some();
-    let looked_at = |name: &str| all || !UNMOVED.contains(&format!("{code} {name}").as_str());
-    let limits = front.limits.iter().filter(|(name, _)| looked_at(name));
-    let idle = limits.filter(|(name, limit)| is_idle(name, limit));
+    let idle = front.limits.iter().filter(|(name, limit)| is_idle(name, limit));
     idle.map(|(name, _)| format!("{code} {name}")).collect()
 }
 

@@ -46,31 +46,51 @@ pub(crate) fn others<'w>(world: &'w World, fixes: &FixEvidence) -> Vec<(&'w str,
         .collect()
 }
 
-/// Ways to misread a position, with what it would be: words, and the position meant.
-fn readings((latitude, longitude): Position) -> Vec<(&'static str, Position)> {
-    let in_range = |(latitude, longitude): &Position| latitude.abs() <= 90.0 && longitude.abs() <= 180.0;
-    let mut found = vec![("latitude and longitude are swapped", (longitude, latitude))];
+/// A way to misread a position.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Reading {
+    /// What was done, for a sentence.
+    pub(crate) words: &'static str,
+    /// The word of the relation.
+    pub(crate) relation: &'static str,
+    /// What is meant.
+    pub(crate) meant: Position,
+}
+
+const E7: &str = "degrees-e7";
+const RADIANS: &str = "radians";
+
+fn is_in_range((latitude, longitude): Position) -> bool {
+    latitude.abs() <= 90.0 && longitude.abs() <= 180.0
+}
+
+/// Ways to misread a position, with what it would be.
+fn readings((latitude, longitude): Position) -> Vec<Reading> {
+    let reading = |relation, words, meant| Reading { words, relation, meant };
+    let mut found = vec![reading(
+        "lat-lon-swapped",
+        "latitude and longitude are swapped",
+        (longitude, latitude),
+    )];
     if latitude.abs() <= std::f64::consts::FRAC_PI_2 && longitude.abs() <= std::f64::consts::PI {
         let degrees = (latitude.to_degrees(), longitude.to_degrees());
-        found.push(("radians were taken for degrees", degrees));
+        found.push(reading(RADIANS, "radians were taken for degrees", degrees));
     }
-    found.push((
-        "units of 1e-7 degrees were taken for degrees",
-        (latitude / 1e7, longitude / 1e7),
-    ));
-    found.retain(|(_, position)| in_range(position));
+    let scaled = (latitude / 1e7, longitude / 1e7);
+    found.push(reading(E7, "units of 1e-7 degrees were taken for degrees", scaled));
+    found.retain(|reading| is_in_range(reading.meant));
     found
 }
 
 /// What a position out of range may have been meant for.
-pub(crate) fn meant(fix: &FixAt, limits: &Limits) -> String {
+pub(crate) fn meant(fix: &FixAt, limits: &Limits) -> Option<Reading> {
     let (latitude, longitude) = (fix.latitude_deg, fix.longitude_deg);
+    if is_in_range((latitude, longitude)) {
+        return None;
+    }
     let scaled = latitude.abs().max(longitude.abs()) > limits.scaled_deg;
     let mut all = readings((latitude, longitude)).into_iter();
-    all.find(|(words, _)| words.contains("1e-7") == scaled)
-        .map_or(String::new(), |(words, (latitude, longitude))| {
-            format!(": perhaps {words}, and {latitude:.5}, {longitude:.5} is meant")
-        })
+    all.find(|reading| (reading.relation == E7) == scaled)
 }
 
 /// The way to read a position that makes it agree with another receiver's; or radians, where the position lies in the
@@ -79,23 +99,23 @@ pub(crate) fn misread<'o>(
     position: Position,
     others: &[(&'o str, Position)],
     limits: &Limits,
-) -> Option<(&'static str, Option<&'o str>)> {
+) -> Option<(Reading, Option<&'o str>)> {
     if others.iter().any(|(_, other)| near(position, *other, limits.agree_deg)) {
         return None;
     }
     let ways = readings(position);
-    let confirmed = ways.iter().find_map(|(words, meant)| {
+    let confirmed = ways.iter().find_map(|way| {
         let other = others
             .iter()
-            .find(|(_, other)| near(*meant, *other, limits.agree_deg))?;
-        Some((*words, Some(other.0)))
+            .find(|(_, other)| near(way.meant, *other, limits.agree_deg))?;
+        Some((*way, Some(other.0)))
     });
     // Simulators put their origin near 0, 0.
     let from_origin = position.0.abs().max(position.1.abs());
-    let radians = ways.iter().find(|(words, _)| words.starts_with("radians"));
+    let radians = ways.iter().find(|way| way.relation == RADIANS);
     let alone = radians
         .filter(|_| from_origin > limits.origin_deg)
-        .map(|(words, _)| (*words, None));
+        .map(|way| (*way, None));
     confirmed.or(alone)
 }
 
@@ -118,7 +138,7 @@ mod tests {
         let words = |position| {
             readings(position)
                 .into_iter()
-                .map(|(words, _)| words)
+                .map(|reading| reading.words)
                 .collect::<Vec<_>>()
         };
         assert!(words((0.84, 0.19)).contains(&"radians were taken for degrees"));

@@ -1,6 +1,6 @@
 //! GEO01: positions that no receiver can mean.
 
-use crate::analysis::geo::fixes::{Limits, Position, meant, middle, misread, others};
+use crate::analysis::geo::fixes::{Limits, Position, Reading, meant, middle, misread, others};
 use crate::rules::prelude::*;
 use crate::world::{BagEvidence, World, bag::TopicEvidence, content::FixEvidence};
 
@@ -56,24 +56,27 @@ fn judge_fixes(world: &World, bag: &BagEvidence, subject: &str, fixes: &FixEvide
         } else {
             Severity::Warning
         };
-        let message = format!(
-            "{count} of {with_fix} positions on {subject} {what}, with status >= 0{}",
-            meant(first, limits)
-        );
+        let meant = meant(first, limits);
+        let perhaps = meant.map_or_else(String::new, |Reading { words, meant, .. }| {
+            format!(": perhaps {words}, and {:.5}, {:.5} is meant", meant.0, meant.1)
+        });
+        let message = format!("{count} of {with_fix} positions on {subject} {what}, with status >= 0{perhaps}");
         let place = Place::message(bag.source, first.at.clone());
-        out.fail(
-            Finding::new(severity, subject, message, place).help(help).measured(
-                Measured::new("positions", *count as f64, "count")
-                    .limit(limits.max_wrong)
-                    .samples(with_fix),
-            ),
+        let finding = Finding::new(severity, subject, message, place).help(help).measured(
+            Measured::new("positions", *count as f64, "count")
+                .limit(limits.max_wrong)
+                .samples(with_fix),
         );
+        out.fail(match meant {
+            Some(meant) => finding.relation(meant.relation),
+            None => finding,
+        });
     }
     let Some(position) = middle(fixes).filter(|_| sound) else {
         return;
     };
     match misread(position, &others(world, fixes), limits) {
-        Some((words, other)) => out.fail(misreading(bag, subject, fixes, (position, words, other), limits)),
+        Some((way, other)) => out.fail(misreading(bag, subject, fixes, (position, way, other), limits)),
         None => out.pass(
             subject,
             [
@@ -92,7 +95,7 @@ fn misreading(
     bag: &BagEvidence,
     subject: &str,
     fixes: &FixEvidence,
-    (position, words, other): (Position, &str, Option<&str>),
+    (position, way, other): (Position, Reading, Option<&str>),
     limits: &Limits,
 ) -> Finding {
     let place = match fixes.samples.first() {
@@ -104,10 +107,11 @@ fn misreading(
         None => "as published, it lies in the Gulf of Guinea".to_owned(),
     };
     let message = format!(
-        "the position on {subject}, {:.5}, {:.5}: {words}; {because}",
-        position.0, position.1
+        "the position on {subject}, {:.5}, {:.5}: {}; {because}",
+        position.0, position.1, way.words
     );
     let finding = Finding::error(subject, message, place)
+        .relation(way.relation)
         .help("publish latitude and longitude in degrees, WGS 84")
         .measured(Measured::new("latitude", position.0, "deg").samples(fixes.count))
         .measured(Measured::new("agreement asked for", limits.agree_deg, "deg"));

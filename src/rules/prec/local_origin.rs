@@ -11,8 +11,10 @@ pub(crate) struct LocalOrigin;
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
     far_m: f64,
-    tile_m: f64,
 }
+
+/// Origins are round numbers of this, metres.
+const TILE_M: f64 = 1000.0;
 
 impl Rule for LocalOrigin {
     const PAGE: &'static str = include_str!("../../../rules/prec/local-origin.md");
@@ -38,7 +40,7 @@ fn judge_clouds(clouds: &Clouds, limits: &Limits, out: &mut Judge) {
     }
     let count = points().count() as f64;
     let middle = points().map(|point| Vector3::from(point.xyz)).sum::<Vector3<f64>>() / count;
-    let origin = middle.map(|value| (value / limits.tile_m).round() * limits.tile_m);
+    let origin = middle.map(|value| (value / TILE_M).round() * TILE_M);
     let message = format!(
         "points on `{}` lie up to {:.1} km from zero: every consumer that calculates in float32 loses digits",
         clouds.topic.topic,

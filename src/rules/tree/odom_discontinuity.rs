@@ -118,7 +118,7 @@ fn finding(
     } else {
         "`odom` may drift but never jump (REP-105): corrections belong into `map` -> `odom`; find what resets or corrects it"
     };
-    let finding = Finding::error(subject, message, Place::message(bag.source, worst.after.at.clone()))
+    let mut finding = Finding::error(subject, message, Place::message(bag.source, worst.after.at.clone()))
         .likely()
         .label("behind the jump")
         .help(help)
@@ -130,6 +130,9 @@ fn finding(
         )
         .measured(Measured::new("turn", worst.step.angle_rad.to_degrees(), "deg").limit(rad.to_degrees()))
         .measured(Measured::count("jumps", jumps.len()).limit(0.0));
+    if is_reset {
+        finding = finding.relation("reset");
+    }
     let others = jumps.iter().filter(|at| at.after.at != worst.after.at).take(4);
     others.fold(finding, |finding, at| {
         finding.related(
