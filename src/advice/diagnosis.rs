@@ -18,7 +18,14 @@ pub(crate) fn explain(diagnosis: &Diagnosis, imu: &Imu, own: Aspect, finding: Fi
 /// The finding, which defers to the rule of the aspect that shows the fault best.
 pub(crate) fn defer(diagnosis: &Diagnosis, imu: &Imu, own: Option<Aspect>, finding: Finding) -> Finding {
     match (diagnosis.shown_by.filter(|aspect| Some(*aspect) != own), &imu.mount) {
-        (Some(Aspect::Body), Some(mount)) => finding.unless_about(codes::AXES13, format!("`{}`", mount.base)),
+        (Some(Aspect::Body), Some(mount)) => {
+            let finding = finding.unless_about(codes::AXES13, format!("`{}`", mount.base));
+            if diagnosis.goes_backward {
+                finding.hint()
+            } else {
+                finding
+            }
+        }
         (Some(aspect), _) => finding.unless(rule_of(aspect)),
         (None, _) => finding,
     }

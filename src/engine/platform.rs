@@ -114,10 +114,18 @@ fn clusters(members: Vec<Member>) -> Vec<Vec<Member>> {
     clusters
 }
 
+/// Files of one folder belong together, and with recordings what lies below their folder, where there is one such folder.
 fn by_folder(members: Vec<Member>) -> Vec<Vec<Member>> {
+    let recordings = members.iter().filter(|member| !member.facts.bags.is_empty());
+    let recorded: BTreeSet<PathBuf> = recordings.map(|member| member.dir.clone()).collect();
+    let home = recorded.first().filter(|_| recorded.len() == 1);
     let mut folders: BTreeMap<PathBuf, Vec<Member>> = BTreeMap::new();
     for member in members {
-        folders.entry(member.dir.clone()).or_default().push(member);
+        let home = home.filter(|home| member.dir.starts_with(home));
+        folders
+            .entry(home.unwrap_or(&member.dir).clone())
+            .or_default()
+            .push(member);
     }
     folders.into_values().collect()
 }

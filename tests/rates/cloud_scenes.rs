@@ -296,7 +296,7 @@ pub const SEEN: &[Seen] = &[
     },
     Seen {
         name: "float32 UTM",
-        names: (&["float32"], &["loses what PREC01 says"]),
+        names: (&["float32"], &["calculates in float32 loses digits"]),
         cloud: |lidar, _| lidar.offset = [448_262.0, 5_411_932.0, 120.0],
         asked: &[SINGLE],
         ..WRONG

@@ -132,8 +132,13 @@ impl Seen {
             .transform("base_footprint", "base_link", &Isometry3::identity())
             .transform("base_link", mounted, &(self.told)(mount * driver))
             .odometry("/odom", &drive.odometry)
-            .fixes("/fix", "gps", &drive.fixes, FIX_LATENCY_S)
             .topic(topic);
+        // Under a roof no satellite is seen.
+        let recording = if self.hints_alone {
+            recording
+        } else {
+            recording.fixes("/fix", "gps", &drive.fixes, FIX_LATENCY_S)
+        };
         let recording = if self.has_imu {
             let imu = recording.transform("base_link", "imu_link", &drive.base_from_imu);
             imu.imu("/imu", "imu_link", &drive.imu)

@@ -219,7 +219,7 @@ const WHOLE: &str = "\
 extends: [ci]
 fail-on: note
 rules: {select: [tree, CROSS02], ignore: NAME01, severity: {NAME02: error, TREE: off}}
-limits: {CROSS02: {small_deg: 0.8 deg}}
+limits: {CROSS02: {exact_deg: 0.02 deg}}
 paths: [{file: sim/**, ignore: [urdf], severity: {TREE01: note}}]
 waivers: [{rule: CROSS02, subject: '*lidar*', file: a.yaml, reason: remounted, until: '2027-01-31', by: J. Doe}]
 require: [TREE01, {rule: AXES03, subject: '*imu*'}]
@@ -283,7 +283,7 @@ fn the_schema_and_the_reader_take_and_refuse_the_same() {
     .to_vec();
     for key in [
         "select",
-        "small_deg: 0.8 deg",
+        "exact_deg: 0.02 deg",
         "file",
         "ignore: [urdf]",
         "reason",

@@ -26,6 +26,8 @@ pub(crate) struct Diagnosis {
     pub(crate) causes: Vec<&'static Cause>,
     /// The measurement that shows them best.
     pub(crate) shown_by: Option<Aspect>,
+    /// Whether the base goes backwards all the way, which a healthy one may do.
+    pub(crate) goes_backward: bool,
     /// What the sensor's numbers were expressed in.
     pub(crate) expressed_in: ExpressedIn,
     /// The driver, where names tell it.
@@ -71,6 +73,7 @@ impl Diagnosis {
         Self {
             causes,
             shown_by,
+            goes_backward: false,
             expressed_in,
             driver,
         }

@@ -58,6 +58,14 @@ pub(crate) fn gain(imu: &Imu, track: &Track, limits: &Limits) -> Option<f64> {
     Some(slopes.find(|slope| limits.tells(slope))?.gain)
 }
 
+/// Whether the course of a track turns, and not as the gyro does: the vehicle does not go where it looks.
+pub(crate) fn is_uncoupled(integrals: &Integrals, track: &Track, limits: &Limits) -> bool {
+    let slope = Rates::of(integrals, &track.courses(limits.speed_m_s)).turning;
+    slope.excitation >= limits.min_rate
+        && slope.seconds() >= limits.min_s
+        && slope.correlation.abs() < limits.min_correlation
+}
+
 /// How the gyro turns against the first track that tells.
 pub(crate) fn look(integrals: &Integrals, tracks: &[Arc<Track>], limits: &Limits) -> Look<Turned> {
     needed(tracks)?;

@@ -28,6 +28,8 @@ pub(crate) struct Votes {
     pub(crate) widest_m: f64,
     /// Of each window the part of the satellites' spread that the better fit leaves: 0 fits, 1 says nothing.
     remains: Vec<f64>,
+    /// The same of the windows that voted.
+    voted_remains: Vec<f64>,
     /// When the windows that voted began and ended, seconds after the recording's start.
     voted_s: Vec<(f64, f64)>,
 }
@@ -138,6 +140,11 @@ impl Votes {
         (turned + mirrored > 0 && 2.0 * self.agreement() - 1.0 >= limits.min_agreement).then_some(mirrored > turned)
     }
 
+    /// The part of the satellites' spread that the better fit leaves in windows that voted, the median, where a mirror image would leave less.
+    pub(crate) fn loosely(&self, limits: &Limits) -> Option<f64> {
+        median(&self.voted_remains).filter(|remains| *remains > limits.mirror_leaves)
+    }
+
     /// The least part of the satellites' spread that any window leaves, where there are enough and none can be explained.
     pub(crate) fn unexplained(&self, limits: &Limits) -> Option<f64> {
         let least = self.remains.iter().copied().fold(f64::INFINITY, f64::min);
@@ -168,8 +175,8 @@ impl Votes {
         self.windows += 1;
         let (turned, mirrored) = (fits.proper.rms_m, fits.improper.rms_m);
         let (best, other) = (turned.min(mirrored), turned.max(mirrored));
-        self.remains
-            .push(best / by_satellites.major_sd_m.hypot(by_satellites.minor_sd_m));
+        let remains = best / by_satellites.major_sd_m.hypot(by_satellites.minor_sd_m);
+        self.remains.push(remains);
         if best <= limits.max_residual * way_m && other >= limits.min_ratio * best {
             let [for_turned, for_mirrored] = &mut self.says;
             *(if turned < mirrored { for_turned } else { for_mirrored }) += 1;
@@ -177,6 +184,7 @@ impl Votes {
             of_turned.push(turned);
             of_mirrored.push(mirrored);
             self.voted_s.push((*first, *last));
+            self.voted_remains.push(remains);
         }
         true
     }
@@ -196,5 +204,6 @@ pub(crate) struct Limits {
     pub(crate) min_agreement: f64,
     pub(crate) drift_deg_s: f64,
     pub(crate) unexplained: f64,
+    pub(crate) mirror_leaves: f64,
     pub(crate) unexplained_windows: usize,
 }

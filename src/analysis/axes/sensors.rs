@@ -123,6 +123,21 @@ fn sensors(
             let still = crate::analysis::quat::turned::still(imu, &turn);
             sensor.turn = still.map_or(sensor.turn, Ok);
         }
+        // A yaw that is the integral of its gyro turns against no course that the gyro has nothing to do with.
+        if let Ok(seen) = &sensor.heading
+            && seen.class() == causes::Heading::Against
+            && sensor.sense.is_err()
+            && sensor
+                .turn
+                .as_ref()
+                .is_ok_and(|turned| turned.class == causes::Turn::Agree)
+        {
+            let mut own = tracks.asked.iter().filter(|track| track.subject == seen.track);
+            if own.any(|track| crate::analysis::axes::gyro_vs_track::is_uncoupled(&integrals, track, &sense)) {
+                let why = "the course turns otherwise than the gyro, whose integral the yaw is: it does not go where it looks";
+                sensor.heading = Err((NotEvaluated::TooLittleEvidence, why.to_owned()));
+            }
+        }
         let decided = sensor.heading.as_ref().ok();
         sensor.offset = decided.and_then(|decided| decided.known_offset(imu, &heading));
         let mount = imu.mount.as_ref().map(|mount| &mount.base);
@@ -133,6 +148,7 @@ fn sensors(
         sensor.unseen = diagnosis::unseen(seen);
         if let Some(on) = on.filter(|on| on.is_turned() || on.is_backward()) {
             sensor.diagnosis.leave_mounting_to_body();
+            sensor.diagnosis.goes_backward = on.is_backward();
             sensor.base_yaw_rad = on.yaw_minus_course_rad();
         }
         sensor.offset = sensor.offset.filter(|_| sensor.base_yaw_rad.is_none());

@@ -1,10 +1,12 @@
 //! The frames of the platform that a calibration means with names of its own.
 
+use std::collections::BTreeSet;
+
 use nalgebra::Isometry3;
 
 use crate::analysis::names::{self, has_word, has_word_of};
 use crate::math::relation::{Classification, Tolerance, classify};
-use crate::world::{FrameId, graph::FrameGraph};
+use crate::world::{FrameId, World, graph::FrameGraph};
 
 use super::exact;
 
@@ -20,20 +22,26 @@ pub(crate) struct Candidate<'g> {
     pub(crate) found: Classification,
 }
 
+/// A transform that a calibration states between frames with names of its own: `target_from_source`.
+#[derive(Clone, Copy)]
+pub(crate) struct Stated<'c> {
+    pub(crate) target: &'c FrameId,
+    pub(crate) source: &'c FrameId,
+    pub(crate) pose: Isometry3<f64>,
+}
+
 impl<'g> Candidate<'g> {
     /// The pairs whose names are of the right kinds. Where none of them has the transform to the last digits, as it is or with a
     /// convention error, and others have, those.
-    pub(crate) fn all(
-        graph: &'g FrameGraph,
-        (target, source): (&FrameId, &FrameId),
-        stated: &Isometry3<f64>,
-        exact: &exact::Limits,
-    ) -> Vec<Self> {
-        let by_names = by_names(graph, target, source, stated);
+    pub(crate) fn all(world: &'g World, stated: &Stated, of_file: &[Stated], exact: &exact::Limits) -> Vec<Self> {
+        let by_names = by_names(world, stated);
         if by_names.iter().any(|candidate| candidate.is_met(exact)) {
             return by_names;
         }
-        let by_numbers = by_numbers(graph, target, source, stated, exact);
+        let mut by_numbers = by_numbers(world, stated, exact);
+        if by_numbers.is_empty() {
+            by_numbers = by_company(world.graph(), stated, of_file, exact);
+        }
         if by_numbers.is_empty() { by_names } else { by_numbers }
     }
 
@@ -62,67 +70,158 @@ impl<'g> Candidate<'g> {
 }
 
 /// Every pair of the platform's frames of these kinds with a rigid transform between them.
-fn by_names<'g>(
-    graph: &'g FrameGraph,
-    target: &FrameId,
-    source: &FrameId,
-    stated: &Isometry3<f64>,
-) -> Vec<Candidate<'g>> {
-    let (targets, sources) = (meant(graph, target), meant(graph, source));
+fn by_names<'g>(world: &'g World, stated: &Stated) -> Vec<Candidate<'g>> {
+    let (targets, sources) = (meant(world, stated.target), meant(world, stated.source));
     let pairs = targets.iter().flat_map(|a| sources.iter().map(|b| (*a, *b)));
     let found = pairs.filter(|(a, b)| a != b).filter_map(|(a, b)| {
-        let (pose, _) = graph.chain(a, b, |edge| edge.is_rigid)?;
-        Some(Candidate::new(a, b, pose, stated))
+        let (pose, _) = world.graph().chain(a, b, |edge| edge.is_rigid)?;
+        Some(Candidate::new(a, b, pose, &stated.pose))
     });
     found.collect()
 }
 
 /// Pairs of which one frame is of the right kind, and the other is called anything, whose transform is met to the last digits and not by
-/// chance. One frame has to be of its kind: of two strangers nothing tells the direction.
-fn by_numbers<'g>(
-    graph: &'g FrameGraph,
-    target: &FrameId,
-    source: &FrameId,
-    stated: &Isometry3<f64>,
-    exact: &exact::Limits,
-) -> Vec<Candidate<'g>> {
-    let length_m = stated.translation.vector.norm();
+/// chance.
+fn by_numbers<'g>(world: &'g World, stated: &Stated, exact: &exact::Limits) -> Vec<Candidate<'g>> {
+    let graph = world.graph();
     let mut found: Vec<Candidate<'g>> = Vec::new();
     let mut look = |target: &'g FrameId, source: &'g FrameId| {
         let Some((pose, _)) = graph.chain(target, source, |edge| edge.is_rigid) else {
             return;
         };
-        // What every convention error leaves as it is, comes first: it is cheap.
-        let is_near = (pose.translation.vector.norm() - length_m).abs() <= exact.exact_m;
-        if target == source || !is_near || !exact.tells_alone(&pose) {
-            return;
-        }
-        // Frames in one place are one candidate.
-        let is_known = found.iter().any(|one| {
-            let apart = one.pose.inv_mul(&pose);
-            apart.rotation.angle().to_degrees() <= exact.exact_deg && apart.translation.vector.norm() <= exact.exact_m
-        });
-        let candidate = Candidate::new(target, source, pose, stated);
-        if !is_known && candidate.is_met(exact) {
-            found.push(candidate);
+        if target != source && exact.tells_alone(&pose) {
+            add(&mut found, (target, source, pose), &stated.pose, exact);
         }
     };
-    for target in meant(graph, target) {
+    for target in meant(world, stated.target) {
         graph.frames.iter().for_each(|source| look(target, source));
     }
-    for source in meant(graph, source) {
+    for source in meant(world, stated.source) {
         graph.frames.iter().for_each(|target| look(target, source));
     }
     found
 }
 
-/// The platform's frames that a program's word for a sensor may mean.
-fn meant<'g>(graph: &'g FrameGraph, role: &FrameId) -> Vec<&'g FrameId> {
+/// Pairs of frames that are called anything. Of one pair of strangers nothing tells the direction; where a file states several transforms
+/// of one frame (`body` of each camera), the platform's frame that all of them share does.
+fn by_company<'g>(
+    graph: &'g FrameGraph,
+    stated: &Stated,
+    of_file: &[Stated],
+    exact: &exact::Limits,
+) -> Vec<Candidate<'g>> {
+    let shares = |other: &&Stated| (other.target == stated.target) != (other.source == stated.source);
+    let company: Vec<&Stated> = of_file.iter().filter(shares).collect();
+    if company.is_empty() {
+        return Vec::new();
+    }
+    let placed = placed(graph);
+    let pairs = |stated: &Stated| {
+        let mut found = Vec::new();
+        for (target, root, at_target) in &placed {
+            for (source, of, at_source) in &placed {
+                let pose = at_target.inv_mul(at_source);
+                if target != source && root == of && exact.is_telling(&pose) {
+                    add(&mut found, (*target, *source, pose), &stated.pose, exact);
+                }
+            }
+        }
+        found
+    };
+    let own = pairs(stated);
+    if own.is_empty() {
+        return own;
+    }
+    let company: Vec<(bool, Vec<Candidate>)> = company
+        .iter()
+        .map(|other| (other.target == stated.target, pairs(other)))
+        .collect();
+    let is_shared = |candidate: &Candidate| {
+        company.iter().any(|(of_target, others)| {
+            others.iter().any(|other| {
+                let is_same = if *of_target {
+                    candidate.target == other.target && candidate.source != other.source
+                } else {
+                    candidate.source == other.source && candidate.target != other.target
+                };
+                is_same && candidate.found.error() == other.found.error()
+            })
+        })
+    };
+    own.into_iter().filter(is_shared).collect()
+}
+
+/// Every frame with the first frame that it is rigid with, and its pose in that.
+fn placed(graph: &FrameGraph) -> Vec<(&FrameId, &FrameId, Isometry3<f64>)> {
+    let mut placed: Vec<(&FrameId, &FrameId, Isometry3<f64>)> = Vec::new();
+    let mut roots: Vec<&FrameId> = Vec::new();
+    for frame in &graph.frames {
+        let mut of = roots
+            .iter()
+            .filter_map(|root| Some((*root, graph.chain(root, frame, |edge| edge.is_rigid)?.0)));
+        let (root, pose) = of.next().unwrap_or((frame, Isometry3::identity()));
+        if root == frame {
+            roots.push(frame);
+        }
+        placed.push((frame, root, pose));
+    }
+    placed
+}
+
+/// Adds a pair whose transform is met to the last digits. Frames in one place are one candidate.
+fn add<'g>(
+    found: &mut Vec<Candidate<'g>>,
+    (target, source, pose): (&'g FrameId, &'g FrameId, Isometry3<f64>),
+    stated: &Isometry3<f64>,
+    exact: &exact::Limits,
+) {
+    // What every convention error leaves as it is, comes first: it is cheap.
+    if (pose.translation.vector.norm() - stated.translation.vector.norm()).abs() > exact.exact_m {
+        return;
+    }
+    let is_known = found.iter().any(|one| {
+        let apart = one.pose.inv_mul(&pose);
+        apart.rotation.angle().to_degrees() <= exact.exact_deg && apart.translation.vector.norm() <= exact.exact_m
+    });
+    let candidate = Candidate::new(target, source, pose, stated);
+    if !is_known && candidate.is_met(exact) {
+        found.push(candidate);
+    }
+}
+
+/// The platform's frames that a program's word for a sensor may mean: by their names, else by what is published in them.
+fn meant<'g>(world: &'g World, role: &FrameId) -> Vec<&'g FrameId> {
+    let graph = world.graph();
+    let named = named(graph, role);
+    if !named.is_empty() {
+        return named;
+    }
+    let types: &[&str] = if has_word(role, names::CAMERAS) {
+        &["CameraInfo", "Image", "CompressedImage"]
+    } else if has_word_of(role, LIDAR_WORDS) {
+        &["PointCloud2", "PointCloud", "LaserScan"]
+    } else if has_word(role, &["imu", "body"]) {
+        &["Imu"]
+    } else {
+        &[]
+    };
+    let is_of_type = |name: &str| types.iter().any(|known| name.rsplit('/').next() == Some(known));
+    let topics = world.bags.iter().flat_map(|bag| bag.topics.values());
+    let topics = topics.filter(|topic| is_of_type(&topic.message_type));
+    let frames = topics.flat_map(|topic| topic.header_frames.keys());
+    let known: BTreeSet<&FrameId> = frames
+        .filter_map(|frame| graph.frames.get(&frame.canonical()))
+        .collect();
+    known.into_iter().collect()
+}
+
+const LIDAR_WORDS: &[&[&str]] = &[names::LIDARS, names::LIDAR_MAKERS, &["velo", "os", "pandar"]];
+
+fn named<'g>(graph: &'g FrameGraph, role: &FrameId) -> Vec<&'g FrameId> {
     if let Some(own) = graph.frames.get(&role.canonical()) {
         return vec![own];
     }
     let of = |test: &dyn Fn(&FrameId) -> bool| graph.frames.iter().filter(|frame| test(frame)).collect::<Vec<_>>();
-    let lidars: &[&[&str]] = &[names::LIDARS, names::LIDAR_MAKERS, &["velo", "os", "pandar"]];
     if has_word(role, names::CAMERAS) {
         let all = of(&|frame| has_word(frame, names::CAMERAS) || names::optical_stem(frame).is_some());
         // Programs that look through cameras mean the axes of images.
@@ -139,8 +238,8 @@ fn meant<'g>(graph: &'g FrameGraph, role: &FrameId) -> Vec<&'g FrameId> {
             .collect();
         return if numbered.is_empty() { cameras } else { numbered };
     }
-    if has_word_of(role, lidars) {
-        return of(&|frame| has_word_of(frame, lidars));
+    if has_word_of(role, LIDAR_WORDS) {
+        return of(&|frame| has_word_of(frame, LIDAR_WORDS));
     }
     if has_word(role, &["imu", "body"]) {
         return of(&|frame| has_word(frame, names::IMUS));

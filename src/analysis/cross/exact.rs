@@ -11,8 +11,6 @@ use crate::math::relation::{Classification, Relation};
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
-    pub(crate) small_deg: f64,
-    pub(crate) small_m: f64,
     pub(crate) alternatives_turn_deg: f64,
     pub(crate) mount_m: f64,
     pub(crate) exact_deg: f64,

@@ -64,8 +64,10 @@ impl Imu {
 
 /// The stream in the convention of ROS.
 fn in_ros(world: &World, stream: Stream<InertialRow>, mount: Option<&Mount>) -> Stream<InertialRow> {
-    let expressed_in = stream.said(world).without_turn_of(mount);
-    if !expressed_in.is_of_body_alone() {
+    let said = stream.said(world);
+    let is_of_body_alone = said.is_of_body_alone();
+    let expressed_in = said.without_turn_of(mount);
+    if !is_of_body_alone {
         return stream.converted(expressed_in);
     }
     // Which world goes with a body in FRD is not said: gravity tells it.

@@ -24,7 +24,7 @@ impl Mount {
 }
 
 /// Where a sensor with this frame is mounted: on `base_link` or `base_footprint` of its tree, else on a frame called like
-/// a base. `None` where no rigid chain leads there.
+/// a base, else on one that odometry moves. `None` where no rigid chain leads there.
 pub(crate) fn mount(world: &World, sensor: &FrameId) -> Option<Mount> {
     let is_standard = |frame: &FrameId| names::standard(frame).is_some_and(|(_, kind)| kind == Standard::Base);
     let graph = world.graph();
@@ -40,7 +40,13 @@ pub(crate) fn mount(world: &World, sensor: &FrameId) -> Option<Mount> {
         .frames
         .iter()
         .filter(|frame| !is_standard(frame) && names::is_base(frame) && !names::is_device(frame));
-    standard.chain(named).find_map(|base| {
+    let topics = world.bags.iter().flat_map(|bag| bag.topics.values());
+    let odometry = topics.filter(|topic| topic.message_type.ends_with("/Odometry"));
+    let moved = odometry.flat_map(|topic| topic.child_frames.keys());
+    let moved = moved
+        .filter(|frame| !names::is_device(frame))
+        .filter_map(|frame| graph.frames.get(&frame.canonical()));
+    standard.chain(named).chain(moved).find_map(|base| {
         let (base_from_sensor, _) = graph.chain(base, sensor, |edge| edge.is_rigid)?;
         Some(Mount {
             base: base.clone(),

@@ -67,7 +67,7 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Turned> {
         ));
     }
     let is_unexplained = || slow.as_ref().is_some_and(|slow| fast.is_unexplained(slow, limits));
-    if fast.is_unrelated(limits) || is_unexplained() {
+    if fast.is_unrelated(slow.as_ref(), limits) || is_unexplained() {
         return Ok(fast.found(Turn::Unrelated, None, limits));
     }
     little(fast.unclear(limits))

@@ -228,17 +228,31 @@ impl<'a> Ways<'a> {
     }
 
     /// Whether the orientation turns, and not as the gyro does under any reading.
-    pub(crate) fn is_unrelated(&self, limits: &Limits) -> bool {
+    pub(crate) fn is_unrelated(&self, slow: Option<&Self>, limits: &Limits) -> bool {
         let follows = self.turns.scores.iter().map(explained);
         let own = self.as_published;
-        // A gyro in degrees has a bias as large as a turn, and nothing turns; but no noise of an orientation turns so far.
-        let turned_deg = (own.turn_power / self.turns.active.max(1) as f64).sqrt().to_degrees();
-        let turns = own.turn_power >= limits.standing * own.gyro_power || turned_deg >= limits.turning_deg;
+        let turned_deg = self.of_window(own.turn_power).sqrt().to_degrees();
+        // A gyro in degrees has a bias as large as a turn, and nothing turns; the noise of an orientation is no turn either, and is as large
+        // in a long window as in a short one. But no noise turns so far.
+        let grows = |of: fn(&Self) -> f64| slow.is_some_and(|slow| of(slow) >= limits.grows * of(self));
+        let moves = own.turn_power >= limits.standing * own.gyro_power
+            || turned_deg >= limits.moving_deg && grows(|ways| ways.of_window(ways.as_published.turn_power));
+        let turns = turned_deg >= limits.turning_deg || moves && grows(Self::remains_of_window);
         own.residual > limits.unrelated
             && self.best() > limits.unrelated
             && self.rotation_deg() >= limits.unrelated_deg
             && follows.fold(0.0, f64::max) <= limits.unrelated_correlation
             && turns
+    }
+
+    /// The part of a sum of squares that falls to one window.
+    fn of_window(&self, power: f64) -> f64 {
+        power / self.turns.active.max(1) as f64
+    }
+
+    /// The square of what the orientation as published leaves of the gyro's turn in one window.
+    fn remains_of_window(&self) -> f64 {
+        self.of_window(self.as_published.residual.powi(2) * self.as_published.gyro_power)
     }
 
     /// Whether the orientation, noise and all, hardly turns where the gyro does.
@@ -259,14 +273,10 @@ impl<'a> Ways<'a> {
             let follows = ways.turns.scores.iter().map(explained).fold(0.0, f64::max);
             least > limits.unrelated && follows <= limits.unexplained_correlation
         };
-        let of_window = |ways: &Self| {
-            let own = ways.as_published;
-            own.residual.powi(2) * own.gyro_power / ways.turns.active.max(1) as f64
-        };
         let both = [self, slow];
         both.into_iter().all(turns)
             && both.into_iter().all(remains)
-            && of_window(slow) >= limits.grows * of_window(self)
+            && slow.remains_of_window() >= limits.grows * self.remains_of_window()
     }
 
     /// For an orientation that follows its gyro on the whole, the axis about which it does not, if there is one; an error where
@@ -382,6 +392,7 @@ pub(crate) struct Limits {
     pub(crate) grows: f64,
     pub(crate) standing: f64,
     pub(crate) turning_deg: f64,
+    pub(crate) moving_deg: f64,
     pub(crate) noise: f64,
     pub(crate) axis_deg_s: f64,
     pub(crate) axis_step_s: f64,

@@ -95,7 +95,8 @@ fn judge_votes(
         // What is tracked may be another body.
         let is_of_platform = poses.is_way() && poses.child.as_ref().is_some_and(names::is_base);
         if let Some(least) = votes.unexplained(limits).filter(|_| is_of_platform) {
-            return out.fail(better(unexplained(subject, poses, fixes, votes, least, limits)));
+            let finding = unexplained(subject, poses, fixes, votes, (least, limits.unexplained));
+            return out.fail(better(finding));
         }
         let why = format!(
             "of {} windows {turned} say turned and {mirrored} mirrored: the tracks differ by more than that",
@@ -111,6 +112,10 @@ fn judge_votes(
     ];
     if !is_mirrored {
         return out.pass(subject, measured);
+    }
+    if let Some(least) = votes.loosely(limits) {
+        let finding = unexplained(subject, poses, fixes, votes, (least, limits.mirror_leaves));
+        return out.fail(better(finding.measured(measured)));
     }
     let (from, to) = votes.span_s();
     let message = format!(
@@ -135,16 +140,15 @@ fn unexplained(
     poses: &Stream<PoseRow>,
     fixes: &Stream<FixRow>,
     votes: &Votes,
-    least: f64,
-    limits: &Limits,
+    (part, limit): (f64, f64),
 ) -> Finding {
     let message = format!(
-        "the tracks on {} and {} contradict each other: in each of {} windows the better of the two fits, turned and mirrored, leaves at least \
-         {:.0} % of the satellites' spread, with the scale and an even drift of the heading free",
+        "the tracks on {} and {} contradict each other: in {} windows the better of the two fits, turned and mirrored, leaves {:.0} % of the \
+         satellites' spread, with the scale and an even drift of the heading free",
         poses.topic,
         fixes.topic,
         votes.windows,
-        100.0 * least
+        100.0 * part
     );
     let finding = Finding::error(subject, message, poses.place())
         .likely()
@@ -155,8 +159,8 @@ fn unexplained(
         .unless(codes::TIME04)
         .help("compare both with a map of the drive: one of them is not where the platform was, or not when");
     finding.measured(
-        Measured::new("least part that the better fit leaves", least, "1")
-            .limit(limits.unexplained)
+        Measured::new("part that the better fit leaves", part, "1")
+            .limit(limit)
             .samples(votes.windows as u64),
     )
 }

@@ -21,6 +21,7 @@ pub(crate) struct Limits {
     max_mean: f64,
     max_free: f64,
     max_uneven: f64,
+    max_reached: f64,
     min_vertical: f64,
     min_t: f64,
     min_rotation_deg: f64,
@@ -59,7 +60,14 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
         .samples(imu.stream.rows().count() as u64);
     let near = |unit: f64| (force / unit - 1.0).abs() <= limits.gravity_share;
     if near(limits.gravity) {
-        return out.pass(subject, [measured]);
+        return out.pass(subject, measured);
+    }
+    // Lift and curves make what is felt longer, all the way: turned into the world it is gravity again.
+    let world = imu.inertial.gravity.as_ref().and_then(|gravity| gravity.mean(Reading::Xyzw));
+    let world = world.map(|mean| mean.mean_m_s2.norm());
+    if let Some(world) = world.filter(|world| (world / limits.gravity - 1.0).abs() <= limits.gravity_share) {
+        let of_world = Measured::new("length of the mean, turned into the world", world, "m/s2");
+        return out.pass(subject, [measured, of_world.limit(limits.gravity)]);
     }
     // A drive ends as fast as it began: without gravity nothing is left in the mean.
     let is_free = force <= limits.max_free
@@ -84,7 +92,11 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
     } else if is_removed {
         let help = "publish the specific force, gravity included (REP-145): filters take it off themselves";
         ("as where gravity was taken off", help, None)
-    } else if seconds >= limits.min_motion_s && is_steady(imu, force, limits) {
+    } else if force > limits.max_free
+        && seconds >= limits.min_motion_s
+        && is_steady(imu, force, limits)
+        && !reaches_gravity(imu, force, limits)
+    {
         let help = "compare the full scale of the accelerometer (LSB per g) with its data sheet, and the fields with the message's";
         ("steady, and gravity in no unit that is known", help, Some(UNEXPLAINED))
     } else {
@@ -127,6 +139,16 @@ fn is_steady(imu: &Imu, force: f64, limits: &Limits) -> bool {
         mean.is_some_and(|mean| mean.z.abs() >= limits.min_vertical * mean.norm())
     });
     is_even && is_vertical
+}
+
+/// Whether the acceleration is at times as long as gravity, so that it is the motion that makes it longer or shorter.
+fn reaches_gravity(imu: &Imu, force: f64, limits: &Limits) -> bool {
+    let beyond = |timed: &Timed<InertialRow>| {
+        let length = Vector3::from(timed.row.linear_acceleration).norm();
+        (length - limits.gravity) * (force - limits.gravity) <= 0.0
+    };
+    let (count, all) = (imu.stream.rows().filter(|timed| beyond(timed)).count(), imu.stream.rows().count());
+    count as f64 > limits.max_reached * all as f64
 }
 
 fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {

@@ -54,28 +54,27 @@ fn judge_pair(
         return out.not_applicable(subject, why);
     }
     let (angle_deg, distance_m) = (found.angle_rad.to_degrees(), found.distance_m);
-    let small = angle_deg <= limits.small_deg && distance_m <= limits.small_m;
     let rotation =
         Measured::new("rotation difference", angle_deg, "deg").limit(Tolerance::default().angle_rad.to_degrees());
     // Another convention is no error by an angle.
-    let is_explained = !small && found.best.is_some_and(|best| best != Relation::Equal);
+    let is_explained = found.best.is_some_and(|best| best != Relation::Equal);
     let difference = [
         if is_explained { rotation } else { rotation.turn() },
         Measured::new("translation difference", distance_m, "m").limit(Tolerance::default().distance_m),
     ];
-    match (found.best, small) {
-        (_, true) | (Some(Relation::Equal), _) => out.pass(subject, difference),
-        (None, _) => {
+    match found.best {
+        Some(Relation::Equal) => out.pass(subject, difference),
+        None => {
             let why = format!(
                 "they differ by {angle_deg:.2} deg and {distance_m:.3} m, and no convention error explains that"
             );
             out.not_applicable(subject, why);
         }
-        (Some(_), _) if pair.alternatives && !distinctive(pair, limits) => {
+        Some(_) if pair.alternatives && !distinctive(pair, limits) => {
             let why = "the same key in sibling files, and mounts along the axes: two devices look like this as well";
             out.too_little(subject, why);
         }
-        (Some(relation), _) => {
+        Some(relation) => {
             let right = relation.reversed().and_then(|back| back.apply(&pair.other.pose));
             let (target, source) = (
                 pair.reference.target.to_string(),

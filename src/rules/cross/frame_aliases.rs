@@ -2,7 +2,7 @@
 
 use nalgebra::Isometry3;
 
-use crate::analysis::cross::aliases::Candidate;
+use crate::analysis::cross::aliases::{Candidate, Stated};
 use crate::analysis::cross::exact;
 use crate::math::relation::Relation;
 use crate::rules::prelude::*;
@@ -30,7 +30,7 @@ impl Rule for FrameAliases {
         let graph = world.graph();
         let aliases = &world.conventions.aliases;
         let exact = world.limits::<exact::Limits>();
-        let mut suspected: Vec<Suspicion> = Vec::new();
+        let mut asked: Vec<Asked> = Vec::new();
         for claim in &world.claims {
             let confirmed = claim.frames.iter().flat_map(|(target, source)| [target, source]);
             let confirmed = confirmed
@@ -54,9 +54,16 @@ impl Rule for FrameAliases {
             if !is_whole || is_known(target) && is_known(source) {
                 continue;
             }
-            let names = (target, source);
-            let limits = (limits, &*exact);
-            suspected.extend(judge_claim(world, claim, (dialect, *roles), names, &pose.isometry(), limits, out));
+            let pose = pose.isometry();
+            let stated = Stated { target, source, pose };
+            asked.push(Asked { claim, dialect, roles: *roles, stated });
+        }
+        let mut suspected: Vec<Suspicion> = Vec::new();
+        for one in &asked {
+            let of_file = asked.iter().filter(|other| other.claim.place.source == one.claim.place.source);
+            let of_file: Vec<Stated> = of_file.map(|other| other.stated).collect();
+            let candidates = Candidate::all(world, &one.stated, &of_file, &exact);
+            suspected.extend(judge_claim(world, one, &candidates, (limits, &exact), out));
         }
         let kinds: Vec<_> = suspected.iter().map(Suspicion::kind).collect();
         for mut suspicion in suspected {
@@ -68,6 +75,15 @@ impl Rule for FrameAliases {
             out.fail(suspicion.finding);
         }
     }
+}
+
+/// A transform that a file states between names of its own.
+struct Asked<'w> {
+    claim: &'w Claim,
+    dialect: &'w str,
+    /// Whether the names are a program's words for its sensors.
+    roles: bool,
+    stated: Stated<'w>,
 }
 
 /// A transform that may be another one with a convention error.
@@ -87,16 +103,19 @@ impl Suspicion {
 
 fn judge_claim(
     world: &World,
-    claim: &Claim,
-    (dialect, roles): (&str, bool),
-    (target, source): (&FrameId, &FrameId),
-    pose: &Isometry3<f64>,
+    &Asked {
+        claim,
+        dialect,
+        roles,
+        stated,
+    }: &Asked,
+    candidates: &[Candidate],
     (limits, exact): (&Limits, &exact::Limits),
     out: &mut Judge,
 ) -> Option<Suspicion> {
+    let (target, source) = (stated.target, stated.source);
     let path = world.path(claim.place.source);
     let subject = format!("`{target}` and `{source}` of `{}` of {path}", claim.label);
-    let candidates = Candidate::all(world.graph(), (target, source), pose, exact);
     if candidates.is_empty() {
         out.missing(subject, "no frames of the platform have names of these kinds and a rigid transform between them");
         return None;
@@ -122,7 +141,7 @@ fn judge_claim(
             Measured::new("translation difference", candidate.off_m, "m").limit(limits.equal_m),
         ]
     };
-    match (equal.as_slice(), candidates.as_slice()) {
+    match (equal.as_slice(), candidates) {
         ([one], _) if !roles && !is_plain(&one.pose) => out.pass(subject, measured(one)),
         ([one], _) if !is_plain(&one.pose) => {
             let names = (target, source);
@@ -134,11 +153,11 @@ fn judge_claim(
             let related: Vec<_> = related.filter(|candidate| candidate.found.error().is_some()).collect();
             let fits = |candidate: &&&Candidate| exact.fits(&candidate.pose, &candidate.found);
             let exact: Vec<_> = related.iter().filter(fits).collect();
-            let (is_exact, candidate) = match (exact.as_slice(), related.as_slice(), candidates.as_slice()) {
+            let (is_exact, candidate) = match (exact.as_slice(), related.as_slice(), candidates) {
                 ([one], ..) => (true, *one),
                 (_, [one], [_]) if roles => (false, one),
                 _ => {
-                    out.too_little(subject, match candidates.as_slice() {
+                    out.too_little(subject, match candidates {
                         [only] => {
                             format!(
                                 "`{}` from `{}` differs by {:.2} deg and {:.3} m, and no convention error explains that: other frames may \
@@ -162,6 +181,9 @@ fn judge_claim(
                 is_exact,
                 finding: finding.measured(measured(candidate)),
             });
+        }
+        ([_], _) => {
+            out.too_little(subject, "it is an identity, about: all who did not calibrate share that");
         }
         _ => {
             out.too_little(subject, "several frames of the platform fit alike");

@@ -50,12 +50,8 @@ fn judge_fixes(world: &World, bag: &BagEvidence, subject: &str, fixes: &FixEvide
             continue;
         };
         sound = false;
-        let share = *count as f64 / with_fix as f64;
-        let severity = if share > limits.error_share {
-            Severity::Error
-        } else {
-            Severity::Warning
-        };
+        let is_error = *count as f64 > limits.error_share * with_fix as f64;
+        let severity = if is_error { Severity::Error } else { Severity::Warning };
         let meant = meant(first, limits);
         let perhaps = meant.map_or_else(String::new, |Reading { words, meant, .. }| {
             format!(": perhaps {words}, and {:.5}, {:.5} is meant", meant.0, meant.1)

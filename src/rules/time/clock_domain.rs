@@ -51,7 +51,9 @@ fn judge_bag(bag: &BagEvidence, limits: &Limits, out: &mut Judge) {
         } else {
             earliest + limits.same_start_s
         };
-        let rest = since_start.split_off(since_start.partition_point(|(offset, _)| *offset <= same));
+        // At least the earliest one, whatever the limit: without it this would not end.
+        let together = since_start.partition_point(|(offset, _)| *offset <= same).max(1);
+        let rest = since_start.split_off(together);
         let group = std::mem::replace(&mut since_start, rest);
         let mut findings: Vec<Finding> = group.into_iter().map(|(_, finding)| finding).collect();
         findings.sort_by(|a, b| a.subject.cmp(&b.subject));

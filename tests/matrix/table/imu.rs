@@ -195,7 +195,7 @@ pub static ERRORS: &[Error] = &[
         "gravity removed",
         Change::Imu(Needs::Gravity, gravity_removed),
         [],
-        ["where gravity was taken off"],
+        ["where gravity was taken off", "gravity in no unit that is known"],
         ["AXES02 acceleration"]
     ),
     error!(
@@ -212,7 +212,11 @@ pub static ERRORS: &[Error] = &[
             frd_from_flu() * ned_from_enu() * rotation(row.orientation) * frd_from_flu() * ned_from_enu()
         )),
         ["z90", "z-90", "euler-zxy-yaw-pitch-roll"],
-        ["stands on the", "a sensor mounted backwards"],
+        [
+            "stands on the",
+            "a sensor mounted backwards",
+            "follows its gyro about one axis"
+        ],
         ["AXES04"]
     ),
     error!(

@@ -183,7 +183,7 @@ pub static ERRORS: &[Error] = &[
             ..RIGHT
         },
         ["float32"],
-        ["loses what PREC01 says"],
+        ["calculates in float32 loses digits"],
         ["PREC01"]
     ),
 ];
