@@ -25,7 +25,7 @@ pub struct Options {
     pub ignore: Vec<String>,
     /// Arguments handed to xacro (`name:=value`).
     pub xacro_args: Vec<String>,
-    /// The configuration that [`check`] uses; the nearest above the inputs where `None`.
+    /// The configuration that [`check`](super::check) uses; the nearest above the inputs where `None`.
     pub config: Option<PathBuf>,
     /// Whether no configuration is looked for.
     pub without_config: bool,

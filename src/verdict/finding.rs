@@ -117,7 +117,7 @@ pub struct Finding {
     /// Rules that would say it better where they find the same: by the subject, topic or part of a file, or by what is named.
     #[serde(skip)]
     pub unless: Vec<Unless>,
-    /// Findings that may explain it; see [`deference::match_up`].
+    /// Findings that may explain it; see [`match_up`](super::deference::match_up).
     #[serde(skip)]
     pub explainers: Vec<Explainer>,
     /// The finding that says it in its place.
