@@ -111,27 +111,26 @@ impl Front {
 
     /// Reads the front matter without limits and references, which stand last: a run needs those of few rules.
     ///
-    /// These lines are plain `key: value` pairs and are taken as they stand, because fifty YAML documents cost as much
-    /// as reading a robot; a test holds the answer to that of [`Front::parse`].
+    /// These lines are plain `key: value` pairs in this order and are taken as they stand, because fifty YAML documents cost as
+    /// much as reading a robot; a test holds the answer to that of [`Front::parse`].
     pub fn parse_head(page: &str) -> Result<Self, PageError> {
         let (front, _) = split(page)?;
-        let line = |key: &str| {
-            let mut lines = front.lines().take_while(|line| !line.starts_with("limits:"));
-            lines
-                .find_map(|line| line.strip_prefix(key)?.strip_prefix(": "))
-                .ok_or_else(|| PageError(format!("front matter: no line `{key}`")))
+        let mut lines = front.lines().take_while(|line| !line.starts_with("limits:"));
+        let mut line = |key: &str| {
+            let value = lines.find_map(|line| line.strip_prefix(key)?.strip_prefix(": "));
+            let value = value.map(|value| value.trim().trim_matches('"'));
+            value.ok_or_else(|| PageError(format!("front matter: no line `{key}` in its place")))
         };
-        let text = |key: &str| line(key).map(|value| value.trim().trim_matches('"').to_owned());
         Ok(Self {
-            code: text("code")?,
-            name: text("name")?,
-            summary: text("summary")?,
-            since: text("since")?,
+            code: line("code")?.to_owned(),
+            name: line("name")?.to_owned(),
+            summary: line("summary")?.to_owned(),
+            since: line("since")?.to_owned(),
             status: word(line("status")?)?,
             severity: word(line("severity")?)?,
             confidence: word(line("confidence")?)?,
-            subject: text("subject")?,
-            view: text("view")?,
+            subject: line("subject")?.to_owned(),
+            view: line("view")?.to_owned(),
             evidence: Vec::new(),
             limits: BTreeMap::new(),
             references: Vec::new(),

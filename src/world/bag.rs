@@ -158,6 +158,11 @@ impl Said<'_> {
 }
 
 impl TopicEvidence {
+    /// The name of its type, without the package.
+    pub fn type_name(&self) -> &str {
+        self.message_type.rsplit(['/', '.']).next().unwrap_or_default()
+    }
+
     /// The lower-case words of everything that is named around it: topic, type, frames and writers.
     pub fn words(&self) -> Vec<String> {
         let names = [self.topic.as_str(), self.message_type.as_str()].into_iter();

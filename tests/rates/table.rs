@@ -204,6 +204,7 @@ impl Table {
         let first = seeds.start;
         let answered = |(drives, seed): &(usize, u64)| -> Answered {
             let Drives { kind, cells } = &self.drives[*drives];
+            let drive: Vec<String> = words(*kind).split_whitespace().map(str::to_owned).collect();
             let messages = LazyCell::new(|| kind.messages(*seed));
             let mut answered = Answered::default();
             let shared = Shared::default();
@@ -217,17 +218,14 @@ impl Table {
                     fault => (&rules, messages.world(fault), frame_worlds::truth(&messages, fault)),
                 };
                 let verdict = rules.judge(&world);
-                let where_it_is = format!("seed {seed}, {}, {}", words(*kind), cell.fault.words());
+                let of = |said: String| format!("seed {seed}, {}, {}: {said}", drive.join(" "), cell.fault.words());
                 if *seed == first {
-                    let faults = deference::faults(&world).into_iter();
-                    answered
-                        .silent
-                        .extend(faults.map(|said| format!("{where_it_is}: {said}")));
+                    answered.silent.extend(deference::faults(&world).into_iter().map(of));
                 }
                 if cell.fault == Fault::Healthy {
                     answered.healthy += 1;
                     let found = verdict.findings.iter().filter(|finding| is_unexplained(finding));
-                    let found = found.map(|finding| format!("{where_it_is}: {} {}", finding.rule, finding.message));
+                    let found = found.map(|finding| of(format!("{} {}", finding.rule, finding.message)));
                     answered.unexplained.extend(found);
                 }
                 for question in &cell.questions {
@@ -235,10 +233,6 @@ impl Table {
                         answers::of_all(&verdict, truth)
                     } else {
                         answers::of_rule(&verdict, question.rule, question.subject, truth)
-                    };
-                    let of = |said: String| {
-                        let drive: Vec<String> = words(*kind).split_whitespace().map(str::to_owned).collect();
-                        format!("seed {seed}, {}, {}: {said}", drive.join(" "), cell.fault.words())
                     };
                     let answer = match answer {
                         Answer::Right => Answer::Right,

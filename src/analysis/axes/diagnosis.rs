@@ -73,14 +73,15 @@ impl Diagnosis {
         Self {
             causes,
             shown_by,
-            goes_backward: false,
             expressed_in,
             driver,
+            ..Self::default()
         }
     }
 
-    /// Where the base itself is turned, its sensors look wrongly mounted.
-    pub(crate) fn leave_mounting_to_body(&mut self) {
+    /// Where the base itself is turned, or goes backwards, its sensors look wrongly mounted.
+    pub(crate) fn leave_mounting_to_body(&mut self, goes_backward: bool) {
+        self.goes_backward = goes_backward;
         if self.causes.iter().any(|cause| cause.is_of_mounting) {
             self.shown_by = Some(Aspect::Body);
         }

@@ -41,10 +41,12 @@ impl Turned {
 impl Limits {
     /// Whether a slope is one.
     pub(crate) fn tells(&self, slope: &Slope) -> bool {
-        slope.excitation >= self.min_rate
-            && slope.seconds() >= self.min_s
-            && slope.t().abs() >= self.min_t
-            && slope.correlation.abs() >= self.min_correlation
+        self.turns(slope) && slope.t().abs() >= self.min_t && slope.correlation.abs() >= self.min_correlation
+    }
+
+    /// Whether the course turns enough to tell anything.
+    fn turns(&self, slope: &Slope) -> bool {
+        slope.excitation >= self.min_rate && slope.seconds() >= self.min_s
     }
 }
 
@@ -61,9 +63,7 @@ pub(crate) fn gain(imu: &Imu, track: &Track, limits: &Limits) -> Option<f64> {
 /// Whether the course of a track turns, and not as the gyro does: the vehicle does not go where it looks.
 pub(crate) fn is_uncoupled(integrals: &Integrals, track: &Track, limits: &Limits) -> bool {
     let slope = Rates::of(integrals, &track.courses(limits.speed_m_s)).turning;
-    slope.excitation >= limits.min_rate
-        && slope.seconds() >= limits.min_s
-        && slope.correlation.abs() < limits.min_correlation
+    limits.turns(&slope) && slope.correlation.abs() < limits.min_correlation
 }
 
 /// How the gyro turns against the first track that tells.

@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use crate::analysis::axes::bases::{Base, Bases};
 use crate::analysis::axes::causes::{Cause, Seen};
-use crate::analysis::axes::{causes, diagnosis};
+use crate::analysis::axes::{causes, diagnosis, gyro_vs_track};
 use crate::analysis::motion::{BagMotion, Imu, Motion};
 use crate::analysis::{
     Estimates, axes::base_up::Up, axes::diagnosis::Diagnosis, axes::push::Pushed, axes::rates::Integrals,
@@ -24,7 +24,7 @@ pub(crate) struct Sensor {
     pub(crate) world: Look<Above>,
     pub(crate) turn: Look<crate::analysis::quat::ways::Turned>,
     pub(crate) heading: Look<Decided>,
-    pub(crate) sense: Look<crate::analysis::axes::gyro_vs_track::Turned>,
+    pub(crate) sense: Look<gyro_vs_track::Turned>,
     pub(crate) push: Look<Pushed>,
     /// The fault that explains them.
     pub(crate) diagnosis: Diagnosis,
@@ -89,7 +89,7 @@ fn sensors(
         estimates.limits::<crate::analysis::axes::heading::Limits>(),
     );
     let (sense, push) = (
-        estimates.limits::<crate::analysis::axes::gyro_vs_track::Limits>(),
+        estimates.limits::<gyro_vs_track::Limits>(),
         estimates.limits::<crate::analysis::axes::push::Limits>(),
     );
     // In a frame whose z points down, tracks turn the other way; in one that lies on its side, they are no track.
@@ -105,7 +105,7 @@ fn sensors(
             world: crate::analysis::axes::world_up::look(imu, &world),
             turn: crate::analysis::quat::turned::look(imu, &turn),
             heading: crate::analysis::axes::yaw_vs_course::look(imu, &tracks.asked, &heading).map_err(asked),
-            sense: crate::analysis::axes::gyro_vs_track::look(&integrals, &tracks.asked, &sense).map_err(asked),
+            sense: gyro_vs_track::look(&integrals, &tracks.asked, &sense).map_err(asked),
             push: crate::analysis::axes::push::look(imu, &integrals, &tracks.asked, &push).map_err(asked),
             diagnosis: Diagnosis::default(),
             offset: None,
@@ -114,12 +114,7 @@ fn sensors(
             unseen: None,
         };
         // A gyro alone may be in degrees, and show its bias.
-        if sensor.turn.is_err()
-            && sensor
-                .sense
-                .as_ref()
-                .is_ok_and(crate::analysis::axes::gyro_vs_track::Turned::confirms_gyro)
-        {
+        if sensor.turn.is_err() && sensor.sense.as_ref().is_ok_and(gyro_vs_track::Turned::confirms_gyro) {
             let still = crate::analysis::quat::turned::still(imu, &turn);
             sensor.turn = still.map_or(sensor.turn, Ok);
         }
@@ -133,7 +128,7 @@ fn sensors(
                 .is_ok_and(|turned| turned.class == causes::Turn::Agree)
         {
             let mut own = tracks.asked.iter().filter(|track| track.subject == seen.track);
-            if own.any(|track| crate::analysis::axes::gyro_vs_track::is_uncoupled(&integrals, track, &sense)) {
+            if own.any(|track| gyro_vs_track::is_uncoupled(&integrals, track, &sense)) {
                 let why = "the course turns otherwise than the gyro, whose integral the yaw is: it does not go where it looks";
                 sensor.heading = Err((NotEvaluated::TooLittleEvidence, why.to_owned()));
             }
@@ -147,8 +142,7 @@ fn sensors(
         sensor.diagnosis = Diagnosis::of(seen, &imu.stream.expressed_in, imu.driver.clone());
         sensor.unseen = diagnosis::unseen(seen);
         if let Some(on) = on.filter(|on| on.is_turned() || on.is_backward()) {
-            sensor.diagnosis.leave_mounting_to_body();
-            sensor.diagnosis.goes_backward = on.is_backward();
+            sensor.diagnosis.leave_mounting_to_body(on.is_backward());
             sensor.base_yaw_rad = on.yaw_minus_course_rad();
         }
         sensor.offset = sensor.offset.filter(|_| sensor.base_yaw_rad.is_none());

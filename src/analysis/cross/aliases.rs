@@ -1,5 +1,6 @@
 //! The frames of the platform that a calibration means with names of its own.
 
+use std::cell::OnceCell;
 use std::collections::BTreeSet;
 
 use nalgebra::Isometry3;
@@ -31,20 +32,6 @@ pub(crate) struct Stated<'c> {
 }
 
 impl<'g> Candidate<'g> {
-    /// The pairs whose names are of the right kinds. Where none of them has the transform to the last digits, as it is or with a
-    /// convention error, and others have, those.
-    pub(crate) fn all(world: &'g World, stated: &Stated, of_file: &[Stated], exact: &exact::Limits) -> Vec<Self> {
-        let by_names = by_names(world, stated);
-        if by_names.iter().any(|candidate| candidate.is_met(exact)) {
-            return by_names;
-        }
-        let mut by_numbers = by_numbers(world, stated, exact);
-        if by_numbers.is_empty() {
-            by_numbers = by_company(world.graph(), stated, of_file, exact);
-        }
-        if by_numbers.is_empty() { by_names } else { by_numbers }
-    }
-
     fn new(target: &'g FrameId, source: &'g FrameId, pose: Isometry3<f64>, stated: &Isometry3<f64>) -> Self {
         let difference = pose.inv_mul(stated);
         Self {
@@ -69,89 +56,136 @@ impl<'g> Candidate<'g> {
     }
 }
 
-/// Every pair of the platform's frames of these kinds with a rigid transform between them.
-fn by_names<'g>(world: &'g World, stated: &Stated) -> Vec<Candidate<'g>> {
-    let (targets, sources) = (meant(world, stated.target), meant(world, stated.source));
-    let pairs = targets.iter().flat_map(|a| sources.iter().map(|b| (*a, *b)));
-    let found = pairs.filter(|(a, b)| a != b).filter_map(|(a, b)| {
-        let (pose, _) = world.graph().chain(a, b, |edge| edge.is_rigid)?;
-        Some(Candidate::new(a, b, pose, &stated.pose))
-    });
-    found.collect()
+/// Looks for the frames of a platform that transforms of calibrations are meant for.
+pub(crate) struct Search<'g> {
+    world: &'g World,
+    exact: &'g exact::Limits,
+    /// Every frame with the first frame that it is rigid with, and its pose in that.
+    placed: OnceCell<Vec<(&'g FrameId, &'g FrameId, Isometry3<f64>)>>,
 }
 
-/// Pairs of which one frame is of the right kind, and the other is called anything, whose transform is met to the last digits and not by
-/// chance.
-fn by_numbers<'g>(world: &'g World, stated: &Stated, exact: &exact::Limits) -> Vec<Candidate<'g>> {
-    let graph = world.graph();
-    let mut found: Vec<Candidate<'g>> = Vec::new();
-    let mut look = |target: &'g FrameId, source: &'g FrameId| {
-        let Some((pose, _)) = graph.chain(target, source, |edge| edge.is_rigid) else {
-            return;
-        };
-        if target != source && exact.tells_alone(&pose) {
-            add(&mut found, (target, source, pose), &stated.pose, exact);
+impl<'g> Search<'g> {
+    pub(crate) fn new(world: &'g World, exact: &'g exact::Limits) -> Self {
+        let placed = OnceCell::new();
+        Self { world, exact, placed }
+    }
+
+    /// The pairs whose names are of the right kinds. Where none of them has the transform to the last digits, as it is or with a
+    /// convention error, and others have, those. `of_file` is all that the file states.
+    pub(crate) fn candidates(&self, stated: &Stated, of_file: &[Stated]) -> Vec<Candidate<'g>> {
+        let by_names = self.by_names(stated);
+        if by_names.iter().any(|candidate| candidate.is_met(self.exact)) {
+            return by_names;
         }
-    };
-    for target in meant(world, stated.target) {
-        graph.frames.iter().for_each(|source| look(target, source));
+        let mut by_numbers = self.by_numbers(stated);
+        if by_numbers.is_empty() {
+            by_numbers = self.by_shared_frame(stated, of_file);
+        }
+        if by_numbers.is_empty() { by_names } else { by_numbers }
     }
-    for source in meant(world, stated.source) {
-        graph.frames.iter().for_each(|target| look(target, source));
-    }
-    found
-}
 
-/// Pairs of frames that are called anything. Of one pair of strangers nothing tells the direction; where a file states several transforms
-/// of one frame (`body` of each camera), the platform's frame that all of them share does.
-fn by_company<'g>(
-    graph: &'g FrameGraph,
-    stated: &Stated,
-    of_file: &[Stated],
-    exact: &exact::Limits,
-) -> Vec<Candidate<'g>> {
-    let shares = |other: &&Stated| (other.target == stated.target) != (other.source == stated.source);
-    let company: Vec<&Stated> = of_file.iter().filter(shares).collect();
-    if company.is_empty() {
-        return Vec::new();
+    /// Every pair of the platform's frames of these kinds with a rigid transform between them.
+    fn by_names(&self, stated: &Stated) -> Vec<Candidate<'g>> {
+        let (targets, sources) = (meant(self.world, stated.target), meant(self.world, stated.source));
+        let pairs = targets.iter().flat_map(|a| sources.iter().map(|b| (*a, *b)));
+        let found = pairs.filter(|(a, b)| a != b).filter_map(|(a, b)| {
+            let (pose, _) = self.world.graph().chain(a, b, |edge| edge.is_rigid)?;
+            Some(Candidate::new(a, b, pose, &stated.pose))
+        });
+        found.collect()
     }
-    let placed = placed(graph);
-    let pairs = |stated: &Stated| {
+
+    /// Pairs of which one frame is of the right kind, and the other is called anything, whose transform is met to the last digits and not
+    /// by chance.
+    fn by_numbers(&self, stated: &Stated) -> Vec<Candidate<'g>> {
+        let graph = self.world.graph();
+        let mut found: Vec<Candidate<'g>> = Vec::new();
+        let mut look = |target: &'g FrameId, source: &'g FrameId| {
+            if let Some((pose, _)) = graph.chain(target, source, |edge| edge.is_rigid) {
+                self.add(&mut found, (target, source, pose), stated, exact::Limits::tells_alone);
+            }
+        };
+        for target in meant(self.world, stated.target) {
+            graph.frames.iter().for_each(|source| look(target, source));
+        }
+        for source in meant(self.world, stated.source) {
+            graph.frames.iter().for_each(|target| look(target, source));
+        }
+        found
+    }
+
+    /// Pairs of frames that are called anything. Of one pair nothing tells the direction; where a file states several transforms of one
+    /// frame (`body` of each camera), the platform's frame that all of them share does.
+    fn by_shared_frame(&self, stated: &Stated, of_file: &[Stated]) -> Vec<Candidate<'g>> {
+        let shares = |other: &&Stated| (other.target == stated.target) != (other.source == stated.source);
+        let others: Vec<&Stated> = of_file.iter().filter(shares).collect();
+        let mut own = if others.is_empty() {
+            Vec::new()
+        } else {
+            self.telling(stated)
+        };
+        if own.is_empty() {
+            return own;
+        }
+        let others = others
+            .iter()
+            .map(|other| (other.target == stated.target, self.telling(other)));
+        let others: Vec<(bool, Vec<Candidate>)> = others.collect();
+        own.retain(|candidate| {
+            others.iter().any(|(is_target, others)| {
+                others.iter().any(|other| {
+                    let (same_target, same_source) =
+                        (candidate.target == other.target, candidate.source == other.source);
+                    let shares = if *is_target {
+                        same_target && !same_source
+                    } else {
+                        same_source && !same_target
+                    };
+                    shares && candidate.found.error() == other.found.error()
+                })
+            })
+        });
+        own
+    }
+
+    /// The pairs of all frames whose transform is met to the last digits, and tells something.
+    fn telling(&self, stated: &Stated) -> Vec<Candidate<'g>> {
+        let placed = self.placed.get_or_init(|| placed(self.world.graph()));
         let mut found = Vec::new();
-        for (target, root, at_target) in &placed {
-            for (source, of, at_source) in &placed {
-                let pose = at_target.inv_mul(at_source);
-                if target != source && root == of && exact.is_telling(&pose) {
-                    add(&mut found, (*target, *source, pose), &stated.pose, exact);
-                }
+        for (target, root, at_target) in placed {
+            for (source, _, at_source) in placed.iter().filter(|(_, of, _)| of == root) {
+                let pair = (*target, *source, at_target.inv_mul(at_source));
+                self.add(&mut found, pair, stated, exact::Limits::is_telling);
             }
         }
         found
-    };
-    let own = pairs(stated);
-    if own.is_empty() {
-        return own;
     }
-    let company: Vec<(bool, Vec<Candidate>)> = company
-        .iter()
-        .map(|other| (other.target == stated.target, pairs(other)))
-        .collect();
-    let is_shared = |candidate: &Candidate| {
-        company.iter().any(|(of_target, others)| {
-            others.iter().any(|other| {
-                let is_same = if *of_target {
-                    candidate.target == other.target && candidate.source != other.source
-                } else {
-                    candidate.source == other.source && candidate.target != other.target
-                };
-                is_same && candidate.found.error() == other.found.error()
-            })
-        })
-    };
-    own.into_iter().filter(is_shared).collect()
+
+    /// Adds a pair whose transform tells something, and is met to the last digits. Frames in one place are one candidate.
+    fn add(
+        &self,
+        found: &mut Vec<Candidate<'g>>,
+        (target, source, pose): (&'g FrameId, &'g FrameId, Isometry3<f64>),
+        stated: &Stated,
+        tells: fn(&exact::Limits, &Isometry3<f64>) -> bool,
+    ) {
+        let (exact, length) = (self.exact, |pose: &Isometry3<f64>| pose.translation.vector.norm());
+        // What every convention error leaves as it is, comes first: it is cheap.
+        let is_near = (length(&pose) - length(&stated.pose)).abs() <= exact.exact_m;
+        if target == source || !is_near || !tells(exact, &pose) {
+            return;
+        }
+        let is_known = found.iter().any(|one| {
+            let apart = one.pose.inv_mul(&pose);
+            apart.rotation.angle().to_degrees() <= exact.exact_deg && length(&apart) <= exact.exact_m
+        });
+        let candidate = Candidate::new(target, source, pose, &stated.pose);
+        if !is_known && candidate.is_met(exact) {
+            found.push(candidate);
+        }
+    }
 }
 
-/// Every frame with the first frame that it is rigid with, and its pose in that.
 fn placed(graph: &FrameGraph) -> Vec<(&FrameId, &FrameId, Isometry3<f64>)> {
     let mut placed: Vec<(&FrameId, &FrameId, Isometry3<f64>)> = Vec::new();
     let mut roots: Vec<&FrameId> = Vec::new();
@@ -166,27 +200,6 @@ fn placed(graph: &FrameGraph) -> Vec<(&FrameId, &FrameId, Isometry3<f64>)> {
         placed.push((frame, root, pose));
     }
     placed
-}
-
-/// Adds a pair whose transform is met to the last digits. Frames in one place are one candidate.
-fn add<'g>(
-    found: &mut Vec<Candidate<'g>>,
-    (target, source, pose): (&'g FrameId, &'g FrameId, Isometry3<f64>),
-    stated: &Isometry3<f64>,
-    exact: &exact::Limits,
-) {
-    // What every convention error leaves as it is, comes first: it is cheap.
-    if (pose.translation.vector.norm() - stated.translation.vector.norm()).abs() > exact.exact_m {
-        return;
-    }
-    let is_known = found.iter().any(|one| {
-        let apart = one.pose.inv_mul(&pose);
-        apart.rotation.angle().to_degrees() <= exact.exact_deg && apart.translation.vector.norm() <= exact.exact_m
-    });
-    let candidate = Candidate::new(target, source, pose, stated);
-    if !is_known && candidate.is_met(exact) {
-        found.push(candidate);
-    }
 }
 
 /// The platform's frames that a program's word for a sensor may mean: by their names, else by what is published in them.
@@ -205,9 +218,8 @@ fn meant<'g>(world: &'g World, role: &FrameId) -> Vec<&'g FrameId> {
     } else {
         &[]
     };
-    let is_of_type = |name: &str| types.iter().any(|known| name.rsplit('/').next() == Some(known));
     let topics = world.bags.iter().flat_map(|bag| bag.topics.values());
-    let topics = topics.filter(|topic| is_of_type(&topic.message_type));
+    let topics = topics.filter(|topic| types.contains(&topic.type_name()));
     let frames = topics.flat_map(|topic| topic.header_frames.keys());
     let known: BTreeSet<&FrameId> = frames
         .filter_map(|frame| graph.frames.get(&frame.canonical()))

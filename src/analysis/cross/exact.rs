@@ -29,19 +29,19 @@ impl Limits {
 
     /// Mounts along the axes, with a length along one of them, are shared by devices that have nothing to do with each other.
     pub(crate) fn is_telling(&self, pose: &Isometry3<f64>) -> bool {
-        let lengths = pose
-            .translation
-            .vector
-            .iter()
-            .filter(|part| part.abs() > self.telling_m)
-            .count();
-        off_axes_deg(pose) >= self.alternatives_turn_deg || lengths > 1
+        self.is_distinct(pose, 2)
     }
 
     /// Whether a transform is not met by chance among all frames of a platform: it lies along no axis, or has three lengths.
     pub(crate) fn tells_alone(&self, pose: &Isometry3<f64>) -> bool {
-        let is_long = |part: &f64| part.abs() > self.telling_m;
-        off_axes_deg(pose) >= self.alternatives_turn_deg || pose.translation.vector.iter().all(is_long)
+        self.is_distinct(pose, 3)
+    }
+
+    /// Whether a transform lies along no axis, or has so many lengths.
+    fn is_distinct(&self, pose: &Isometry3<f64>, least_lengths: usize) -> bool {
+        let parts = pose.translation.vector.iter();
+        let lengths = parts.filter(|part| part.abs() > self.telling_m).count();
+        lengths >= least_lengths || off_axes_deg(pose) >= self.alternatives_turn_deg
     }
 
     /// Whether as many sensors of the same two sources differ in the same way.

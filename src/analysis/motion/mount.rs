@@ -41,7 +41,7 @@ pub(crate) fn mount(world: &World, sensor: &FrameId) -> Option<Mount> {
         .iter()
         .filter(|frame| !is_standard(frame) && names::is_base(frame) && !names::is_device(frame));
     let topics = world.bags.iter().flat_map(|bag| bag.topics.values());
-    let odometry = topics.filter(|topic| topic.message_type.ends_with("/Odometry"));
+    let odometry = topics.filter(|topic| topic.type_name() == "Odometry");
     let moved = odometry.flat_map(|topic| topic.child_frames.keys());
     let moved = moved
         .filter(|frame| !names::is_device(frame))

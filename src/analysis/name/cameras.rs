@@ -57,7 +57,7 @@ impl Camera<'_> {
 pub(crate) fn cameras(bag: &BagEvidence) -> BTreeMap<FrameId, Camera<'_>> {
     let mut cameras: BTreeMap<FrameId, Camera> = BTreeMap::new();
     for topic in bag.topics.values() {
-        let kind = topic.message_type.rsplit(['/', '.']).next().unwrap_or_default();
+        let kind = topic.type_name();
         let is_calibration = matches!(kind, "CameraInfo" | "CameraCalibration");
         if !is_calibration && !matches!(kind, "Image" | "CompressedImage" | "RawImage") {
             continue;

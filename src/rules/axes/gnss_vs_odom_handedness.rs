@@ -95,7 +95,7 @@ fn judge_votes(
         // What is tracked may be another body.
         let is_of_platform = poses.is_way() && poses.child.as_ref().is_some_and(names::is_base);
         if let Some(least) = votes.unexplained(limits).filter(|_| is_of_platform) {
-            let finding = unexplained(subject, poses, fixes, votes, (least, limits.unexplained));
+            let finding = unexplained(subject, poses, fixes, (least, limits.unexplained, votes.windows));
             return out.fail(better(finding));
         }
         let why = format!(
@@ -113,8 +113,8 @@ fn judge_votes(
     if !is_mirrored {
         return out.pass(subject, measured);
     }
-    if let Some(least) = votes.loosely(limits) {
-        let finding = unexplained(subject, poses, fixes, votes, (least, limits.mirror_leaves));
+    if let Some(part) = votes.loosely(limits) {
+        let finding = unexplained(subject, poses, fixes, (part, limits.mirror_leaves, all));
         return out.fail(better(finding.measured(measured)));
     }
     let (from, to) = votes.span_s();
@@ -139,15 +139,13 @@ fn unexplained(
     subject: &str,
     poses: &Stream<PoseRow>,
     fixes: &Stream<FixRow>,
-    votes: &Votes,
-    (part, limit): (f64, f64),
+    (part, limit, windows): (f64, f64, usize),
 ) -> Finding {
     let message = format!(
-        "the tracks on {} and {} contradict each other: in {} windows the better of the two fits, turned and mirrored, leaves {:.0} % of the \
+        "the tracks on {} and {} contradict each other: in {windows} window(s) the better of the two fits, turned and mirrored, leaves {:.0} % of the \
          satellites' spread, with the scale and an even drift of the heading free",
         poses.topic,
         fixes.topic,
-        votes.windows,
         100.0 * part
     );
     let finding = Finding::error(subject, message, poses.place())
@@ -161,7 +159,7 @@ fn unexplained(
     finding.measured(
         Measured::new("part that the better fit leaves", part, "1")
             .limit(limit)
-            .samples(votes.windows as u64),
+            .samples(windows as u64),
     )
 }
 

@@ -2,11 +2,10 @@
 
 use nalgebra::Vector3;
 
-use crate::analysis::motion::{Imu, Motion, Timed};
+use crate::analysis::motion::{Imu, Motion};
 use crate::math::{readings::Reading, regress::bound_that_reaches_one, stats::median};
 use crate::rules::prelude::*;
 use crate::verdict::UNEXPLAINED;
-use crate::world::motion::InertialRow;
 
 pub(crate) struct ImuUnits;
 
@@ -58,14 +57,14 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
     let measured = Measured::new("median length of the acceleration", force, "m/s2")
         .limit(limits.gravity)
         .samples(imu.stream.rows().count() as u64);
-    let near = |unit: f64| (force / unit - 1.0).abs() <= limits.gravity_share;
+    let is_near = |length: f64, unit: f64| (length / unit - 1.0).abs() <= limits.gravity_share;
+    let near = |unit: f64| is_near(force, unit);
     if near(limits.gravity) {
         return out.pass(subject, measured);
     }
     // Lift and curves make what is felt longer, all the way: turned into the world it is gravity again.
-    let world = imu.inertial.gravity.as_ref().and_then(|gravity| gravity.mean(Reading::Xyzw));
-    let world = world.map(|mean| mean.mean_m_s2.norm());
-    if let Some(world) = world.filter(|world| (world / limits.gravity - 1.0).abs() <= limits.gravity_share) {
+    let world = world_mean(imu).map(|mean| mean.norm());
+    if let Some(world) = world.filter(|world| is_near(*world, limits.gravity)) {
         let of_world = Measured::new("length of the mean, turned into the world", world, "m/s2");
         return out.pass(subject, [measured, of_world.limit(limits.gravity)]);
     }
@@ -131,24 +130,28 @@ fn mean_length(imu: &Imu) -> Option<f64> {
 /// Whether an acceleration is as steady as gravity is, and as the orientation turns it into the world, vertical: another reading
 /// makes a vertical of anything.
 fn is_steady(imu: &Imu, force: f64, limits: &Limits) -> bool {
-    let length = |timed: &Timed<InertialRow>| Vector3::from(timed.row.linear_acceleration).norm();
-    let off: Vec<f64> = imu.stream.rows().map(|timed| (length(timed) - force).abs()).collect();
+    let off: Vec<f64> = lengths(imu).map(|length| (length - force).abs()).collect();
     let is_even = median(&off).is_some_and(|off| off <= limits.max_uneven * force);
-    let is_vertical = imu.inertial.gravity.as_ref().is_none_or(|gravity| {
-        let mean = gravity.mean(Reading::Xyzw).map(|mean| mean.mean_m_s2);
-        mean.is_some_and(|mean| mean.z.abs() >= limits.min_vertical * mean.norm())
-    });
-    is_even && is_vertical
+    let is_upright = |mean: Vector3<f64>| mean.z.abs() >= limits.min_vertical * mean.norm();
+    is_even && (imu.inertial.gravity.is_none() || world_mean(imu).is_some_and(is_upright))
 }
 
 /// Whether the acceleration is at times as long as gravity, so that it is the motion that makes it longer or shorter.
 fn reaches_gravity(imu: &Imu, force: f64, limits: &Limits) -> bool {
-    let beyond = |timed: &Timed<InertialRow>| {
-        let length = Vector3::from(timed.row.linear_acceleration).norm();
-        (length - limits.gravity) * (force - limits.gravity) <= 0.0
-    };
-    let (count, all) = (imu.stream.rows().filter(|timed| beyond(timed)).count(), imu.stream.rows().count());
-    count as f64 > limits.max_reached * all as f64
+    let reaches = |length: &f64| (length - limits.gravity) * (force - limits.gravity) <= 0.0;
+    lengths(imu).filter(reaches).count() as f64 > limits.max_reached * lengths(imu).count() as f64
+}
+
+/// Lengths of the acceleration, m/s² by definition.
+fn lengths(imu: &Imu) -> impl Iterator<Item = f64> {
+    imu.stream
+        .rows()
+        .map(|timed| Vector3::from(timed.row.linear_acceleration).norm())
+}
+
+/// Mean of the acceleration, turned into the world by the orientation, m/s² by definition.
+fn world_mean(imu: &Imu) -> Option<Vector3<f64>> {
+    Some(imu.inertial.gravity.as_ref()?.mean(Reading::Xyzw)?.mean_m_s2)
 }
 
 fn judge_rate(imu: &Imu, limits: &Limits, out: &mut Judge) {

@@ -2,7 +2,7 @@
 
 use nalgebra::Isometry3;
 
-use crate::analysis::cross::aliases::{Candidate, Stated};
+use crate::analysis::cross::aliases::{Candidate, Search, Stated};
 use crate::analysis::cross::exact;
 use crate::math::relation::Relation;
 use crate::rules::prelude::*;
@@ -58,11 +58,12 @@ impl Rule for FrameAliases {
             let stated = Stated { target, source, pose };
             asked.push(Asked { claim, dialect, roles: *roles, stated });
         }
+        let search = Search::new(world, &exact);
         let mut suspected: Vec<Suspicion> = Vec::new();
         for one in &asked {
             let of_file = asked.iter().filter(|other| other.claim.place.source == one.claim.place.source);
             let of_file: Vec<Stated> = of_file.map(|other| other.stated).collect();
-            let candidates = Candidate::all(world, &one.stated, &of_file, &exact);
+            let candidates = search.candidates(&one.stated, &of_file);
             suspected.extend(judge_claim(world, one, &candidates, (limits, &exact), out));
         }
         let kinds: Vec<_> = suspected.iter().map(Suspicion::kind).collect();

@@ -33,8 +33,7 @@ impl Rule for ImuSharesLidarFrame {
 /// Whether the topic carries the points of a lidar in space.
 fn is_cloud(topic: &TopicEvidence) -> bool {
     const TYPES: &[&str] = &["PointCloud2", "PointCloud", "CustomMsg", "PandarScan"];
-    let name = topic.message_type.rsplit(['/', '.']).next().unwrap_or_default();
-    TYPES.contains(&name) && topic.count > 0
+    TYPES.contains(&topic.type_name()) && topic.count > 0
 }
 
 fn judge_imu(world: &World, bag: &BagEvidence, imu: &Said<'_>, clouds: &[&TopicEvidence], out: &mut Judge) {
