@@ -1,8 +1,28 @@
 //! What the diagnosis of an inertial sensor makes of a finding: its words, and the rule that says it better.
 
-use crate::analysis::{axes::causes::Aspect, axes::diagnosis::Diagnosis, motion::Imu};
+use crate::analysis::axes::sensors::{Sensor, Sensors};
+use crate::analysis::motion::{Imu, Motion};
+use crate::analysis::{Estimates, axes::causes::Aspect, axes::diagnosis::Diagnosis, look::Look};
 use crate::rules::codes;
-use crate::verdict::{Finding, RuleCode};
+use crate::verdict::{Finding, Judge, RuleCode, Severity};
+
+/// Judges one part of every inertial sensor, of the subject that `named` makes of the sensor's; says why where it was not seen.
+pub(crate) fn judge_each<T, L>(
+    (world, limits): (&Estimates, &L),
+    named: impl Fn(&str) -> String,
+    part: impl Fn(&Sensor) -> &Look<T>,
+    judge: impl Fn((&Imu, &Sensor), String, &T, &L, &mut Judge),
+    out: &mut Judge,
+) {
+    let (motion, sensors) = (Motion::of(world), Sensors::of(world));
+    for (imu, sensor) in sensors.each(&motion) {
+        let subject = named(&imu.stream.subject);
+        match part(sensor) {
+            Ok(seen) => judge((imu, sensor), subject, seen, limits, out),
+            Err((why, reason)) => out.not_evaluated(subject, *why, reason),
+        }
+    }
+}
 
 /// The finding of a rule that looks at one aspect of a sensor, with the fault's name and help, and how the numbers were read; `otherwise`
 /// is the help where no known fault fits. Where another aspect shows the fault better, the finding defers to that one's rule.
@@ -21,7 +41,10 @@ pub(crate) fn defer(diagnosis: &Diagnosis, imu: &Imu, own: Option<Aspect>, findi
         (Some(Aspect::Body), Some(mount)) => {
             let finding = finding.unless_about(codes::AXES13, format!("`{}`", mount.base));
             if diagnosis.goes_backward {
-                finding.hint()
+                Finding {
+                    severity: Severity::Note,
+                    ..finding.hint()
+                }
             } else {
                 finding
             }

@@ -26,11 +26,25 @@ pub(crate) struct Limits {
 pub(crate) struct Above {
     pub(crate) class: World,
     pub(crate) force: WorldForce,
+    /// The same by the other readings of the four numbers.
+    pub(crate) others: Vec<WorldForce>,
     pub(crate) seconds: f64,
     pub(crate) rows: usize,
 }
 
 impl Above {
+    /// The one other reading of the four numbers by which the acceleration points up. Of a level body a rotation and its inverse do alike.
+    pub(crate) fn read_otherwise(&self, limits: &Limits) -> Option<Reading> {
+        let is_up = |mean: &&WorldForce| {
+            mean.concentration >= limits.min_concentration && mean.from_up_rad.to_degrees() <= limits.max_tilt_deg
+        };
+        let up: Vec<Reading> = self.others.iter().filter(is_up).map(|mean| mean.reading).collect();
+        match up.as_slice() {
+            [one] | [one @ Reading::Wxyz, Reading::WxyzConjugate] => Some(*one),
+            _ => None,
+        }
+    }
+
     /// Angle between the acceleration and the world's up, radians; or why it says nothing.
     pub(crate) fn off_up_rad(&self) -> Look<f64> {
         match self.class {
@@ -104,6 +118,12 @@ pub(crate) fn look(imu: &Imu, limits: &Limits) -> Look<Above> {
     Ok(Above {
         class,
         force,
+        others: gravity
+            .means
+            .iter()
+            .filter(|mean| mean.reading != Reading::Xyzw)
+            .copied()
+            .collect(),
         seconds: gravity.covered_s,
         rows: gravity.rows,
     })

@@ -1,10 +1,10 @@
 //! AXES06: the acceleration along the base's axes against the change of speed.
 
-use crate::advice::diagnosis::explain;
+use crate::advice::diagnosis::{explain, judge_each};
 use crate::analysis::axes::causes::{Aspect, Push};
 use crate::analysis::axes::push::{Limits, Pushed};
-use crate::analysis::motion::{Imu, Motion};
-use crate::analysis::{axes::diagnosis::Diagnosis, axes::sensors::Sensors, look::TRACK};
+use crate::analysis::motion::Imu;
+use crate::analysis::{axes::sensors::Sensor, look::TRACK};
 use crate::rules::prelude::*;
 
 pub(crate) struct AccelVsSpeed;
@@ -16,18 +16,12 @@ impl Rule for AccelVsSpeed {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let (motion, sensors) = (Motion::of(world), Sensors::of(world));
-        for (imu, sensor) in sensors.each(&motion) {
-            let subject = format!("forward acceleration of {}", imu.stream.subject);
-            match &sensor.push {
-                Ok(pushed) => judge_pushed(imu, subject, pushed, &sensor.diagnosis, limits, out),
-                Err((why, reason)) => out.not_evaluated(subject, *why, reason),
-            }
-        }
+        let named = |imu: &str| format!("forward acceleration of {imu}");
+        judge_each((world, limits), named, |sensor| &sensor.push, judge_pushed, out);
     }
 }
 
-fn judge_pushed(imu: &Imu, subject: String, pushed: &Pushed, diagnosis: &Diagnosis, limits: &Limits, out: &mut Judge) {
+fn judge_pushed((imu, sensor): (&Imu, &Sensor), subject: String, pushed: &Pushed, limits: &Limits, out: &mut Judge) {
     let pairs = pushed.forward.pairs as u64;
     let measured = [
         Measured::new(
@@ -58,12 +52,12 @@ fn judge_pushed(imu: &Imu, subject: String, pushed: &Pushed, diagnosis: &Diagnos
         pushed.sideways.gain,
         pushed.track,
         imu.mounting(),
-        diagnosis.words()
+        sensor.diagnosis.words()
     );
     let otherwise = "x points forward (REP-103): give the sensor's frame its yaw in TF, or negate an accelerometer that gives gravity; a \
          drive in reverse looks the same";
     let finding = explain(
-        diagnosis,
+        &sensor.diagnosis,
         imu,
         Aspect::Push,
         Finding::warning(subject, message, imu.stream.place()).likely(),

@@ -1,10 +1,10 @@
 //! AXES05: the gyro's yaw rate against the turning of the track.
 
-use crate::advice::diagnosis::explain;
+use crate::advice::diagnosis::{explain, judge_each};
 use crate::analysis::axes::causes::{Aspect, Sense};
 use crate::analysis::axes::gyro_vs_track::{Limits, Turned};
-use crate::analysis::axes::sensors::{Sensor, Sensors};
-use crate::analysis::motion::{Imu, Motion};
+use crate::analysis::axes::sensors::Sensor;
+use crate::analysis::motion::Imu;
 use crate::analysis::{axes::rates::Slope, look::TRACK};
 use crate::rules::prelude::*;
 
@@ -17,19 +17,12 @@ impl Rule for GyroVsTurnSign {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let (motion, sensors) = (Motion::of(world), Sensors::of(world));
-        for (imu, sensor) in sensors.each(&motion) {
-            let subject = format!("yaw rate of {}", imu.stream.subject);
-            match &sensor.sense {
-                Ok(turned) => judge_turned(imu, subject, turned, sensor, limits, out),
-                Err((why, reason)) => out.not_evaluated(subject, *why, reason),
-            }
-        }
+        let named = |imu: &str| format!("yaw rate of {imu}");
+        judge_each((world, limits), named, |sensor| &sensor.sense, judge_turned, out);
     }
 }
 
-fn judge_turned(imu: &Imu, subject: String, turned: &Turned, sensor: &Sensor, limits: &Limits, out: &mut Judge) {
-    let diagnosis = &sensor.diagnosis;
+fn judge_turned((imu, sensor): (&Imu, &Sensor), subject: String, turned: &Turned, limits: &Limits, out: &mut Judge) {
     let Slope {
         gain: slope,
         correlation,
@@ -50,12 +43,12 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, sensor: &Sensor, li
         turned.track,
         turned.slope.seconds(),
         imu.mounting(),
-        diagnosis.words()
+        sensor.diagnosis.words()
     );
     let otherwise = "counter-clockwise turns are positive about z up (REP-103): negate y and z of a gyro in FRD axes, or tell TF how the \
          sensor is mounted";
     let finding = explain(
-        diagnosis,
+        &sensor.diagnosis,
         imu,
         Aspect::Sense,
         Finding::error(subject, message, imu.stream.place()).likely(),

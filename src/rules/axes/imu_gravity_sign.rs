@@ -1,10 +1,10 @@
 //! AXES01: where an accelerometer's up is, in the platform's base.
 
-use crate::advice::diagnosis::explain;
+use crate::advice::diagnosis::{explain, judge_each};
 use crate::analysis::axes::base_up::{Limits, Up};
 use crate::analysis::axes::causes::{Aspect, Base};
-use crate::analysis::motion::{Imu, Motion};
-use crate::analysis::{axes::diagnosis::Diagnosis, axes::sensors::Sensors};
+use crate::analysis::motion::Imu;
+use crate::analysis::axes::sensors::Sensor;
 use crate::rules::prelude::*;
 
 pub(crate) struct ImuGravitySign;
@@ -16,18 +16,12 @@ impl Rule for ImuGravitySign {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let (motion, sensors) = (Motion::of(world), Sensors::of(world));
-        for (imu, sensor) in sensors.each(&motion) {
-            let subject = format!("acceleration of {}", imu.stream.subject);
-            match &sensor.base {
-                Ok(up) => judge_up(imu, subject, up, &sensor.diagnosis, limits, out),
-                Err((why, reason)) => out.not_evaluated(subject, *why, reason),
-            }
-        }
+        let named = |imu: &str| format!("acceleration of {imu}");
+        judge_each((world, limits), named, |sensor| &sensor.base, judge_up, out);
     }
 }
 
-fn judge_up(imu: &Imu, subject: String, up: &Up, diagnosis: &Diagnosis, limits: &Limits, out: &mut Judge) {
+fn judge_up((imu, sensor): (&Imu, &Sensor), subject: String, up: &Up, limits: &Limits, out: &mut Judge) {
     let degrees = up.angle_rad.to_degrees();
     let measured = [
         Measured::new("angle of the acceleration to z of the base", degrees, "deg")
@@ -48,12 +42,12 @@ fn judge_up(imu: &Imu, subject: String, up: &Up, diagnosis: &Diagnosis, limits: 
         imu.stream.topic,
         words(up),
         imu.mounting(),
-        diagnosis.words()
+        sensor.diagnosis.words()
     );
     let otherwise = "give the sensor's frame its rotation in TF or URDF; an accelerometer reads +9.81 on the axis that points \
                      up (REP-145)";
     let finding = Finding::new(severity, subject, message, imu.stream.place()).likely();
-    let finding = explain(diagnosis, imu, Aspect::Base, finding, otherwise);
+    let finding = explain(&sensor.diagnosis, imu, Aspect::Base, finding, otherwise);
     out.fail(finding.measured(measured));
 }
 

@@ -1,10 +1,11 @@
 //! AXES03: where the acceleration points in the world, by the orientation.
 
-use crate::advice::diagnosis::explain;
+use crate::advice::diagnosis::{explain, judge_each};
 use crate::analysis::axes::causes::{Aspect, World};
 use crate::analysis::axes::world_up::{Above, Limits};
-use crate::analysis::motion::{Imu, Motion};
-use crate::analysis::{axes::diagnosis::Diagnosis, axes::sensors::Sensors};
+use crate::analysis::motion::Imu;
+use crate::math::readings::Reading;
+use crate::analysis::axes::sensors::Sensor;
 use crate::rules::prelude::*;
 use crate::verdict::UNEXPLAINED;
 
@@ -17,18 +18,12 @@ impl Rule for OrientationVsGravity {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let (motion, sensors) = (Motion::of(world), Sensors::of(world));
-        for (imu, sensor) in sensors.each(&motion) {
-            let subject = format!("orientation of {}", imu.stream.subject);
-            match &sensor.world {
-                Ok(above) => judge_above(imu, subject, above, &sensor.diagnosis, limits, out),
-                Err((why, reason)) => out.not_evaluated(subject, *why, reason),
-            }
-        }
+        let named = |imu: &str| format!("orientation of {imu}");
+        judge_each((world, limits), named, |sensor| &sensor.world, judge_above, out);
     }
 }
 
-fn judge_above(imu: &Imu, subject: String, above: &Above, diagnosis: &Diagnosis, limits: &Limits, out: &mut Judge) {
+fn judge_above((imu, sensor): (&Imu, &Sensor), subject: String, above: &Above, limits: &Limits, out: &mut Judge) {
     let rows = above.rows as u64;
     let degrees = above.force.from_up_rad.to_degrees();
     let measured = [
@@ -62,18 +57,46 @@ fn judge_above(imu: &Imu, subject: String, above: &Above, diagnosis: &Diagnosis,
         above.force.mean_m_s2.z,
         above.seconds,
         above.force.concentration,
-        if above.class == World::Leaning { String::new() } else { diagnosis.words() }
+        match above.class {
+            World::Leaning => String::new(),
+            World::Far => other_readings(above),
+            _ => sensor.diagnosis.words(),
+        }
     );
     let otherwise =
         "align the orientation with gravity: level and at rest `R(q) * acceleration` is +9.81 along z (REP-145)";
     let finding = Finding::new(severity, subject, message, imu.stream.place()).likely();
     let finding = match above.class {
         // What turns wrongly points anywhere.
-        World::Far => explain(diagnosis, imu, Aspect::World, finding.relation(UNEXPLAINED), otherwise)
+        World::Far => finding
+            .relation(above.read_otherwise(limits).map_or(UNEXPLAINED, named))
+            .help(otherwise)
             .unless(codes::QUAT01)
             .unless(codes::QUAT03),
         World::Leaning => finding.relation("tilted").help(otherwise),
-        _ => explain(diagnosis, imu, Aspect::World, finding, otherwise),
+        _ => explain(&sensor.diagnosis, imu, Aspect::World, finding, otherwise),
     };
     out.fail(finding.measured(measured));
+}
+
+/// Where the acceleration points when the four numbers of the orientation are read in other ways.
+fn other_readings(above: &Above) -> String {
+    let words = above.others.iter().map(|mean| {
+        let degrees = mean.from_up_rad.to_degrees();
+        let how = match mean.reading {
+            Reading::Conjugate => "as the inverse",
+            Reading::Wxyz => "as w, x, y, z",
+            _ => "as w, x, y, z of the inverse",
+        };
+        format!("{how} {degrees:.0} deg away (concentration {:.3})", mean.concentration)
+    });
+    format!("; read {}", words.collect::<Vec<_>>().join(", "))
+}
+
+fn named(reading: Reading) -> &'static str {
+    match reading {
+        Reading::Conjugate => "inverse",
+        Reading::WxyzConjugate => "wxyz-inverse",
+        _ => "wxyz",
+    }
 }

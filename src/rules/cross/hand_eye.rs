@@ -77,7 +77,12 @@ fn judge_mounted(clouds: &Clouds, known: &HandEye, found: &Mounted, limits: &Lim
     let inverse = known.told.inverse();
     let is_inverse = in_plane(&(inverse * inverse)).rotation.angle().to_degrees().abs() <= limits.forward_deg
         && (found.place - inverse.translation.vector.xy()).norm() <= limits.sure_place_m.max(limits.sigmas * sigma_m);
-    let (relation, message) = if is_inverse {
+    let (relation, message) = if turned && !moved {
+        let quarters = [("z90", 90.0), ("z-90", -90.0), ("z180", 180.0), ("z180", -180.0)];
+        let is_near = |deg: f64| (yaw_deg - deg).abs() <= limits.forward_deg.max(limits.sigmas * sigma_deg);
+        let quarter = quarters.into_iter().find(|(_, deg)| is_near(*deg));
+        (quarter.map_or("yaw", |(word, _)| word), message)
+    } else if is_inverse {
         (
             "inverse",
             format!("{message}: that is where its inverse has it, as if it were told the wrong way round"),

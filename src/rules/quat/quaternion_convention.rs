@@ -1,10 +1,10 @@
 //! QUAT01: an orientation against the integral of its gyro.
 
-use crate::advice::diagnosis::explain;
+use crate::advice::diagnosis::{explain, judge_each};
 use crate::analysis::axes::causes::{Aspect, Turn};
-use crate::analysis::motion::{Imu, Motion};
+use crate::analysis::motion::Imu;
 use crate::analysis::quat::ways::{Limits, Turned};
-use crate::analysis::{axes::diagnosis::Diagnosis, axes::sensors::Sensors};
+use crate::analysis::axes::sensors::Sensor;
 use crate::rules::prelude::*;
 use crate::verdict::UNEXPLAINED;
 
@@ -17,18 +17,12 @@ impl Rule for QuaternionConvention {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let (motion, sensors) = (Motion::of(world), Sensors::of(world));
-        for (imu, sensor) in sensors.each(&motion) {
-            let subject = format!("orientation of {} against its gyro", imu.stream.subject);
-            match &sensor.turn {
-                Ok(turned) => judge_turned(imu, subject, turned, &sensor.diagnosis, limits, out),
-                Err((why, reason)) => out.not_evaluated(subject, *why, reason),
-            }
-        }
+        let named = |imu: &str| format!("orientation of {imu} against its gyro");
+        judge_each((world, limits), named, |sensor| &sensor.turn, judge_turned, out);
     }
 }
 
-fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnosis, limits: &Limits, out: &mut Judge) {
+fn judge_turned((imu, sensor): (&Imu, &Sensor), subject: String, turned: &Turned, limits: &Limits, out: &mut Judge) {
     let windows = turned.windows as u64;
     let measured = [
         Measured::new("residual as published", turned.as_published.residual, "1")
@@ -73,7 +67,7 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
         } else {
             String::new()
         },
-        diagnosis.words()
+        sensor.diagnosis.words()
     );
     let otherwise = match turned.class {
         Turn::Partly => {
@@ -88,7 +82,7 @@ fn judge_turned(imu: &Imu, subject: String, turned: &Turned, diagnosis: &Diagnos
     } else {
         finding
     };
-    let finding = explain(diagnosis, imu, Aspect::Turn, finding, otherwise);
+    let finding = explain(&sensor.diagnosis, imu, Aspect::Turn, finding, otherwise);
     let finding = if turned.class == Turn::Ordered {
         finding.unless(codes::QUAT03)
     } else {
