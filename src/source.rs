@@ -294,6 +294,9 @@ pub struct Source {
     pub status: ReadStatus,
     /// One line on the status, where there is something to say.
     pub detail: Option<String>,
+    /// What else is to be said of it, a line each: what it was judged with.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub notes: Vec<String>,
     /// How much was examined.
     pub examined: Examined,
     /// The text that spans point into; empty for binary sources.
@@ -340,6 +343,7 @@ impl Source {
             kind,
             status: ReadStatus::Read,
             detail: None,
+            notes: Vec::new(),
             examined: Examined::default(),
             text: String::new(),
             derived: None,

@@ -34,7 +34,7 @@ use crate::world::{Conventions, NamedDataset, World};
 
 use evidence::Saved;
 use plan::Choice;
-use platform::Member;
+use platform::{Member, Platforms};
 use policy::{Demanded, RunPolicy};
 use renumber::Renumber;
 
@@ -365,9 +365,11 @@ fn worlds(
         progress: &progress,
     };
     let every: Vec<usize> = (0..inputs.files.len()).collect();
-    let (sources, members) = reading.members(&every, inputs.files.len(), plan);
+    let (mut sources, members) = reading.members(&every, inputs.files.len(), plan);
+    let platforms = Platforms::of(members, inputs);
+    platforms.note(&mut sources);
     let sources = Arc::new(sources);
-    let mut worlds = platform::platforms(members);
+    let mut worlds = platforms.worlds;
     for world in &mut worlds {
         world.sources = Arc::clone(&sources);
     }

@@ -1,9 +1,10 @@
-//! Sorts readings into platforms: a folder is one platform, unless it clearly holds several robots.
+//! Sorts readings into platforms. The nearest folder decides.
 //!
-//! One robot in a folder: everything there is judged together. Several robots: each description is a platform, and
-//! another file joins the robot it shares most frames with, or the nearest one below the folder; where that is not
-//! unique it is judged by itself, because comparing it with the wrong robot would invent findings. No robot at all:
-//! files that lie in one folder belong together.
+//! A platform forms around a robot: a whole description. A tree of folders with one robot is one platform. With several, a file goes up
+//! from its folder to the first that holds a robot, in it or below. Is that one robot, the file is its. Are there several, it is the one's
+//! whose frames it names most; where that is not one, it is judged with each of them, and says so. A folder beside that of a robot which
+//! holds what that one has itself (statements of transforms, recordings) is of another platform. Without any robot, platforms form around the
+//! folders of recordings; without these, around each folder.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -25,7 +26,6 @@ pub(super) struct Member {
     in_recording: bool,
     facts: Facts,
     dir: PathBuf,
-    root: PathBuf,
     path: PathBuf,
 }
 
@@ -39,7 +39,6 @@ impl Member {
             in_recording: matches!(source.derived, Some(Derived::Message(_))),
             facts,
             dir: input.path.parent().unwrap_or(Path::new("")).to_path_buf(),
-            root: input.root.clone(),
             path: input.path.clone(),
         }
     }
@@ -56,15 +55,44 @@ pub(super) fn members(readings: Vec<Reading>, inputs: &Inputs) -> (Vec<Source>, 
     (sources, members)
 }
 
-/// Splits sources into worlds, ordered by their first one. Their lists of sources are empty.
-pub(super) fn platforms(members: Vec<Member>) -> Vec<World> {
-    let mut groups: BTreeMap<usize, Vec<Member>> = BTreeMap::new();
-    for member in members {
-        groups.entry(member.group).or_default().push(member);
+/// Sources sorted into worlds.
+pub(super) struct Platforms {
+    /// Ordered by their first source. Their lists of sources are empty.
+    pub(super) worlds: Vec<World>,
+    /// What is to be said of how sources were joined.
+    pub(super) notes: Vec<(SourceId, String)>,
+}
+
+impl Platforms {
+    /// Sorts members. The inputs say where recordings stand, also those that are not among the members.
+    pub(super) fn of(members: Vec<Member>, inputs: &Inputs) -> Self {
+        let mut groups: BTreeMap<usize, Vec<Member>> = BTreeMap::new();
+        for member in members {
+            groups.entry(member.group).or_default().push(member);
+        }
+        let (mut worlds, mut notes) = (Vec::new(), Vec::new());
+        for (group, members) in groups {
+            let recordings = inputs
+                .files
+                .iter()
+                .filter(|input| input.group == group && input.kind.is_bag());
+            let recorded = recordings.filter_map(|input| input.path.parent().map(Path::to_path_buf));
+            let clusters = clusters(members, &recorded.collect());
+            worlds.extend(clusters.members.into_iter().map(world));
+            notes.extend(clusters.notes);
+        }
+        worlds.sort_by(|a, b| a.members.cmp(&b.members));
+        Self { worlds, notes }
     }
-    let mut worlds: Vec<World> = groups.into_values().flat_map(clusters).map(world).collect();
-    worlds.sort_by(|a, b| a.members.cmp(&b.members));
-    worlds
+
+    /// Says of sources how they were joined.
+    pub(super) fn note(&self, sources: &mut [Source]) {
+        for (id, note) in &self.notes {
+            if let Some(source) = sources.iter_mut().find(|source| source.id == *id) {
+                source.notes.push(note.clone());
+            }
+        }
+    }
 }
 
 fn world(members: Vec<Member>) -> World {
@@ -102,56 +130,285 @@ fn is_fragment(member: &Member) -> bool {
     member.facts.robots.iter().any(|robot| robot.fragment.is_some())
 }
 
-fn clusters(members: Vec<Member>) -> Vec<Vec<Member>> {
+/// Members that make a world, and what is to be said of how they came together.
+#[derive(Default)]
+struct Clusters {
+    members: Vec<Vec<Member>>,
+    notes: Vec<(SourceId, String)>,
+}
+
+fn clusters(members: Vec<Member>, recorded: &BTreeSet<PathBuf>) -> Clusters {
     let (fragments, members): (Vec<_>, Vec<_>) = members.into_iter().partition(is_fragment);
     let (robots, others): (Vec<_>, Vec<_>) = members.into_iter().partition(is_robot);
-    let mut clusters: Vec<Vec<Member>> = fragments.into_iter().map(|fragment| vec![fragment]).collect();
-    match robots.len() {
-        0 => clusters.extend(by_folder(others)),
-        1 => clusters.push(robots.into_iter().chain(others).collect()),
-        _ => clusters.extend(around(robots, others)),
-    }
+    let root = common_folder(
+        robots
+            .iter()
+            .chain(&others)
+            .map(|member| member.dir.as_path())
+            .chain(recorded.iter().map(PathBuf::as_path)),
+    );
+    let mut clusters = around_robots(robots, units(others), recorded, &root);
+    clusters
+        .members
+        .extend(fragments.into_iter().map(|fragment| vec![fragment]));
     clusters
 }
 
-/// Files of one folder belong together, and with recordings what lies below their folder, where there is one such folder.
-fn by_folder(members: Vec<Member>) -> Vec<Vec<Member>> {
-    let recordings = members.iter().filter(|member| !member.facts.bags.is_empty());
-    let recorded: BTreeSet<PathBuf> = recordings.map(|member| member.dir.clone()).collect();
-    let home = recorded.first().filter(|_| recorded.len() == 1);
-    let mut folders: BTreeMap<PathBuf, Vec<Member>> = BTreeMap::new();
-    for member in members {
-        let home = home.filter(|home| member.dir.starts_with(home));
-        folders
-            .entry(home.unwrap_or(&member.dir).clone())
-            .or_default()
-            .push(member);
-    }
-    folders.into_values().collect()
+/// What came out of one input: a recording and its description, a file.
+struct Unit {
+    members: Vec<Member>,
+    dir: PathBuf,
+    frames: BTreeSet<FrameId>,
+    kinds: Kinds,
 }
 
-fn around(robots: Vec<Member>, others: Vec<Member>) -> Vec<Vec<Member>> {
-    let frames: Vec<BTreeSet<FrameId>> = robots.iter().map(frames_of).collect();
-    let dirs: Vec<PathBuf> = robots.iter().map(|robot| robot.dir.clone()).collect();
-    let mut clusters: Vec<Vec<Member>> = robots.into_iter().map(|robot| vec![robot]).collect();
-    // Files that came out of one input (a recording and its description) stay together.
-    let mut inputs: BTreeMap<PathBuf, Vec<Member>> = BTreeMap::new();
-    for other in others {
-        inputs.entry(other.path.clone()).or_default().push(other);
+/// What a platform may be split by: folders with descriptions, with statements of transforms, with recordings.
+#[derive(Clone, Copy, Default)]
+struct Kinds {
+    states: bool,
+    records: bool,
+}
+
+impl Kinds {
+    fn has_any_of(self, other: Self) -> bool {
+        self.states && other.states || self.records && other.records
     }
-    let mut alone = Vec::new();
-    for members in inputs.into_values() {
-        let named: BTreeSet<FrameId> = members.iter().flat_map(frames_of).collect();
-        let home = members
-            .first()
-            .and_then(|first| nearest_robot(first, &named, &frames, &dirs));
-        match home.and_then(|index| clusters.get_mut(index)) {
-            Some(cluster) => cluster.extend(members),
-            None => alone.extend(members),
+
+    fn and(self, other: Self) -> Self {
+        Self {
+            states: self.states || other.states,
+            records: self.records || other.records,
         }
     }
-    clusters.extend(by_folder(alone));
+}
+
+fn units(members: Vec<Member>) -> Vec<Unit> {
+    let mut inputs: BTreeMap<PathBuf, Vec<Member>> = BTreeMap::new();
+    for member in members {
+        inputs.entry(member.path.clone()).or_default().push(member);
+    }
+    let unit = |members: Vec<Member>| {
+        let records = members.iter().any(|member| !member.facts.bags.is_empty());
+        Unit {
+            dir: members.first().map(|first| first.dir.clone()).unwrap_or_default(),
+            frames: members.iter().flat_map(frames_of).collect(),
+            kinds: Kinds {
+                states: !records && members.iter().any(|member| member.facts.state_transforms()),
+                records,
+            },
+            members,
+        }
+    };
+    inputs.into_values().map(unit).collect()
+}
+
+/// What a platform forms around.
+struct Anchor {
+    dir: PathBuf,
+    frames: BTreeSet<FrameId>,
+    name: String,
+}
+
+/// Where a unit belongs.
+enum Home {
+    /// To these anchors, each of them.
+    With(Vec<usize>),
+    /// To none. Set is what it might have belonged to.
+    Alone(Option<String>),
+}
+
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Around {
+    Robot,
+    Robots,
+    Recordings,
+}
+
+/// The folders of a run with what stands in them.
+struct Layout<'a> {
+    anchors: &'a [Anchor],
+    kinds: Vec<(PathBuf, Kinds)>,
+    root: &'a Path,
+    /// What the platforms form around.
+    around: Around,
+}
+
+impl Layout<'_> {
+    fn home(&self, unit: &Unit) -> Home {
+        let folders = unit.dir.ancestors().take_while(|folder| folder.starts_with(self.root));
+        for folder in folders {
+            let within = |at: &usize| {
+                self.anchors
+                    .get(*at)
+                    .is_some_and(|anchor| anchor.dir.starts_with(folder))
+            };
+            let near: Vec<usize> = (0..self.anchors.len()).filter(within).collect();
+            if near.is_empty() {
+                continue;
+            }
+            let is_here = |at: &usize| self.anchors.get(*at).is_some_and(|anchor| anchor.dir == folder);
+            let here: Vec<usize> = near.iter().copied().filter(is_here).collect();
+            return match (here.as_slice(), unit.dir == folder || self.around == Around::Robot) {
+                ([], false) => {
+                    let open = near.iter().copied().filter(|at| self.is_open(folder, *at, unit));
+                    self.choose(open.collect(), &near, unit)
+                }
+                ([], true) => self.choose(near.clone(), &near, unit),
+                _ => self.choose(here.clone(), &here, unit),
+            };
+        }
+        Home::Alone(None)
+    }
+
+    /// Whether an anchor's side of a folder lacks what the unit's side has: the two may be one platform, split by kinds of files.
+    fn is_open(&self, folder: &Path, anchor: usize, unit: &Unit) -> bool {
+        let Some(anchor) = self.anchors.get(anchor) else {
+            return false;
+        };
+        let side = |dir: &Path| {
+            let below = dir.strip_prefix(folder).ok().and_then(|below| below.iter().next());
+            let side = folder.join(below.unwrap_or_default());
+            let own = self.kinds.iter().filter(|(dir, _)| dir.starts_with(&side));
+            own.fold(Kinds::default(), |all, (_, kinds)| all.and(*kinds))
+        };
+        !side(&anchor.dir).has_any_of(side(&unit.dir))
+    }
+
+    /// Of several anchors, those whose frames the unit names most.
+    fn choose(&self, open: Vec<usize>, near: &[usize], unit: &Unit) -> Home {
+        if open.len() == 1 && near.len() == 1 {
+            return Home::With(open);
+        }
+        if self.around == Around::Recordings {
+            return if open.is_empty() {
+                Home::Alone(None)
+            } else {
+                Home::With(open)
+            };
+        }
+        let shared = |at: &usize| {
+            let frames = self.anchors.get(*at).map(|anchor| &anchor.frames);
+            frames.map_or(0, |frames| frames.intersection(&unit.frames).count())
+        };
+        let most = |among: &[usize]| {
+            let most = among.iter().map(shared).max().unwrap_or_default();
+            let best = among.iter().copied().filter(|at| most > 0 && shared(at) == most);
+            best.collect::<Vec<usize>>()
+        };
+        let best = most(&open);
+        if best.is_empty() {
+            let beside = most(near);
+            return Home::Alone((!beside.is_empty()).then(|| self.names(&beside)));
+        }
+        Home::With(best)
+    }
+
+    fn names(&self, anchors: &[usize]) -> String {
+        let names = anchors.iter().filter_map(|at| self.anchors.get(*at));
+        names
+            .map(|anchor| format!("`{}`", anchor.name))
+            .collect::<Vec<_>>()
+            .join(" and ")
+    }
+}
+
+fn around_robots(robots: Vec<Member>, units: Vec<Unit>, recorded: &BTreeSet<PathBuf>, root: &Path) -> Clusters {
+    if robots.is_empty() {
+        return around_recordings(units, recorded, root);
+    }
+    let anchor = |robot: &Member| Anchor {
+        dir: robot.dir.clone(),
+        frames: frames_of(robot),
+        name: robot.display.clone(),
+    };
+    let anchors: Vec<Anchor> = robots.iter().map(anchor).collect();
+    let around = if robots.len() > 1 {
+        Around::Robots
+    } else {
+        Around::Robot
+    };
+    let clusters = robots.into_iter().map(|robot| vec![robot]).collect();
+    let (mut clusters, alone) = distributed(units, (&anchors, clusters), recorded, (root, around));
+    let rest = around_recordings(alone, recorded, root);
+    clusters.members.extend(rest.members);
+    clusters.notes.extend(rest.notes);
     clusters
+}
+
+/// What stands beside recordings, or below or beside their folders, is judged with them; the rest folder by folder.
+fn around_recordings(units: Vec<Unit>, recorded: &BTreeSet<PathBuf>, root: &Path) -> Clusters {
+    let anchor = |dir: &PathBuf| Anchor {
+        dir: dir.clone(),
+        frames: BTreeSet::new(),
+        name: dir.display().to_string(),
+    };
+    let anchors: Vec<Anchor> = recorded.iter().map(anchor).collect();
+    let empty = vec![Vec::new(); anchors.len()];
+    let (mut clusters, alone) = distributed(units, (&anchors, empty), recorded, (root, Around::Recordings));
+    clusters.members.retain(|members| !members.is_empty());
+    let mut folders: BTreeMap<PathBuf, Vec<Member>> = BTreeMap::new();
+    for unit in alone {
+        folders.entry(unit.dir).or_default().extend(unit.members);
+    }
+    clusters.members.extend(folders.into_values());
+    clusters
+}
+
+/// Units joined to the anchors that they belong to, and those that belong to none.
+fn distributed(
+    units: Vec<Unit>,
+    (anchors, members): (&[Anchor], Vec<Vec<Member>>),
+    recorded: &BTreeSet<PathBuf>,
+    (root, around): (&Path, Around),
+) -> (Clusters, Vec<Unit>) {
+    let records = Kinds {
+        states: false,
+        records: true,
+    };
+    let recordings = recorded.iter().map(|dir| (dir.clone(), records));
+    let layout = Layout {
+        anchors,
+        kinds: units
+            .iter()
+            .map(|unit| (unit.dir.clone(), unit.kinds))
+            .chain(recordings)
+            .collect(),
+        root,
+        around,
+    };
+    let mut clusters = Clusters {
+        members,
+        notes: Vec::new(),
+    };
+    let mut alone = Vec::new();
+    for unit in units {
+        let id = unit.members.first().map(|first| first.id);
+        match layout.home(&unit) {
+            Home::With(homes) => {
+                if homes.len() > 1 && around != Around::Recordings {
+                    let names = layout.names(&homes);
+                    let note =
+                        format!("judged with each of {names}: folders and names of frames do not tell whose it is");
+                    clusters.notes.extend(id.map(|id| (id, note)));
+                }
+                for home in homes {
+                    if let Some(cluster) = clusters.members.get_mut(home) {
+                        cluster.extend(unit.members.iter().cloned());
+                    }
+                }
+            }
+            Home::Alone(beside) => {
+                let note = |beside| {
+                    format!(
+                        "judged without {beside}: that stands in another folder, which has files of this kind itself"
+                    )
+                };
+                clusters.notes.extend(id.zip(beside.map(note)));
+                alone.push(unit);
+            }
+        }
+    }
+    (clusters, alone)
 }
 
 fn frames_of(member: &Member) -> BTreeSet<FrameId> {
@@ -164,42 +421,13 @@ fn frames_of(member: &Member) -> BTreeSet<FrameId> {
         .collect()
 }
 
-/// The robot with most frames in common, the nearest among those with as many; `None` where that is not one robot.
-fn nearest_robot(
-    member: &Member,
-    named: &BTreeSet<FrameId>,
-    frames: &[BTreeSet<FrameId>],
-    dirs: &[PathBuf],
-) -> Option<usize> {
-    let mut ranked: Vec<(usize, usize, usize)> = frames
-        .iter()
-        .zip(dirs)
-        .enumerate()
-        .filter_map(|(index, (frames, dir))| {
-            let distance = distance_below(&member.root, &member.dir, dir)?;
-            Some((frames.intersection(named).count(), distance, index))
-        })
-        .filter(|(shared, _, _)| *shared > 0)
-        .collect();
-    ranked.sort_by_key(|(shared, distance, index)| (std::cmp::Reverse(*shared), *distance, *index));
-    match ranked.as_slice() {
-        [best, second, ..] if (best.0, best.1) == (second.0, second.1) => None,
-        [best, ..] => Some(best.2),
-        [] => None,
-    }
-}
-
-/// Steps from one folder to the other. `None` where they have nothing but the given root in common, unless one of
-/// them is the root itself.
-fn distance_below(root: &Path, a: &Path, b: &Path) -> Option<usize> {
-    let common = a.components().zip(b.components()).take_while(|(x, y)| x == y).count();
-    let (a_len, b_len, root_len) = (
-        a.components().count(),
-        b.components().count(),
-        root.components().count(),
-    );
-    let related = common > root_len || a_len == root_len || b_len == root_len;
-    related.then_some(a_len + b_len - 2 * common)
+/// The lowest folder that holds all of these.
+fn common_folder<'p>(mut folders: impl Iterator<Item = &'p Path>) -> PathBuf {
+    let first = folders.next().map(Path::to_path_buf).unwrap_or_default();
+    folders.fold(first, |common, folder| {
+        let same = common.components().zip(folder.components()).take_while(|(a, b)| a == b);
+        same.map(|(component, _)| component).collect()
+    })
 }
 
 #[cfg(test)]
@@ -207,12 +435,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn folders_are_near_only_below_the_given_root() {
-        let root = Path::new("ws");
-        let distance = |a: &str, b: &str| distance_below(root, Path::new(a), Path::new(b));
-        assert_eq!(distance("ws/car/config", "ws/car/urdf"), Some(2));
-        assert_eq!(distance("ws/car/config", "ws/drone/urdf"), None);
-        assert_eq!(distance("ws", "ws/drone/urdf"), Some(2));
-        assert_eq!(distance("ws", "ws"), Some(0));
+    fn the_common_folder_is_the_lowest_one() {
+        let common = |folders: &[&str]| common_folder(folders.iter().map(Path::new));
+        assert_eq!(common(&["ws/car/config", "ws/car/urdf"]), Path::new("ws/car"));
+        assert_eq!(common(&["ws/car", "ws/carrier"]), Path::new("ws"));
+        assert_eq!(common(&["ws/car"]), Path::new("ws/car"));
+        assert_eq!(common(&["car", "drone"]), Path::new(""));
     }
 }

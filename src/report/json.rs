@@ -76,6 +76,7 @@ pub(super) struct Input<'a> {
     kind: &'static str,
     status: &'static str,
     detail: Option<&'a str>,
+    notes: &'a [String],
     examined: Share,
     problems: Vec<InputProblem<'a>>,
 }
@@ -279,6 +280,7 @@ pub(super) fn input<'a>(source: &'a Source, locator: &Locator) -> Input<'a> {
         kind: source.kind.word(),
         status: source.status.word(),
         detail: source.detail.as_deref(),
+        notes: &source.notes,
         examined: Share {
             bytes: source.examined.bytes,
             bytes_total: source.examined.bytes_total,

@@ -130,6 +130,13 @@ pub struct Facts {
     pub jpl: Vec<Placed<String>>,
 }
 
+impl Facts {
+    /// Whether a transform between two frames is stated.
+    pub fn state_transforms(&self) -> bool {
+        !self.claims.is_empty() || !self.publishers.is_empty()
+    }
+}
+
 /// A dataset that the configuration names.
 #[derive(Clone, Debug)]
 pub struct NamedDataset {

@@ -160,7 +160,7 @@ pub const SEEN: &[Seen] = &[
     },
     Seen {
         name: "mounting 2.5 deg off",
-        names: (&["moved"], &[]),
+        names: (&["moved", "yaw"], &[]),
         told: |mount| mount * Isometry3::rotation(Vector3::z() * 0.0436),
         asked: &[PLACE],
         ..MOVING

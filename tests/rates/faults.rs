@@ -79,7 +79,11 @@ pub const IMU: &[Known] = &[
         &[Error::Conjugate, Error::Wxyz],
         (
             &["wxyz-inverse"],
-            &["stand as w, x, y, z, of the inverse", "the inverse would be as level"],
+            &[
+                "stand as w, x, y, z, of the inverse",
+                "the inverse would be as level",
+                "read as the inverse",
+            ],
         ),
     ),
     (

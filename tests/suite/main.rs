@@ -28,6 +28,7 @@ mod hostile_input;
 mod html;
 mod ignored;
 mod integrations;
+mod joining;
 mod layers;
 mod limits;
 mod messages;

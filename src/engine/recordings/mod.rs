@@ -22,8 +22,8 @@ use crate::world::{Facts, World};
 use super::evidence::Saved;
 use super::gather::source_id;
 use super::{
-    Declared, Demanded, Member, Reading, Renumber, RunPolicy, Setup, UsageError, judge, judge_all, merged, parallel,
-    platform, sampling,
+    Declared, Demanded, Member, Platforms, Reading, Renumber, RunPolicy, Setup, UsageError, judge, judge_all, merged,
+    parallel, sampling,
 };
 use whole::Whole;
 
@@ -110,6 +110,7 @@ impl Shared {
             .map(|(index, input)| Source::new(source_id(index), input.display.clone(), input.kind))
             .collect();
         put(&mut sources, read);
+        Platforms::of(members.clone(), inputs).note(&mut sources);
         Self { sources, members }
     }
 }
@@ -155,13 +156,15 @@ impl Room<'_> {
     fn judge(&self, recordings: &[usize]) -> Drive {
         let mut plan = sampling::Plan::new(self.setup.options.extent, &self.setup.choice.rules);
         loop {
-            let (own, members) = self.reading.members(recordings, self.shared.sources.len(), &plan);
+            let (mut own, members) = self.reading.members(recordings, self.shared.sources.len(), &plan);
+            let members = self.shared.members.iter().cloned().chain(members);
+            let platforms = Platforms::of(members.collect(), self.reading.inputs);
+            platforms.note(&mut own);
             let mut sources = self.shared.sources.clone();
             put(&mut sources, own.clone());
             let sources = Arc::new(sources);
             let from = self.shared.sources.len();
-            let members = self.shared.members.iter().cloned().chain(members);
-            let mut worlds = platform::platforms(members.collect());
+            let mut worlds = platforms.worlds;
             self.furnish(&mut worlds, &sources);
             let is_own = |id: &SourceId| recordings.contains(&(id.0 as usize)) || id.0 as usize >= from;
             let (mut worlds, others): (Vec<World>, Vec<World>) =
@@ -283,12 +286,9 @@ impl Room<'_> {
 
     /// Files that belong to the platform of no recording.
     fn judge_rest(&self, covered: &BTreeSet<SourceId>, whole: &mut Whole) {
-        let members = self
-            .shared
-            .members
-            .iter()
-            .filter(|member| !covered.contains(&member.id));
-        let mut worlds = platform::platforms(members.cloned().collect());
+        let mut worlds = Platforms::of(self.shared.members.clone(), self.reading.inputs).worlds;
+        let is_left = |id: &SourceId| !covered.contains(id);
+        worlds.retain(|world| world.members.iter().any(is_left));
         if worlds.is_empty() {
             return;
         }
@@ -312,7 +312,7 @@ impl Room<'_> {
             let read = input.zip(whole.run.sources.get(recording));
             members.extend(read.map(|(input, source)| Member::new(source, facts, input)));
         }
-        let mut worlds = platform::platforms(members);
+        let mut worlds = Platforms::of(members, self.reading.inputs).worlds;
         let sources = Arc::new(std::mem::take(&mut whole.run.sources));
         self.furnish(&mut worlds, &sources);
         let compared = self.compare(&worlds, &drives, whole);
@@ -393,10 +393,15 @@ fn name(recordings: &[usize], worlds: &mut [World], sources: &[Source]) -> Strin
         let folder = source.path.strip_suffix("/metadata.yaml").filter(|_| is_folder);
         Some(folder.unwrap_or(&source.path))
     };
+    let are_several = worlds.len() > 1;
     for world in worlds {
         let own = world.members.iter().map(|id| id.0 as usize);
         let names: Vec<&str> = own.filter(|id| recordings.contains(id)).filter_map(path).collect();
-        world.label = names.join(" + ");
+        let name = names.join(" + ");
+        world.label = match &world.label {
+            platform if are_several => format!("{name} with {platform}"),
+            _ => name,
+        };
     }
     let names: Vec<&str> = recordings.iter().filter_map(|id| path(*id)).collect();
     names.join(" + ")

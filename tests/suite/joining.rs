@@ -1,0 +1,280 @@
+//! Platforms side by side in one tree of folders: what `check .` says of each is what a check of its folder alone says.
+
+#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
+
+use std::collections::BTreeSet;
+use std::fs;
+use std::path::Path;
+
+use frames_lint::engine::{self, Options};
+use frames_lint::run::Run;
+use frames_lint::source::Confidence;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
+use proptest::prelude::*;
+
+use crate::support;
+
+/// A platform: where its lidar is, how its files lie, and its mistake.
+#[derive(Clone, Debug)]
+struct Platform {
+    lidar: [f64; 6],
+    layout: Layout,
+    has_drive: bool,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Layout {
+    /// Description and calibration in one folder.
+    Flat,
+    /// Each kind of file in a folder of its own.
+    ByKind,
+    /// No description.
+    WithoutRobot,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Mistake {
+    None,
+    /// The calibration is the inverse.
+    Inverse,
+    /// The calibration is the mirror image.
+    Mirrored,
+    /// The frame has another case in the calibration of a second sensor.
+    Case,
+    /// The clock of the recording's sensor is off by leap seconds; without a recording, as [`Mistake::Mirrored`].
+    Late,
+}
+
+impl Platform {
+    fn base_from_lidar(&self) -> Isometry3<f64> {
+        let [x, y, z, roll, pitch, yaw] = self.lidar;
+        Isometry3::from_parts(
+            Translation3::new(x, y, z),
+            UnitQuaternion::from_euler_angles(roll, pitch, yaw),
+        )
+    }
+
+    fn urdf(&self) -> String {
+        let [x, y, z, roll, pitch, yaw] = self.lidar;
+        format!(
+            r#"<robot name="car">
+  <link name="base_link"/><link name="lidar"/><link name="radar"/>
+  <joint name="lidar_joint" type="fixed">
+    <parent link="base_link"/><child link="lidar"/><origin xyz="{x} {y} {z}" rpy="{roll} {pitch} {yaw}"/>
+  </joint>
+  <joint name="radar_joint" type="fixed">
+    <parent link="base_link"/><child link="radar"/><origin xyz="3.4 {y} 0.5"/>
+  </joint>
+</robot>
+"#
+        )
+    }
+
+    fn calibration(&self, mistake: Mistake) -> String {
+        let base_from_lidar = self.base_from_lidar();
+        let mut matrix = match mistake {
+            Mistake::Inverse => base_from_lidar.inverse(),
+            _ => base_from_lidar,
+        }
+        .to_homogeneous();
+        if mistake == Mistake::Mirrored || mistake == Mistake::Late && !self.has_drive {
+            for row in 0..3 {
+                matrix[(row, 1)] = -matrix[(row, 1)];
+            }
+        }
+        let rows: Vec<String> = (0..4)
+            .map(|row| {
+                let row: Vec<String> = (0..4).map(|column| format!("{:.9}", matrix[(row, column)])).collect();
+                format!("  - [{}]\n", row.join(", "))
+            })
+            .collect();
+        format!("base_link_from_lidar:\n{}", rows.concat())
+    }
+
+    /// Another file of the platform, which states where the radar is.
+    fn radar(&self, mistake: Mistake) -> String {
+        let radar = if mistake == Mistake::Case { "Radar" } else { "radar" };
+        stated(radar, [3.4, self.lidar[1], 0.5])
+    }
+
+    fn drive(&self, mistake: Mistake) -> String {
+        let [x, y, z, ..] = self.lidar;
+        let [roll, pitch, yaw] = [3, 4, 5].map(|at| self.lidar[at].to_degrees());
+        let offset = if mistake == Mistake::Late { 18 } else { 0 };
+        format!(
+            "\
+start_s: 1700000000
+duration_s: 10
+topics:
+  - topic: /tf_static
+    transforms:
+      - {{parent: base_link, child: lidar, xyz: [{x}, {y}, {z}], rpy_deg: [{roll}, {pitch}, {yaw}]}}
+      - {{parent: base_link, child: radar, xyz: [3.4, {y}, 0.5]}}
+  - topic: /tf
+    rate_hz: 20
+    transforms:
+      - {{parent: odom, child: base_link, velocity: [3, 0, 0], yaw_rate_deg_s: 4}}
+  - {{topic: /imu, type: sensor_msgs/msg/Imu, rate_hz: 50, frame_id: base_link, stamp_offset_s: {offset}}}
+"
+        )
+    }
+
+    fn write(&self, folder: &Path, mistake: Mistake) {
+        let at = |kind: &str| match self.layout {
+            Layout::ByKind => folder.join(kind),
+            Layout::Flat | Layout::WithoutRobot => folder.to_path_buf(),
+        };
+        for kind in ["urdf", "config", "bags"] {
+            fs::create_dir_all(at(kind)).unwrap();
+        }
+        if !matches!(self.layout, Layout::WithoutRobot) {
+            fs::write(at("urdf").join("car.urdf"), self.urdf()).unwrap();
+        }
+        fs::write(at("config").join("lidar.yaml"), self.calibration(mistake)).unwrap();
+        fs::write(at("config").join("radar.yaml"), self.radar(mistake)).unwrap();
+        if self.has_drive || matches!(self.layout, Layout::WithoutRobot) {
+            support::write(&self.drive(mistake), &at("bags").join("drive.mcap"));
+        }
+    }
+}
+
+/// A statement of where a sensor is, unturned.
+fn stated(sensor: &str, [x, y, z]: [f64; 3]) -> String {
+    format!("extrinsics:\n  - parent: base_link\n    child: {sensor}\n    xyz: [{x}, {y}, {z}]\n    rpy: [0, 0, 0]\n")
+}
+
+fn check(folder: &Path) -> Run {
+    engine::check(&Options {
+        paths: vec![folder.to_path_buf()],
+        ..Options::default()
+    })
+    .unwrap()
+}
+
+/// Rule, file and message of what counts, of the files below a folder.
+fn found(run: &Run, below: &Path) -> BTreeSet<(String, String, String)> {
+    let counts = run
+        .verdict
+        .open()
+        .filter(|finding| finding.confidence > Confidence::Hint);
+    let key = counts.filter_map(|finding| {
+        let place = finding.places.first()?;
+        let path = &run.sources.get(place.place.source.0 as usize)?.path;
+        let relative = Path::new(path).strip_prefix(below).ok()?;
+        Some((
+            finding.rule.clone(),
+            relative.to_string_lossy().into_owned(),
+            finding.message.clone(),
+        ))
+    });
+    key.collect()
+}
+
+fn platform() -> impl Strategy<Value = Platform> {
+    let part = |from: f64, to: f64| from..to;
+    let lidar = (
+        part(0.4, 2.0),
+        part(-0.5, 0.5),
+        part(1.0, 2.5),
+        part(-0.04, 0.04),
+        part(-0.04, 0.04),
+        part(0.2, 1.2),
+    );
+    let layout = prop_oneof![Just(Layout::Flat), Just(Layout::ByKind), Just(Layout::WithoutRobot)];
+    (lidar, layout, any::<bool>()).prop_map(|((x, y, z, roll, pitch, yaw), layout, has_drive)| Platform {
+        lidar: [x, y, z, roll, pitch, yaw],
+        layout,
+        has_drive,
+    })
+}
+
+fn mistake() -> impl Strategy<Value = Mistake> {
+    prop_oneof![
+        Just(Mistake::None),
+        Just(Mistake::Inverse),
+        Just(Mistake::Mirrored),
+        Just(Mistake::Case),
+        Just(Mistake::Late)
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, failure_persistence: None, ..ProptestConfig::default() })]
+
+    #[test]
+    fn what_is_found_in_one_of_several_platforms_is_what_is_found_there(
+        platforms in proptest::collection::vec(platform(), 2..5),
+        which in any::<prop::sample::Index>(),
+        mistake in mistake(),
+    ) {
+        let root = tempfile::tempdir().unwrap();
+        // Without a description among them, or with one alone, nothing but the folders tells platforms apart.
+        let wrong = which.index(platforms.len());
+        for (number, platform) in platforms.iter().enumerate() {
+            let mistake = if number == wrong { mistake } else { Mistake::None };
+            platform.write(&root.path().join(format!("robot_{number}")), mistake);
+        }
+        let all = check(root.path());
+        for number in 0..platforms.len() {
+            let folder = root.path().join(format!("robot_{number}"));
+            let (there, here) = (found(&check(&folder), &folder), found(&all, &folder));
+            prop_assert_eq!(there.is_empty(), number != wrong || mistake == Mistake::None, "{:?}", there);
+            prop_assert_eq!(here, there);
+        }
+    }
+}
+
+/// Two robots of one make, the second with a calibration that is inverted, and a file in the folder above.
+fn two_robots(above: &str) -> tempfile::TempDir {
+    let root = tempfile::tempdir().unwrap();
+    for (name, x) in [("a", 0.9), ("b", 1.4)] {
+        let platform = Platform {
+            lidar: [x, 0.1, 1.8, 0.0, 0.0, 0.0],
+            layout: Layout::Flat,
+            has_drive: false,
+        };
+        platform.write(&root.path().join(name), Mistake::None);
+    }
+    fs::write(root.path().join("above.yaml"), above).unwrap();
+    root
+}
+
+#[test]
+fn what_may_be_of_either_robot_is_judged_with_both_and_says_so() {
+    let root = two_robots(&stated("lidar", [0.9, 0.1, 1.8]));
+    let run = check(root.path());
+    let above = run
+        .sources
+        .iter()
+        .find(|source| source.path.ends_with("above.yaml"))
+        .unwrap();
+    assert_eq!(above.notes.len(), 1, "{:?}", above.notes);
+    assert!(
+        above.notes[0].contains("a/car.urdf") && above.notes[0].contains("b/car.urdf"),
+        "{:?}",
+        above.notes
+    );
+    let rules: Vec<&str> = run.verdict.open().map(|finding| finding.rule.as_str()).collect();
+    assert_eq!(
+        rules,
+        ["CROSS01"],
+        "half a metre off the second robot's, and right of the first"
+    );
+}
+
+#[test]
+fn a_folder_beside_a_robot_that_has_its_own_calibration_is_not_its() {
+    let root = two_robots("");
+    fs::remove_file(root.path().join("above.yaml")).unwrap();
+    let other = root.path().join("c");
+    fs::create_dir(&other).unwrap();
+    fs::write(other.join("sensors.yaml"), stated("lidar", [0.2, 0.0, 0.3])).unwrap();
+    let run = check(root.path());
+    assert_eq!(run.verdict.open().count(), 0);
+    let alone = run
+        .sources
+        .iter()
+        .find(|source| source.path.ends_with("c/sensors.yaml"))
+        .unwrap();
+    assert!(alone.notes[0].starts_with("judged without"), "{:?}", alone.notes);
+}
