@@ -58,6 +58,21 @@ pub(crate) fn rename_edits(world: &World, spelled: &FrameId, to: &str) -> Option
     (!edits.is_empty()).then_some(edits)
 }
 
+/// Edits that exchange what stands at two places of one text; `None` where that text cannot be edited safely.
+pub(crate) fn swap_edits(world: &World, a: &Place, b: &Place) -> Option<Vec<Edit>> {
+    let text = |place: &Place| {
+        let source = world.source(place.source).filter(|source| source.derived.is_none())?;
+        let span = place.span()?;
+        source.text.get(span.start..span.end).map(str::to_owned)
+    };
+    let (at_a, at_b) = text(a).zip(text(b))?;
+    let edit = |place: &Place, replacement| Edit {
+        place: place.clone(),
+        replacement,
+    };
+    Some(vec![edit(a, at_b), edit(b, at_a)])
+}
+
 /// Every place in a text at which a frame is spelled like this, in order.
 fn text_places(world: &World, spelled: &FrameId) -> BTreeSet<Place> {
     let name = spelled.as_str();

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::source::{Place, SourceId, Span};
+use crate::source::{Confidence, Place, SourceId, Span};
 use crate::world::graph::{Edge, EdgeOrigin};
 use crate::world::{Claim, FrameId, FrameRole, Literal, World, robot::Joint};
 
@@ -40,7 +40,7 @@ impl<'a> Firsts<'a> {
 /// Where an edge is stated: the joint's start tag, or the first message that carries it.
 pub(crate) fn of_edge(world: &World, edge: &Edge) -> Option<Place> {
     match edge.origin {
-        EdgeOrigin::Joint(index) => {
+        EdgeOrigin::Joint(index) | EdgeOrigin::Published(index) => {
             let claim = world.claims.get(index)?;
             let joint = joint_of(world, claim);
             Some(joint.map_or_else(|| claim.place.clone(), |joint| joint.place.clone()))
@@ -53,10 +53,20 @@ pub(crate) fn of_edge(world: &World, edge: &Edge) -> Option<Place> {
     }
 }
 
+/// How sure it is that a launch file publishes an edge; other edges are there for certain.
+pub(crate) fn published_reading(world: &World, edge: &Edge) -> Confidence {
+    match edge.origin {
+        EdgeOrigin::Published(index) => world.claims.get(index).map_or(Confidence::Hint, |claim| claim.reading),
+        EdgeOrigin::Joint(_) | EdgeOrigin::Tf(..) => Confidence::Certain,
+    }
+}
+
 /// Where the numbers of an edge stand: a joint's `<origin>`, where it has one; else as [`of_edge`].
 pub(crate) fn of_numbers(world: &World, edge: &Edge) -> Option<Place> {
     match edge.origin {
-        EdgeOrigin::Joint(index) => world.claims.get(index).map(|claim| claim.place.clone()),
+        EdgeOrigin::Joint(index) | EdgeOrigin::Published(index) => {
+            world.claims.get(index).map(|claim| claim.place.clone())
+        }
         EdgeOrigin::Tf(..) => of_edge(world, edge),
     }
 }
@@ -75,7 +85,9 @@ pub(crate) fn joint_of<'a>(world: &'a World, claim: &Claim) -> Option<&'a Joint>
 /// The source that states an edge.
 pub(crate) fn source_of_edge(world: &World, edge: &Edge) -> Option<SourceId> {
     match edge.origin {
-        EdgeOrigin::Joint(index) => world.claims.get(index).map(|claim| claim.place.source),
+        EdgeOrigin::Joint(index) | EdgeOrigin::Published(index) => {
+            world.claims.get(index).map(|claim| claim.place.source)
+        }
         EdgeOrigin::Tf(bag, _) => world.bags.get(bag).map(|bag| bag.source),
     }
 }

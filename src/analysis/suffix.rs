@@ -2,6 +2,8 @@
 //!
 //! Must not judge.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{Isometry3, UnitQuaternion};
 
 use crate::math::{constants::AxisTurn, relation::Relation, rotation::rotation_angle_between};
@@ -19,16 +21,18 @@ pub(crate) fn siblings<'a>(world: &'a World, frame: &FrameId, word: &str, instea
     if stem.is_empty() {
         Vec::new()
     } else {
-        world.graph().frames.iter().filter(of_stem).collect()
+        let known: BTreeSet<&FrameId> = world.graphs().flat_map(|graph| &graph.frames).filter(of_stem).collect();
+        known.into_iter().collect()
     }
 }
 
 /// `sibling_from_frame`: over rigid edges if possible, else at the first samples of moving ones.
 pub(crate) fn relation_to(world: &World, sibling: &FrameId, frame: &FrameId) -> Option<Isometry3<f64>> {
-    let graph = world.graph();
-    let chain = graph
-        .chain(sibling, frame, |edge| edge.is_rigid)
-        .or_else(|| graph.chain(sibling, frame, |_| true));
+    let over = |is_rigid: bool| {
+        let mut graphs = world.graphs();
+        graphs.find_map(|graph| graph.chain(sibling, frame, |edge| edge.is_rigid || !is_rigid))
+    };
+    let chain = over(true).or_else(|| over(false));
     chain.map(|(sibling_from_frame, _)| sibling_from_frame)
 }
 
@@ -52,7 +56,7 @@ pub(crate) fn known_turn(seen: &UnitQuaternion<f64>, max_deg: f64) -> Option<Rel
 
 /// Where the frame is stated in the tree, else where it is named first.
 pub(crate) fn place_of(world: &World, frame: &FrameId) -> Option<Place> {
-    let mut edges = world.graph().edges_to(frame);
+    let mut edges = world.graphs().flat_map(|graph| graph.edges_to(frame));
     edges
         .find_map(|edge| crate::analysis::places::of_edge(world, edge))
         .or_else(|| crate::analysis::places::first(world, frame))

@@ -139,6 +139,19 @@ pub(crate) fn frames(bag: &BagEvidence) -> BTreeSet<FrameId> {
         .collect()
 }
 
+/// The frame that a frame hangs under in a recording's TF; the frame itself where it has no parent there.
+pub(crate) fn root_of(bag: &BagEvidence, frame: &FrameId) -> FrameId {
+    let (children, mut at) = (by_child(bag), frame.clone());
+    // A loop ends the walk as well: no tree is deeper than it has frames.
+    for _ in 0..=children.len() {
+        match children.get(&at).and_then(|edges| edges.first()) {
+            Some(edge) => at = edge.parent.canonical(),
+            None => break,
+        }
+    }
+    at
+}
+
 /// The edges of a recording by child, canonical, in the order of the evidence.
 pub(crate) fn by_child(bag: &BagEvidence) -> BTreeMap<FrameId, Vec<&TfEdge>> {
     let mut children: BTreeMap<FrameId, Vec<&TfEdge>> = BTreeMap::new();
@@ -215,10 +228,10 @@ pub(crate) fn header_frames(bag: &BagEvidence) -> BTreeMap<FrameId, Vec<Used<'_>
     uses
 }
 
-/// Fixed joints of robots that a recording shows, whose child is in none of its transforms, with the child's name. A
-/// robot that is described twice is listed twice.
+/// Fixed joints of robots that a recording shows, whose child is in none of its transforms, or without a parent though TF has the joint's;
+/// with the child's name. A robot that is described twice is listed twice.
 pub(crate) fn unpublished_joints<'a>(world: &'a World, bag: &BagEvidence) -> Vec<(FrameId, &'a Joint)> {
-    let known = frames(bag);
+    let (known, mounted) = (frames(bag), by_child(bag));
     let canonical = |name: &str| FrameId::new(name).canonical();
     let mut missing = Vec::new();
     for robot in world.robots.iter().filter(|robot| robot.fragment.is_none()) {
@@ -229,7 +242,14 @@ pub(crate) fn unpublished_joints<'a>(world: &'a World, bag: &BagEvidence) -> Vec
         {
             let fixed = robot.joints.iter().filter(|joint| joint.is_fixed());
             let children = fixed.filter_map(|joint| Some((canonical(&joint.child.as_ref()?.value), joint)));
-            missing.extend(children.filter(|(child, _)| !child.as_str().is_empty() && !known.contains(child)));
+            let has_parent = |joint: &Joint| {
+                let parent = joint.parent.as_ref().map(|parent| canonical(&parent.value));
+                parent.is_some_and(|parent| known.contains(&parent))
+            };
+            missing.extend(children.filter(|(child, joint)| {
+                let is_open = !known.contains(child) || (!mounted.contains_key(child) && has_parent(joint));
+                !child.as_str().is_empty() && is_open
+            }));
         }
     }
     missing

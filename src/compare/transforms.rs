@@ -333,7 +333,7 @@ impl<'r> Tree<'r> {
             .or_default()
             .insert(edge.parent.clone());
         let who = match edge.origin {
-            EdgeOrigin::Joint(index) => world.claims.get(index).map(|claim| {
+            EdgeOrigin::Joint(index) | EdgeOrigin::Published(index) => world.claims.get(index).map(|claim| {
                 let joint = match &claim.kind {
                     ClaimKind::Joint { joint, .. } => joint.as_str(),
                     ClaimKind::File { .. } => claim.label.as_str(),

@@ -1,10 +1,11 @@
 //! Sorts readings into platforms. The nearest folder decides.
 //!
-//! A platform forms around a robot: a whole description. A tree of folders with one robot is one platform. With several, a file goes up
-//! from its folder to the first that holds a robot, in it or below. Is that one robot, the file is its. Are there several, it is the one's
-//! whose frames it names most; where that is not one, it is judged with each of them, and says so. A folder beside that of a robot which
-//! holds what that one has itself (statements of transforms, recordings) is of another platform. Without any robot, platforms form around the
-//! folders of recordings; without these, around each folder.
+//! A platform forms around a robot: a whole description. A tree of folders with one robot is one platform, but for a folder that holds
+//! statements and recordings of its own where the robot's has some, too. With several robots, a file goes up from its folder to the first
+//! that holds a robot, in it or below. If that is one robot, the file belongs to it. If there are several, it belongs to the one whose frames
+//! it names most; where that is not one, it is judged with each of them, and its source says so. A folder beside that of a robot which holds
+//! what that one has itself (statements, recordings) is of another platform. Without any robot, platforms form around the folders of
+//! recordings; without these, each folder is one.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -248,7 +249,7 @@ impl Layout<'_> {
             }
             let is_here = |at: &usize| self.anchors.get(*at).is_some_and(|anchor| anchor.dir == folder);
             let here: Vec<usize> = near.iter().copied().filter(is_here).collect();
-            return match (here.as_slice(), unit.dir == folder || self.around == Around::Robot) {
+            return match (here.as_slice(), unit.dir == folder) {
                 ([], false) => {
                     let open = near.iter().copied().filter(|at| self.is_open(folder, *at, unit));
                     self.choose(open.collect(), &near, unit)
@@ -271,7 +272,12 @@ impl Layout<'_> {
             let own = self.kinds.iter().filter(|(dir, _)| dir.starts_with(&side));
             own.fold(Kinds::default(), |all, (_, kinds)| all.and(*kinds))
         };
-        !side(&anchor.dir).has_any_of(side(&unit.dir))
+        let (there, here) = (side(&anchor.dir), side(&unit.dir));
+        match self.around {
+            // One robot is all there is, unless a folder beside it has everything that makes another platform.
+            Around::Robot => !(here.states && here.records && (there.states || there.records)),
+            Around::Robots | Around::Recordings => !there.has_any_of(here),
+        }
     }
 
     /// Of several anchors, those whose frames the unit names most.

@@ -11,6 +11,8 @@ pub enum Need {
     Tf,
     /// A URDF, or a recording with TF.
     RobotOrTf,
+    /// A URDF, a recording with TF, or a launch file that publishes transforms.
+    RobotTfOrLaunch,
     /// Any stated transform: URDF, file or TF.
     Transforms,
     /// Any stated transform, or a recording.
@@ -36,6 +38,7 @@ impl Need {
             Self::Robot => !world.robots.is_empty(),
             Self::Tf => tf(),
             Self::RobotOrTf => !world.robots.is_empty() || tf(),
+            Self::RobotTfOrLaunch => !world.robots.is_empty() || tf() || world.claims.iter().any(Claim::is_published),
             Self::Transforms => !world.claims.is_empty() || tf(),
             Self::Matrices => world.claims.iter().any(|claim| claim.matrix().is_some()),
             Self::TransformsOrBag => !world.claims.is_empty() || !world.bags.is_empty(),
@@ -50,7 +53,13 @@ impl Need {
     pub fn is_of_bags(self) -> bool {
         matches!(
             self,
-            Self::Tf | Self::RobotOrTf | Self::Transforms | Self::TransformsOrBag | Self::CalibrationOrBag | Self::Bag
+            Self::Tf
+                | Self::RobotOrTf
+                | Self::RobotTfOrLaunch
+                | Self::Transforms
+                | Self::TransformsOrBag
+                | Self::CalibrationOrBag
+                | Self::Bag
         )
     }
 
@@ -60,6 +69,7 @@ impl Need {
             Self::Robot => "no URDF",
             Self::Tf => "no recording with TF",
             Self::RobotOrTf => "no URDF and no recording with TF",
+            Self::RobotTfOrLaunch => "no URDF, no recording with TF, and no launch file that publishes transforms",
             Self::Transforms => "no transforms",
             Self::TransformsOrBag => "no transforms and no recording",
             Self::CalibrationOrBag => "no calibration file with transforms and no recording",

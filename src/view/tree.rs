@@ -224,7 +224,9 @@ fn is_far(edge: &Edge) -> bool {
 
 fn source_of(world: &World, edge: &Edge) -> Option<SourceId> {
     match edge.origin {
-        EdgeOrigin::Joint(index) => world.claims.get(index).map(|claim| claim.place.source),
+        EdgeOrigin::Joint(index) | EdgeOrigin::Published(index) => {
+            world.claims.get(index).map(|claim| claim.place.source)
+        }
         EdgeOrigin::Tf(bag, _) => world.bags.get(bag).map(|bag| bag.source),
     }
 }

@@ -191,6 +191,11 @@ impl Claim {
         self.frames.as_ref().map(|(_, source)| source)
     }
 
+    /// Whether a launch file or a script publishes it.
+    pub fn is_published(&self) -> bool {
+        matches!(&self.kind, ClaimKind::File { dialect, .. } if dialect == super::launch::PROGRAM)
+    }
+
     /// Whether the claim holds at all times: not the zero position of a moving joint.
     pub fn is_rigid(&self) -> bool {
         !matches!(self.kind, ClaimKind::Joint { fixed: false, .. })

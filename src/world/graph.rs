@@ -1,14 +1,17 @@
 //! The frame graph: who is said to be whose parent, by URDF joints and by TF.
 //!
 //! Names are compared as tf2 stores them (one leading slash stripped). Calibration claims are not edges: they are
-//! compared with the graph.
+//! compared with the graph. What a launch file publishes is an edge of the tree that is started by it, beside the joints: see
+//! [`FrameGraph::launched`].
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
 use nalgebra::Isometry3;
 
+use crate::source::SourceId;
+
 use super::World;
-use super::claim::ClaimKind;
+use super::claim::{Claim, ClaimKind};
 use super::frame::{FrameId, FrameRole};
 
 /// Which statement an edge comes from.
@@ -16,6 +19,8 @@ use super::frame::{FrameId, FrameRole};
 pub enum EdgeOrigin {
     /// Index into `World::claims`: the origin of a URDF joint.
     Joint(usize),
+    /// Index into `World::claims`: what a launch file or a script publishes.
+    Published(usize),
     /// Index into `World::bags` and into its `tf`.
     Tf(usize, usize),
 }
@@ -65,24 +70,30 @@ pub struct FrameGraph {
 }
 
 impl FrameGraph {
-    /// Collects the edges of a world.
+    /// Collects the edges of a world: joints and recorded TF.
     pub fn new(world: &World) -> Self {
-        let mut edges = Vec::new();
-        for (index, claim) in world.claims.iter().enumerate() {
-            let ClaimKind::Joint { fixed, .. } = claim.kind else {
-                continue;
-            };
-            let Some((parent, child)) = &claim.frames else {
-                continue;
-            };
-            edges.push(Edge {
-                parent: parent.canonical(),
-                child: child.canonical(),
-                origin: EdgeOrigin::Joint(index),
-                is_rigid: fixed,
-                pose: claim.pose.as_ref().map(super::Pose::isometry),
-            });
-        }
+        Self::recorded(world, Self::stated(world, |_| false))
+    }
+
+    /// Joints, recorded TF, and all that launch files publish.
+    pub fn whole(world: &World) -> Self {
+        Self::recorded(world, Self::stated(world, |_| true))
+    }
+
+    /// What recordings hold, and nothing else: the tree that tf2 had.
+    pub fn of_recordings(world: &World) -> Self {
+        let recorded = Self::recorded(world, Vec::new());
+        let frames = recorded
+            .by_child
+            .keys()
+            .chain(recorded.by_parent.keys())
+            .cloned()
+            .collect();
+        Self { frames, ..recorded }
+    }
+
+    /// With the edges of recorded TF.
+    fn recorded(world: &World, mut edges: Vec<Edge>) -> Self {
         for (bag_index, bag) in world.bags.iter().enumerate() {
             for (index, tf) in bag.tf.iter().enumerate() {
                 edges.push(Edge {
@@ -94,6 +105,43 @@ impl FrameGraph {
                 });
             }
         }
+        Self::of(world, edges)
+    }
+
+    /// The tree that each launch file or script starts: its publishers and the joints of the platform. Two files are two ways to start.
+    pub fn launched(world: &World) -> Vec<Self> {
+        let files: BTreeSet<SourceId> = world
+            .publishers
+            .iter()
+            .map(|publisher| publisher.place.source)
+            .collect();
+        let tree = |file: &SourceId| Self::of(world, Self::stated(world, |claim| claim.place.source == *file));
+        files.iter().map(tree).collect()
+    }
+
+    /// Joints, and those of the published transforms that are wanted.
+    fn stated(world: &World, is_wanted: impl Fn(&Claim) -> bool) -> Vec<Edge> {
+        let mut edges = Vec::new();
+        for (index, claim) in world.claims.iter().enumerate() {
+            let (origin, is_rigid) = match claim.kind {
+                ClaimKind::Joint { fixed, .. } => (EdgeOrigin::Joint(index), fixed),
+                _ if claim.is_published() && is_wanted(claim) => (EdgeOrigin::Published(index), true),
+                ClaimKind::File { .. } => continue,
+            };
+            if let Some((parent, child)) = &claim.frames {
+                edges.push(Edge {
+                    parent: parent.canonical(),
+                    child: child.canonical(),
+                    origin,
+                    is_rigid,
+                    pose: claim.pose.as_ref().map(super::Pose::isometry),
+                });
+            }
+        }
+        edges
+    }
+
+    fn of(world: &World, mut edges: Vec<Edge>) -> Self {
         edges.sort_by(|a, b| (&a.child, &a.parent, a.origin).cmp(&(&b.child, &b.parent, b.origin)));
         let mut frames: BTreeSet<FrameId> = world
             .frames

@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::source::{Place, Placed};
 
+/// The program that launch files and scripts publish static transforms with; the dialect of its claims.
+pub const PROGRAM: &str = "static_transform_publisher";
+
 /// How the arguments of a static transform publisher are written.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]

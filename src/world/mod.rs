@@ -99,6 +99,10 @@ pub struct World {
     pub jpl: Vec<Placed<String>>,
     #[serde(skip)]
     graph: OnceLock<FrameGraph>,
+    #[serde(skip)]
+    launched: OnceLock<Vec<FrameGraph>>,
+    #[serde(skip)]
+    whole: OnceLock<FrameGraph>,
 }
 
 /// What one reader found in one source: merged into a [`World`] by the engine.
@@ -213,6 +217,8 @@ impl World {
             }),
             jpl: kept(&self.jpl, |one| at(&one.place)),
             graph: OnceLock::new(),
+            launched: OnceLock::new(),
+            whole: OnceLock::new(),
         }
     }
 
@@ -231,6 +237,8 @@ impl World {
         self.localizations.extend(facts.localizations);
         self.jpl.extend(facts.jpl);
         self.graph = OnceLock::new();
+        self.launched = OnceLock::new();
+        self.whole = OnceLock::new();
     }
 
     /// Takes in what the user declares: it speaks before names and guesses, and settles the order of bare quaternions.
@@ -267,10 +275,27 @@ impl World {
         }
         self.conventions = conventions;
         self.graph = OnceLock::new();
+        self.launched = OnceLock::new();
+        self.whole = OnceLock::new();
     }
 
     /// The frame graph of URDF and TF together, built once. Calibration claims are compared with it, not part of it.
     pub fn graph(&self) -> &FrameGraph {
         self.graph.get_or_init(|| FrameGraph::new(self))
+    }
+
+    /// The frame graphs that launch files and scripts start, one for each; built once. See [`FrameGraph::launched`].
+    pub fn launched(&self) -> &[FrameGraph] {
+        self.launched.get_or_init(|| FrameGraph::launched(self))
+    }
+
+    /// Joints, recorded TF and all that launch files publish, together; built once.
+    pub fn whole(&self) -> &FrameGraph {
+        self.whole.get_or_init(|| FrameGraph::whole(self))
+    }
+
+    /// [`World::graph`], and those of [`World::launched`].
+    pub fn graphs(&self) -> impl Iterator<Item = &FrameGraph> {
+        std::iter::once(self.graph()).chain(self.launched())
     }
 }

@@ -29,6 +29,7 @@ mod html;
 mod ignored;
 mod integrations;
 mod joining;
+mod launched;
 mod layers;
 mod limits;
 mod messages;

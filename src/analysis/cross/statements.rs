@@ -8,6 +8,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use crate::analysis::cross::pair::{Direction, Pair, Rank, Statement, TURNED};
+use crate::analysis::places::of_numbers;
 use crate::analysis::{cross::blame::oriented, cross::fold::fold, cross::halves::join_halves, cross::roles};
 use crate::source::{Confidence, Place, SourceId, SourceKind};
 use crate::world::graph::{Edge, EdgeOrigin};
@@ -238,6 +239,7 @@ fn chain_of(world: &World, rank: Rank, target: &FrameId, source_frame: &FrameId)
             .claims
             .get(index)
             .map_or(Rank::Urdf, |claim| joint_rank(world, claim.place.source)),
+        EdgeOrigin::Published(_) => Rank::File,
         EdgeOrigin::Tf(..) => Rank::Tf,
     };
     let (pose, steps) = graph.chain(target, source_frame, |edge| edge.is_rigid && rank_of(edge) == rank)?;
@@ -249,7 +251,7 @@ fn chain_of(world: &World, rank: Rank, target: &FrameId, source_frame: &FrameId)
         has_rotation: true,
         has_translation: true,
         who: format!("the chain of {} transforms", steps.len()),
-        place: place_of(world, last)?,
+        place: of_numbers(world, last)?,
         reading: Confidence::Certain,
         label: "chain".to_owned(),
         rpy: None,
@@ -270,15 +272,5 @@ pub(crate) fn are_of_one_platform(world: &World, a: &Statement, b: &Statement) -
     match (is_file(a), is_file(b)) {
         (false, false) => a.rank == b.rank,
         _ => comparable(world, a, b) == Some(Comparable::Same),
-    }
-}
-
-fn place_of(world: &World, edge: &Edge) -> Option<Place> {
-    match edge.origin {
-        EdgeOrigin::Joint(index) => world.claims.get(index).map(|claim| claim.place.clone()),
-        EdgeOrigin::Tf(bag, index) => {
-            let bag = world.bags.get(bag)?;
-            Some(Place::message(bag.source, bag.tf.get(index)?.first_at.clone()))
-        }
     }
 }

@@ -67,7 +67,7 @@ pub(crate) fn mounts(world: &World, footprint: &FrameId, base: &FrameId) -> Vec<
 /// The values of an edge: the samples of a transform, or the origin of a fixed joint.
 fn samples(world: &World, edge: &Edge) -> Vec<(Isometry3<f64>, Place)> {
     match edge.origin {
-        EdgeOrigin::Joint(_) => {
+        EdgeOrigin::Joint(_) | EdgeOrigin::Published(_) => {
             let fixed = edge
                 .pose
                 .filter(|_| edge.is_rigid)

@@ -7,7 +7,17 @@ use crate::world::{FrameId, World};
 
 /// The loops that this rule reports: their frames, each before its parent, and the edges from each frame up to the next.
 pub(crate) fn loops(world: &World) -> Vec<(Vec<FrameId>, Vec<&Edge>)> {
-    let graph = world.graph();
+    let of = |graph| of_graph(world, graph);
+    let mut loops = of(world.graph());
+    for graph in world.launched() {
+        let is_new = |frames: &Vec<FrameId>| !loops.iter().any(|(known, _)| known == frames);
+        let new: Vec<_> = of(graph).into_iter().filter(|(frames, _)| is_new(frames)).collect();
+        loops.extend(new);
+    }
+    loops
+}
+
+fn of_graph<'w>(world: &'w World, graph: &'w FrameGraph) -> Vec<(Vec<FrameId>, Vec<&'w Edge>)> {
     graph
         .cycles()
         .into_iter()
@@ -35,6 +45,7 @@ pub(crate) fn steps<'a>(graph: &'a FrameGraph, cycle: &[FrameId]) -> Option<Vec<
     let kind = |edge: &Edge| match edge.origin {
         EdgeOrigin::Joint(_) => (0, 0),
         EdgeOrigin::Tf(bag, _) => (1, bag),
+        EdgeOrigin::Published(_) => (2, 0),
     };
     let kinds: BTreeSet<(u8, usize)> = choices.iter().flatten().map(|edge| kind(edge)).collect();
     let covered = |wanted: &(u8, usize)| {

@@ -16,14 +16,12 @@ mod yaml;
 use std::path::Path;
 
 use crate::source::{Place, ReadStatus, Source, SourceId, Span};
+use crate::world::launch::PROGRAM;
 use crate::world::{Facts, FrameRole, FrameUse};
 
 use super::input::ending;
 
 pub(crate) use yaml::collect as collect_yaml;
-
-/// The program whose calls are read.
-const PROGRAM: &str = "static_transform_publisher";
 
 /// The grammar of a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -70,7 +70,7 @@ impl<'a> Links<'a> {
     pub(super) fn new(world: &'a World, names: &Names, times: &str) -> Self {
         let types = joint_types(world);
         let mut of: BTreeMap<(&FrameId, &FrameId), Link> = BTreeMap::new();
-        for edge in &world.graph().edges {
+        for edge in &world.whole().edges {
             if let Some(statement) = statement(world, edge, &types, names, times) {
                 of.entry((&edge.parent, &edge.child))
                     .or_insert_with(|| Link { statements: Vec::new() })
@@ -102,10 +102,12 @@ fn calibrations<'a>(
     names: &Names,
     of: &mut BTreeMap<(&'a FrameId, &'a FrameId), Link>,
 ) -> BTreeMap<String, Vec<String>> {
-    let frames = &world.graph().frames;
+    let frames = &world.whole().frames;
     let mut beside: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for claim in &world.claims {
-        let (ClaimKind::File { .. }, Some((target, source))) = (&claim.kind, &claim.frames) else {
+        let (ClaimKind::File { .. }, Some((target, source)), false) =
+            (&claim.kind, &claim.frames, claim.is_published())
+        else {
             continue;
         };
         let who = one_line(&format!("{} {}", names.line(&claim.place), claim.label));
@@ -158,6 +160,16 @@ fn statement(
         EdgeOrigin::Joint(index) => {
             let claim = world.claims.get(index)?;
             Some(joint_statement(claim, edge, types, names))
+        }
+        EdgeOrigin::Published(index) => {
+            let claim = world.claims.get(index)?;
+            Some(Statement {
+                who: one_line(&format!("{} {} (published)", names.line(&claim.place), claim.label)),
+                parent_from_child: edge.pose,
+                constant: claim.reading > Confidence::Hint,
+                moment: "perhaps",
+                differs: None,
+            })
         }
         EdgeOrigin::Tf(bag, index) => {
             let bag = world.bags.get(bag)?;

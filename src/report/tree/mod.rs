@@ -92,7 +92,7 @@ fn pose_words(parent_from_child: &Isometry3<f64>) -> String {
 /// Frames of a calibration that is shown itself are left out.
 fn outsiders<'a>(world: &'a World, names: &Names) -> [BTreeMap<&'a str, Vec<String>>; 2] {
     let mut found = [BTreeMap::new(), BTreeMap::new()];
-    let frames: &BTreeSet<FrameId> = &world.graph().frames;
+    let frames: &BTreeSet<FrameId> = &world.whole().frames;
     let calibrated: BTreeSet<&FrameId> = world
         .claims
         .iter()
@@ -165,7 +165,7 @@ fn label(link: &Link, mark: &str) -> String {
 fn worlds(run: &Run) -> impl Iterator<Item = &World> {
     run.worlds
         .iter()
-        .filter(|world| !world.graph().frames.is_empty() || !world.frames.is_empty() || !world.claims.is_empty())
+        .filter(|world| !world.whole().frames.is_empty() || !world.frames.is_empty() || !world.claims.is_empty())
 }
 
 /// A frame's name for people.

@@ -30,13 +30,15 @@ pub(super) fn who(world: &World, origins: &[EdgeOrigin], factor: &Factor, names:
             let edge = bag.tf.get(*edge)?;
             Some(format!("{} {}", names.name(bag.source), edge.topic))
         }),
-        Some(EdgeOrigin::Joint(claim)) => world.claims.get(*claim).map(|claim| match &claim.kind {
-            ClaimKind::Joint { joint, fixed, .. } => {
-                let kind = if *fixed { "fixed" } else { "at zero" };
-                format!("{} joint {joint} ({kind})", names.line(&claim.place))
-            }
-            ClaimKind::File { .. } => names.line(&claim.place),
-        }),
+        Some(EdgeOrigin::Joint(claim) | EdgeOrigin::Published(claim)) => {
+            world.claims.get(*claim).map(|claim| match &claim.kind {
+                ClaimKind::Joint { joint, fixed, .. } => {
+                    let kind = if *fixed { "fixed" } else { "at zero" };
+                    format!("{} joint {joint} ({kind})", names.line(&claim.place))
+                }
+                ClaimKind::File { .. } => names.line(&claim.place),
+            })
+        }
         None => None,
     };
     one_line(&said.unwrap_or_default())

@@ -35,7 +35,7 @@ pub(super) fn sketches(run: &Run) -> Vec<Sketch> {
     worlds(run)
         .map(|world| {
             let names = Names::new(world, &locator);
-            let graph = world.graph();
+            let graph = world.whole();
             let numbers: BTreeMap<_, usize> = graph.frames.iter().zip(0..).collect();
             let edges = Links::new(world, &names, "x").of.into_iter();
             Sketch {

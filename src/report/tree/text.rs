@@ -45,7 +45,7 @@ pub fn render(run: &Run, style: Style) -> String {
 
 fn world_text(world: &World, names: &Names, style: Style, out: &mut String) {
     let links = Links::new(world, names, style.pick("×", "x"));
-    let components = world.graph().components();
+    let components = world.whole().components();
     for (index, component) in components.iter().enumerate() {
         gap(out);
         if components.len() > 1 {
@@ -121,7 +121,7 @@ impl<'a> Walk<'a> {
         if component.members.iter().all(|frame| self.opened.contains(frame)) {
             return;
         }
-        for cycle in self.world.graph().cycles() {
+        for cycle in self.world.whole().cycles() {
             let start = cycle.first().and_then(|frame| component.members.get(frame));
             if let Some(start) = start.filter(|start| !self.opened.contains(start)) {
                 let arrow = self.style.pick(" → ", " -> ");
@@ -241,7 +241,7 @@ impl<'a> Walk<'a> {
         }
         let others: Vec<String> = self
             .world
-            .graph()
+            .whole()
             .parents_of(frame)
             .into_iter()
             .filter(|other| *other != parent)

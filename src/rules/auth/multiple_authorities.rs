@@ -2,9 +2,11 @@
 
 use std::collections::BTreeSet;
 
+use crate::analysis::places::{self, published_reading};
 use crate::math::stats::median;
 use crate::rules::prelude::*;
-use crate::world::{BagEvidence, bag::TfEdge, content::Step};
+use crate::world::graph::{Edge, EdgeOrigin, FrameGraph};
+use crate::world::{BagEvidence, World, bag::TfEdge, content::Step};
 
 pub(crate) struct MultipleAuthorities;
 
@@ -22,7 +24,7 @@ pub(crate) struct Limits {
 
 impl Rule for MultipleAuthorities {
     const PAGE: &'static str = include_str!("../../../rules/auth/multiple-authorities.md");
-    const NEEDS: &'static [Need] = &[Need::Tf];
+    const NEEDS: &'static [Need] = &[Need::RobotTfOrLaunch];
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
@@ -31,6 +33,60 @@ impl Rule for MultipleAuthorities {
                 judge_edge(bag, edge, limits, out);
             }
         }
+        for launched in world.launched() {
+            judge_launched(world, launched, limits, out);
+        }
+    }
+}
+
+/// What a launch file publishes, where a joint or another call states it as well.
+fn judge_launched(world: &World, launched: &FrameGraph, limits: &Limits, out: &mut Judge) {
+    for edge in &launched.edges {
+        let EdgeOrigin::Published(_) = edge.origin else {
+            continue;
+        };
+        let subject = format!("published `{}` from `{}`", edge.parent, edge.child);
+        let twins = launched.edges_to(&edge.child).filter(|other| other.parent == edge.parent);
+        let others: Vec<&Edge> = twins.filter(|other| other.origin != edge.origin).collect();
+        let count = Measured::count("who states it", 1 + others.len()).limit(1.0);
+        let (Some(other), Some(place)) = (others.first(), places::of_edge(world, edge)) else {
+            out.pass(subject, [count]);
+            continue;
+        };
+        let is_second = others.iter().all(|other| other.origin < edge.origin);
+        if !is_second {
+            // Said of the last one.
+            continue;
+        }
+        let (who, by) = match other.origin {
+            EdgeOrigin::Joint(_) => ("robot_state_publisher and a static_transform_publisher", "the joint"),
+            _ => ("two static_transform_publishers", "the other call"),
+        };
+        let apart = edge.pose.zip(other.pose).map(|(a, b)| {
+            let distance_m = (a.translation.vector - b.translation.vector).norm();
+            (a.rotation.angle_to(&b.rotation).to_degrees(), distance_m)
+        });
+        let differ = apart.filter(|(deg, m)| *deg > limits.moves_deg || *m > limits.moves_m);
+        let (severity, how) = match differ {
+            Some((deg, m)) => (
+                Severity::Error,
+                format!("with values that differ by {deg:.2} deg and {m:.3} m: a listener keeps the one that came last"),
+            ),
+            None => (Severity::Note, "with equal values until one of them changes".to_owned()),
+        };
+        let message = format!("{who} state `{}` from `{}`, {how}", edge.parent, edge.child);
+        let mut finding = Finding::new(severity, subject, message, place)
+            .likely()
+            .confidence(published_reading(world, edge))
+            .help("let one program publish the frame: remove the call where the description has the joint")
+            .measured(count);
+        if matches!(other.origin, EdgeOrigin::Joint(_)) {
+            finding = finding.unless(codes::CROSS02).unless(codes::CROSS01);
+        }
+        if let Some(place) = places::of_edge(world, other) {
+            finding = finding.related(place, by);
+        }
+        out.fail(finding);
     }
 }
 

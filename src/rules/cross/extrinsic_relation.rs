@@ -2,7 +2,7 @@
 
 use nalgebra::Isometry3;
 
-use crate::advice::{literal::with_fix, restate::restated};
+use crate::advice::{literal::with_fix, places::swap_edits, restate::restated};
 use crate::analysis::cross::blame::{blame, holds_radians_twice};
 use crate::analysis::cross::exact::{Limits, off_axes_deg};
 use crate::analysis::cross::pair::{Direction, Pair};
@@ -12,7 +12,7 @@ use crate::math::rotation::from_rpy;
 use crate::rules::prelude::*;
 use crate::source::Confidence;
 use crate::verdict::{Edit, Safety};
-use crate::world::World;
+use crate::world::{Claim, World};
 
 pub(crate) struct ExtrinsicRelation;
 
@@ -80,7 +80,8 @@ fn judge_pair(
                 pair.reference.target.to_string(),
                 pair.reference.source_frame.to_string(),
             );
-            let finding = finding(pair, subject, relation, found, difference).unless(codes::QUAT03);
+            let wants = publisher_wants(world, pair, relation);
+            let finding = finding(pair, subject, (relation, wants), found, difference).unless(codes::QUAT03);
             let roles = if is_sure { Confidence::Likely } else { Confidence::Hint };
             let finding = pair.point_at_all_with(finding, roles);
             let finding = finding.prefers(target, source, right.unwrap_or(pair.reference.pose));
@@ -94,7 +95,7 @@ fn judge_pair(
 fn finding(
     pair: &Pair,
     subject: String,
-    relation: Relation,
+    (relation, wants): (Relation, &str),
     found: &Classification,
     difference: [Measured; 2],
 ) -> Finding {
@@ -118,7 +119,7 @@ fn finding(
         },
     );
     let help = format!(
-        "{} Find out which of the two is right and state it in both; explained to {:.2} deg and {:.3} m.{}{}",
+        "{} Find out which of the two is right and state it in both; explained to {:.2} deg and {:.3} m.{wants}{}{}",
         relation.describe(),
         found.residual_angle_rad.to_degrees(),
         found.residual_m,
@@ -181,17 +182,34 @@ fn corrected(world: &World, pair: &Pair, relation: Relation, found: &Classificat
     if left.best != Some(Relation::Equal) {
         return None;
     }
+    let claim = claim_of(world, pair)?;
     if pair.other.direction == Direction::TurnedRound {
         corrected = corrected.inverse();
+        // The tree that a launch file starts has the edge the other way round: its two frames are exchanged, the numbers are right.
+        if claim.is_published() && relation == Relation::Inverse {
+            return swap_edits(world, claim.target_place.as_ref()?, claim.source_place.as_ref()?);
+        }
     }
-    let mut claims = world
-        .claims
-        .iter()
-        .filter(|claim| claim.place == pair.other.place && claim.label == pair.other.label);
-    let (claim, None) = (claims.next()?, claims.next()) else {
-        return None;
-    };
     restated(world, claim, &corrected)
+}
+
+/// The claim behind the statement that is held against the other, where it is one.
+fn claim_of<'w>(world: &'w World, pair: &Pair) -> Option<&'w Claim> {
+    let is_its = |claim: &&Claim| claim.place == pair.other.place && claim.label == pair.other.label;
+    let mut claims = world.claims.iter().filter(is_its);
+    claims.next().filter(|_| claims.next().is_none())
+}
+
+/// What the program that publishes it wants, where that is what was missed.
+fn publisher_wants(world: &World, pair: &Pair, relation: Relation) -> &'static str {
+    match relation {
+        _ if !claim_of(world, pair).is_some_and(Claim::is_published) => "",
+        Relation::Ypr => " static_transform_publisher reads x y z yaw pitch roll parent child.",
+        Relation::Inverse if pair.other.direction == Direction::TurnedRound => {
+            " static_transform_publisher reads the parent first, then the child: the two are exchanged."
+        }
+        _ => "",
+    }
 }
 
 /// Whether a rotation lies well off the axes, so that two devices would not be related by chance.

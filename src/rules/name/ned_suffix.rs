@@ -1,5 +1,7 @@
 //! NAME04: frames named north-east-down (or east-north-up, north-west-up) that are turned otherwise.
 
+use std::collections::BTreeSet;
+
 use nalgebra::{Isometry3, Vector3};
 
 use crate::analysis::suffix::{known_turn, off_deg, place_of, relation_to, siblings};
@@ -18,11 +20,12 @@ pub(crate) struct Limits {
 
 impl Rule for NedSuffix {
     const PAGE: &'static str = include_str!("../../../rules/name/ned-suffix.md");
-    const NEEDS: &'static [Need] = &[Need::RobotOrTf];
+    const NEEDS: &'static [Need] = &[Need::RobotTfOrLaunch];
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        for frame in &world.graph().frames {
+        let frames: BTreeSet<&FrameId> = world.graphs().flat_map(|graph| &graph.frames).collect();
+        for frame in frames {
             let Some(axes) = Axes::of(frame) else { continue };
             let subject = format!("frame `{frame}`");
             let instead = (axes != Axes::Enu).then_some("enu");

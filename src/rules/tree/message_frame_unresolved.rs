@@ -16,6 +16,7 @@ impl Rule for MessageFrameUnresolved {
     type Limits = NoLimits;
 
     fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
+        let recorded: BTreeSet<FrameId> = world.bags.iter().flat_map(tf::frames).collect();
         let has_tf = world.bags.iter().any(|bag| !bag.tf.is_empty());
         for bag in &world.bags {
             let uses = tf::header_frames(bag);
@@ -34,6 +35,7 @@ impl Rule for MessageFrameUnresolved {
             let uncorrected = uncorrected.collect();
             let context = Context {
                 tree,
+                recorded: &recorded,
                 folded: tree.iter().map(names::fold).collect(),
                 unlatched: tf::without_static(bag).into_keys().collect(),
                 uncorrected,
@@ -50,6 +52,8 @@ impl Rule for MessageFrameUnresolved {
 
 struct Context<'a> {
     tree: &'a BTreeSet<FrameId>,
+    /// The frames of recorded TF.
+    recorded: &'a BTreeSet<FrameId>,
     folded: BTreeSet<String>,
     unlatched: BTreeSet<FrameId>,
     uncorrected: BTreeSet<FrameId>,
@@ -78,7 +82,24 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
         return out.fail(finding.measured(messages.limit(0.0)));
     }
     if context.tree.contains(frame) {
-        return out.pass(subject, [messages]);
+        // tf2 knows no description: what a sensor's consumers look up is in TF, where there is any.
+        let is_blind = main.kind == HeaderUse::Sensor && !context.recorded.is_empty() && !context.recorded.contains(frame);
+        if !is_blind {
+            return out.pass(subject, [messages]);
+        }
+        if bag.truncated || !bag.share.whole {
+            return out.too_little(subject, "it is in the description, and its transform may stand in what was not read of TF");
+        }
+        let message = format!(
+            "`{frame}`, the frame of {count} messages on {}, is in the description, but never in TF, which is all that tf2 knows: look-ups fail",
+            main.topic.topic
+        );
+        let finding = Finding::error(subject, message, place)
+            .likely()
+            .help("start robot_state_publisher with this description, and record its TF")
+            .measured(messages.limit(0.0))
+            .unless_about(codes::TREE08, context.path.to_owned());
+        return out.fail(finding);
     }
     let cleaned = FrameId::new(spelling::clean(frame.as_str()));
     // Names stand in reports as they were published, with a slash in front or without.

@@ -2,8 +2,10 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use crate::analysis::places::{self, published_reading};
 use crate::analysis::{tf, tree::loops::loops};
 use crate::rules::prelude::*;
+use crate::world::graph::{Edge, EdgeOrigin, FrameGraph};
 use crate::world::{BagEvidence, FrameId, Robot, World, bag::TfEdge, robot::Joint};
 
 pub(crate) struct MultipleParents;
@@ -19,7 +21,7 @@ pub(crate) struct Limits {
 
 impl Rule for MultipleParents {
     const PAGE: &'static str = include_str!("../../../rules/tree/multiple-parents.md");
-    const NEEDS: &'static [Need] = &[Need::RobotOrTf];
+    const NEEDS: &'static [Need] = &[Need::RobotTfOrLaunch];
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
@@ -35,6 +37,49 @@ impl Rule for MultipleParents {
         for bag in world.bags.iter().filter(|bag| !bag.tf.is_empty()) {
             judge_bag(world, bag, &closing, limits, out);
         }
+        for launched in world.launched() {
+            judge_launched(world, launched, &closing, out);
+        }
+    }
+}
+
+/// What a launch file publishes, beside the joints.
+fn judge_launched(world: &World, launched: &FrameGraph, closing: &BTreeSet<(FrameId, FrameId)>, out: &mut Judge) {
+    let published = |edge: &&Edge| matches!(edge.origin, EdgeOrigin::Published(_));
+    let mut failed = false;
+    let mut file = None;
+    for edge in launched.edges.iter().filter(published) {
+        file = file.or_else(|| places::source_of_edge(world, edge));
+        let child = &edge.child;
+        // A frame that is its own parent is TREE04's; two publishers of one transform are AUTH01's.
+        let others = launched.edges_to(child).filter(|other| other.parent != edge.parent && other.parent != *child);
+        let other = others.min_by_key(|other| other.origin);
+        let (Some(other), Some(place)) = (other.filter(|_| edge.parent != *child), places::of_edge(world, edge)) else {
+            continue;
+        };
+        // Of two published ones, one finding.
+        if published(&other) && other.origin > edge.origin {
+            continue;
+        }
+        failed = true;
+        let message = format!("`{child}` is published under `{}`, and has the parent `{}` already", edge.parent, other.parent);
+        let mut finding = Finding::error(format!("frame `{child}`"), message, place)
+            .likely()
+            .confidence(published_reading(world, edge))
+            .confidence(published_reading(world, other))
+            .label(format!("puts `{child}` under `{}`", edge.parent))
+            .help("a frame has one parent: remove one of the two, or publish the transform to the root of the other tree")
+            .measured(Measured::count("parents", 2).limit(1.0));
+        if let Some(place) = places::of_edge(world, other) {
+            finding = finding.related(place, format!("puts it under `{}`", other.parent));
+        }
+        let closes = [edge, other].iter().any(|edge| closing.contains(&(child.clone(), edge.parent.clone())));
+        out.fail(if closes { finding.unless_about(codes::TREE03, format!("{child}`")) } else { finding });
+    }
+    if let (false, Some(file)) = (failed, file) {
+        let several = Measured::count("frames with more than one parent", 0).limit(0.0);
+        let judged = launched.edges.iter().filter(published).count() as u64;
+        out.pass(format!("published by {}", world.path(file)), [several.samples(judged)]);
     }
 }
 

@@ -2,10 +2,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::analysis::{places::Firsts, spelling::loose, tf, tree::loops::loops};
+use crate::analysis::{names, places::Firsts, places::of_edge, spelling::loose, tf, tree::loops::loops};
 use crate::rules::prelude::*;
 use crate::source::SourceId;
-use crate::world::{FrameId, FrameRole, World, graph::Component};
+use crate::world::graph::{Component, EdgeOrigin, FrameGraph};
+use crate::world::{FrameId, FrameRole, World};
 
 pub(crate) struct OrphanSubtree;
 
@@ -15,6 +16,7 @@ impl Rule for OrphanSubtree {
     type Limits = NoLimits;
 
     fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
+        judge_recorded(world, out);
         let wholes = named_by_wholes(world);
         let (parts, components): (Vec<Component>, Vec<Component>) = world
             .graph()
@@ -65,6 +67,59 @@ impl Rule for OrphanSubtree {
                 judge_orphan(orphan, connected, &surroundings, out);
             }
         }
+    }
+}
+
+/// Trees of recorded TF that a description alone connects: tf2 knows TF, and no URDF.
+fn judge_recorded(world: &World, out: &mut Judge) {
+    if world.robots.is_empty() || world.bags.iter().any(|bag| bag.truncated || !bag.share.whole) {
+        return;
+    }
+    let recorded = FrameGraph::of_recordings(world);
+    let components = recorded.components();
+    if components.len() < 2 {
+        return;
+    }
+    // Of recorded trees, the platform's own is the main one.
+    let is_standard = |component: &Component| component.members.iter().any(|frame| names::standard(frame).is_some());
+    let main = components.iter().position(is_standard).unwrap_or_else(|| main_component(world, &components));
+    let Some(home) = components.get(main).and_then(|main| main.roots.first().or(main.members.first())) else {
+        return;
+    };
+    let whole = world.graph();
+    for (_, orphan) in components.iter().enumerate().filter(|(index, _)| *index != main) {
+        let Some(root) = orphan.roots.first().or(orphan.members.first()) else {
+            continue;
+        };
+        let Some((_, steps)) = whole.chain(home, root, |_| true) else {
+            continue;
+        };
+        let edges = steps.iter().filter_map(|step| whole.edges.get(step.edge));
+        let mut joints = edges.filter(|edge| matches!(edge.origin, EdgeOrigin::Joint(_)));
+        let Some((joint, place)) = joints.find_map(|edge| Some((edge, of_edge(world, edge)?))) else {
+            continue;
+        };
+        let name = match joint.origin {
+            EdgeOrigin::Joint(index) => world.claims.get(index).map_or("?", |claim| claim.label.as_str()),
+            _ => "?",
+        };
+        let is_used = world
+            .frames
+            .iter()
+            .any(|used| used.role == FrameRole::Header && orphan.members.contains(&used.frame.canonical()));
+        let message = format!(
+            "TF never connects `{root}` with `{home}`: only joint `{name}` of the description does, which tf2 does not know"
+        );
+        let subject = format!("recorded subtree `{root}`");
+        let severity = if is_used { Severity::Error } else { Severity::Warning };
+        let finding = Finding::new(severity, subject, message, place)
+            .likely()
+            .label("not in TF")
+            .help("start robot_state_publisher with this description (and a joint state publisher for joints that move), and record its TF")
+            .measured(Measured::count("separate trees in TF", components.len()).limit(1.0));
+        out.fail(world.bags.iter().fold(finding, |finding, bag| {
+            finding.unless_about(codes::TREE08, world.path(bag.source).to_owned())
+        }));
     }
 }
 

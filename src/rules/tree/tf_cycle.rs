@@ -2,26 +2,28 @@
 
 use std::collections::BTreeSet;
 
+use crate::analysis::places::published_reading;
 use crate::analysis::tree::loops::loops;
 use crate::rules::prelude::*;
 use crate::source::{At, SourceId};
-use crate::world::{FrameId, World, graph::Edge};
+use crate::world::graph::{Edge, EdgeOrigin};
+use crate::world::{FrameId, World};
 
 pub(crate) struct TfCycle;
 
 impl Rule for TfCycle {
     const PAGE: &'static str = include_str!("../../../rules/tree/tf-cycle.md");
-    const NEEDS: &'static [Need] = &[Need::RobotOrTf];
+    const NEEDS: &'static [Need] = &[Need::RobotTfOrLaunch];
     type Limits = NoLimits;
 
     fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
-        let graph = world.graph();
         let loops = loops(world);
         for (cycle, steps) in &loops {
             judge_cycle(world, cycle, steps, out);
         }
-        if loops.is_empty() && !graph.edges.is_empty() {
-            let none = Measured::count("loops", 0).limit(0.0).samples(graph.edges.len() as u64);
+        let edges = world.graphs().map(|graph| graph.edges.len()).max().unwrap_or_default();
+        if loops.is_empty() && edges > 0 {
+            let none = Measured::count("loops", 0).limit(0.0).samples(edges as u64);
             out.pass("frame tree", [none]);
         }
     }
@@ -48,8 +50,11 @@ fn judge_cycle(world: &World, cycle: &[FrameId], steps: &[&Edge], out: &mut Judg
         .filter_map(|edge| Some((edge, crate::analysis::places::of_edge(world, edge)?)))
         .collect();
     // What was published, or else written last, closed the loop.
-    let rank = |place: &Place| (matches!(place.at, At::Message(_)), place.clone());
-    let last = (0..at.len()).max_by_key(|index| at.get(*index).map(|(_, place)| rank(place)));
+    let rank = |(edge, place): &(&&Edge, Place)| {
+        let is_published = matches!(edge.origin, EdgeOrigin::Published(_));
+        (matches!(place.at, At::Message(_)), is_published, place.clone())
+    };
+    let last = (0..at.len()).max_by_key(|index| at.get(*index).map(rank));
     let Some((first, place)) = last.map(|index| at.remove(index)) else {
         return;
     };
@@ -61,5 +66,6 @@ fn judge_cycle(world: &World, cycle: &[FrameId], steps: &[&Edge], out: &mut Judg
         finding = finding.related(place, format!("`{}` is put under `{}`", edge.child, edge.parent));
     }
     // Sources that contradict each other may never have been used together.
-    out.fail(if sources.len() > 1 { finding.likely() } else { finding });
+    let finding = if sources.len() > 1 { finding.likely() } else { finding };
+    out.fail(steps.iter().fold(finding, |finding, edge| finding.confidence(published_reading(world, edge))));
 }

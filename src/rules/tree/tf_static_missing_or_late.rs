@@ -70,8 +70,8 @@ fn unpublished(world: &World, bag: &BagEvidence, subject: &str) -> Option<Findin
     // One robot may be described twice: in a file and in the recording.
     let names: BTreeSet<&FrameId> = missing.iter().map(|(child, _)| child).collect();
     let (_, joint) = missing.first()?;
-    let needed: BTreeSet<FrameId> = tf::sensor_frames(bag).map(|(frame, _, _)| frame).collect();
-    let blind: Vec<&FrameId> = names.iter().filter(|frame| needed.contains(**frame)).copied().collect();
+    let needed = tf::sensor_frames(bag).map(|(frame, _, _)| frame);
+    let blind: BTreeSet<FrameId> = needed.filter(|frame| names.contains(&tf::root_of(bag, frame))).collect();
     let message = format!(
         "fixed joints of the URDF are missing from TF: {}",
         tf::listed(names.iter().copied())
@@ -81,7 +81,7 @@ fn unpublished(world: &World, bag: &BagEvidence, subject: &str) -> Option<Findin
     } else {
         Finding::error(
             subject,
-            format!("{message}; sensors use {}", tf::listed(blind)),
+            format!("{message}; sensors use {}", tf::listed(&blind)),
             joint.place.clone(),
         )
     };
