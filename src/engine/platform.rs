@@ -210,6 +210,9 @@ struct Anchor {
     name: String,
 }
 
+/// A file that may be of more robots than this is judged with none of them.
+const MAX_CANDIDATES: usize = 4;
+
 /// Where a unit belongs.
 enum Home {
     /// To these anchors, each of them.
@@ -250,6 +253,8 @@ impl Layout<'_> {
             let is_here = |at: &usize| self.anchors.get(*at).is_some_and(|anchor| anchor.dir == folder);
             let here: Vec<usize> = near.iter().copied().filter(is_here).collect();
             return match (here.as_slice(), unit.dir == folder) {
+                // In a large collection the top folder makes no neighbours.
+                ([], false) if near.len() > MAX_CANDIDATES && *folder == *self.root => Home::Alone(None),
                 ([], false) => {
                     let open = near.iter().copied().filter(|at| self.is_open(folder, *at, unit));
                     self.choose(open.collect(), &near, unit)
@@ -301,20 +306,35 @@ impl Layout<'_> {
             let best = among.iter().copied().filter(|at| most > 0 && shared(at) == most);
             best.collect::<Vec<usize>>()
         };
-        let best = most(&open);
-        if best.is_empty() {
-            let beside = most(near);
+        let best = self.nearest(most(&open), &unit.dir);
+        if best.is_empty() || best.len() > MAX_CANDIDATES {
+            let beside = self.nearest(most(near), &unit.dir);
             return Home::Alone((!beside.is_empty()).then(|| self.names(&beside)));
         }
         Home::With(best)
     }
 
+    /// Those of these anchors that the fewest steps from folder to folder lead to.
+    fn nearest(&self, anchors: Vec<usize>, from: &Path) -> Vec<usize> {
+        let steps = |at: &usize| {
+            self.anchors.get(*at).map_or(usize::MAX, |anchor| {
+                let common = common_folder([anchor.dir.as_path(), from].into_iter());
+                let length = |dir: &Path| dir.components().count();
+                length(&anchor.dir) + length(from) - 2 * length(&common)
+            })
+        };
+        let least = anchors.iter().map(steps).min();
+        anchors.into_iter().filter(|at| Some(steps(at)) == least).collect()
+    }
+
     fn names(&self, anchors: &[usize]) -> String {
-        let names = anchors.iter().filter_map(|at| self.anchors.get(*at));
-        names
-            .map(|anchor| format!("`{}`", anchor.name))
-            .collect::<Vec<_>>()
-            .join(" and ")
+        let (named, more) = anchors.split_at(anchors.len().min(MAX_CANDIDATES));
+        let names = named.iter().filter_map(|at| self.anchors.get(*at));
+        let names: Vec<String> = names.map(|anchor| format!("`{}`", anchor.name)).collect();
+        match more.len() {
+            0 => names.join(" and "),
+            more => format!("{} and {more} more", names.join(", ")),
+        }
     }
 }
 
@@ -405,9 +425,7 @@ fn distributed(
             }
             Home::Alone(beside) => {
                 let note = |beside| {
-                    format!(
-                        "judged without {beside}: that stands in another folder, which has files of this kind itself"
-                    )
+                    format!("judged without {beside}, in another folder: whether it belongs there is not known")
                 };
                 clusters.notes.extend(id.zip(beside.map(note)));
                 alone.push(unit);
