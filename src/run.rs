@@ -243,7 +243,7 @@ impl VerdictWord {
     }
 }
 
-/// The counts of a run. Findings are counted whatever their confidence; rows by outcome.
+/// The counts of a run. Hints are counted apart from the findings that may count; rows by outcome.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Summary {
     /// Findings that are errors.
@@ -252,6 +252,12 @@ pub struct Summary {
     pub warnings: usize,
     /// Findings that are notes.
     pub notes: usize,
+    /// Findings that are hints, whatever their severity.
+    pub hints: usize,
+    /// Rows that apply: all but those for which there is nothing to judge.
+    pub applicable: usize,
+    /// Of these, the rows that were judged.
+    pub judged: usize,
     /// Rows judged right.
     pub passed: usize,
     /// Rows that could not be judged.
@@ -287,6 +293,9 @@ impl Run {
             errors: self.verdict.count_findings(Severity::Error),
             warnings: self.verdict.count_findings(Severity::Warning),
             notes: self.verdict.count_findings(Severity::Note),
+            hints: self.verdict.count_hints(),
+            applicable: self.verdict.rows.iter().filter(|row| row.applies()).count(),
+            judged: self.verdict.rows.iter().filter(|row| row.outcome.is_judged()).count(),
             passed: self.verdict.count(Outcome::Pass),
             not_evaluated: self.verdict.count(Outcome::NotEvaluated),
             waived: self.verdict.count(Outcome::Waived),

@@ -294,6 +294,9 @@ pub struct Source {
     pub status: ReadStatus,
     /// One line on the status, where there is something to say.
     pub detail: Option<String>,
+    /// What was taken from it, in words: `3 transforms, 1 origin on the Earth`; `None` where that is nothing.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub taken: Option<String>,
     /// What else is to be said of it, a line each: what it was judged with.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
@@ -343,6 +346,7 @@ impl Source {
             kind,
             status: ReadStatus::Read,
             detail: None,
+            taken: None,
             notes: Vec::new(),
             examined: Examined::default(),
             text: String::new(),

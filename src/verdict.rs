@@ -117,6 +117,28 @@ pub struct Row {
     pub planes: Vec<SeenPlane>,
 }
 
+impl Row {
+    /// Why it was not evaluated.
+    pub fn why_not(&self) -> Option<NotEvaluated> {
+        let reason = self
+            .reason
+            .as_deref()
+            .filter(|_| self.outcome == Outcome::NotEvaluated)?;
+        let kinds = [
+            NotEvaluated::NotApplicable,
+            NotEvaluated::MissingInput,
+            NotEvaluated::TooLittleEvidence,
+            NotEvaluated::InputBroken,
+        ];
+        kinds.into_iter().find(|kind| reason.starts_with(kind.word()))
+    }
+
+    /// Whether there is anything here that its rule is about.
+    pub fn applies(&self) -> bool {
+        self.why_not() != Some(NotEvaluated::NotApplicable)
+    }
+}
+
 /// A plane that a rule saw in a cloud: the points p with `normal . p = offset_m`, in the axes of the cloud.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenPlane {
@@ -180,8 +202,16 @@ impl Verdict {
         self.findings.iter().filter(|finding| finding.waived.is_none())
     }
 
-    /// How many findings that nobody has accepted have this severity.
+    /// How many findings that nobody has accepted, and that are more than hints, have this severity.
     pub fn count_findings(&self, severity: Severity) -> usize {
-        self.open().filter(|finding| finding.severity == severity).count()
+        let is_one = |finding: &&Finding| finding.severity == severity && finding.confidence > Confidence::Hint;
+        self.open().filter(is_one).count()
+    }
+
+    /// How many findings that nobody has accepted are hints.
+    pub fn count_hints(&self) -> usize {
+        self.open()
+            .filter(|finding| finding.confidence == Confidence::Hint)
+            .count()
     }
 }

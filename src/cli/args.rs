@@ -148,7 +148,8 @@ impl Reading {
 #[command(after_help = EXIT_CODES)]
 pub(super) struct Check {
     /// Files and folders; `-` takes a list from standard input, one path a line or NUL-separated
-    #[arg(required_unless_present = "evidence", value_name = "PATH", value_hint = ValueHint::AnyPath)]
+    /// [default: the folder that it is called in, without --evidence]
+    #[arg(value_name = "PATH", value_hint = ValueHint::AnyPath)]
     pub(super) paths: Vec<PathBuf>,
     /// Evidence saved by `collect`, judged as the files were; may be repeated, and stand beside paths
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
@@ -249,8 +250,15 @@ pub(super) struct Reporting {
     /// Show every finding, however many there are
     #[arg(long)]
     pub(super) all: bool,
-    /// Write the report to a file; the counts and the verdict go to standard error. With a format before the file, a report of that
-    /// format besides (`--output sarif=frames.sarif --output junit=frames.xml`); may be repeated
+    /// Show findings and inputs with problems, and nothing else
+    #[arg(short, long, conflicts_with = "verbose")]
+    pub(super) quiet: bool,
+    /// Show how many findings each rule has, instead of the findings
+    #[arg(long)]
+    pub(super) statistics: bool,
+    /// Write the report to a file, in the form that its name ends in (.sarif, .html, .json, .jsonl, .xml, .md) unless --format says
+    /// another; the counts and the verdict go to standard error. With a format before the file, a report of that format besides
+    /// (`--output sarif=frames.sarif --output junit=frames.xml`); may be repeated
     #[arg(short, long, value_name = "[FORMAT=]FILE", value_parser = output, value_hint = ValueHint::FilePath)]
     pub(super) output: Vec<Output>,
 }
@@ -261,6 +269,28 @@ impl Reporting {
         self.fail_on.or(run.fail_on).unwrap_or_default()
     }
 
+    /// The form of what goes to a file.
+    pub(super) fn format_of(&self, output: &Output) -> Format {
+        let ending = output
+            .file
+            .extension()
+            .map(|ending| ending.to_string_lossy().to_lowercase());
+        let by_name = match ending.as_deref() {
+            Some("sarif") => Format::Sarif,
+            Some("html" | "htm") => Format::Html,
+            Some("json") => Format::Json,
+            Some("jsonl" | "ndjson") => Format::JsonLines,
+            Some("xml") => Format::Junit,
+            Some("md") => Format::Markdown,
+            _ => Format::Human,
+        };
+        match (output.format, self.format) {
+            (Some(format), _) => format,
+            (None, Format::Human) => by_name,
+            (None, format) => format,
+        }
+    }
+
     /// Whether the report goes to a file, and only its ending to whoever waits.
     pub(super) fn is_in_file(&self) -> bool {
         self.output.iter().any(|output| output.format.is_none())
@@ -268,7 +298,7 @@ impl Reporting {
 
     /// Whether some report has this form.
     pub(super) fn has(&self, format: Format) -> bool {
-        let mut formats = self.output.iter().map(|output| output.format.unwrap_or(self.format));
+        let mut formats = self.output.iter().map(|output| self.format_of(output));
         (self.format == format && !self.is_in_file()) || formats.any(|one| one == format)
     }
 }

@@ -4,6 +4,7 @@ use std::ffi::OsString;
 use std::fmt::Write;
 use std::io::Read;
 use std::mem::ManuallyDrop;
+use std::path::PathBuf;
 
 use crate::engine;
 use crate::report::{self, Format, Style, plural, terminal};
@@ -27,10 +28,10 @@ pub(super) fn run(
     call.day = today.as_ref().map(|day| day.as_str().to_owned());
     let options = engine::Options {
         extent: check.reading.extent(),
-        paths: if check.paths.is_empty() {
-            Vec::new()
-        } else {
-            paths(check.paths, stdin)?
+        paths: match (check.paths.is_empty(), check.evidence.is_empty()) {
+            (true, true) => vec![PathBuf::from(".")],
+            (true, false) => Vec::new(),
+            (false, _) => paths(check.paths, stdin)?,
         },
         evidence: check.evidence,
         config: check.config,
@@ -137,6 +138,8 @@ fn tell(
             fail_on,
             verbose: reporting.verbose,
             all: reporting.all,
+            quiet: reporting.quiet,
+            statistics: reporting.statistics,
         }
     };
     if reporting.has(Format::Html) {
@@ -156,7 +159,7 @@ fn tell(
     };
     let is_streamed = |format: Format| stream.is_some() && format == Format::JsonLines;
     for output in &reporting.output {
-        let format = output.format.unwrap_or(reporting.format);
+        let format = reporting.format_of(output);
         if !is_streamed(format) {
             save(
                 &output.file,

@@ -20,7 +20,7 @@ impl<'w> Stream<'w> {
     pub(super) fn open(reporting: &Reporting, stdout: &'w mut dyn Write) -> Result<Option<Self>, Failure> {
         let mut sinks: Vec<(String, Box<dyn Write + 'w>)> = Vec::new();
         for output in &reporting.output {
-            if output.format.unwrap_or(reporting.format) == Format::JsonLines {
+            if reporting.format_of(output) == Format::JsonLines {
                 let name = output.file.display().to_string();
                 let file = File::create(&output.file)
                     .map_err(|error| Failure::Usage(format!("cannot write `{name}`: {error}")))?;

@@ -30,7 +30,7 @@ fn the_arguments_fit_together() {
 fn wrong_calls_have_exit_code_2_and_say_so_on_stderr() {
     for arguments in [
         &[][..],
-        &["check"],
+        &["check", "--quiet", "--verbose", "a"],
         &["check", "--fail-on", "fatal", "a"],
         &["check", "--xacro-arg", "no", "a"],
         &["check", "-"],
@@ -114,4 +114,61 @@ fn the_table_of_rules_links_to_their_pages() {
         assert!(root.join(&page).is_file(), "the table links to {page}");
         assert!(expected.contains(&page));
     }
+}
+
+#[test]
+fn what_is_not_there_is_one_line() {
+    let answer = answer(&["check", "no/such/place"]);
+    let line = "no/such/place: cannot be opened: No such file or directory (os error 2). Nothing was checked; this is not a pass.\n";
+    assert_eq!((answer.code, answer.out.as_str()), (3, line));
+}
+
+#[test]
+fn without_a_path_the_folder_is_checked() {
+    let here = answer(&["check", "--select", "TREE01", "--format", "json"]);
+    assert_eq!(
+        here.out,
+        answer(&["check", "--select", "TREE01", "--format", "json", "."]).out
+    );
+}
+
+#[test]
+fn a_report_has_the_form_that_its_name_ends_in() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, begins) in [
+        ("a.sarif", "{"),
+        ("a.html", "<!DOCTYPE html>"),
+        ("a.xml", "<?xml"),
+        ("a.txt", "error[CROSS02"),
+    ] {
+        let file = folder.path().join(name);
+        let answer = answer(&["check", "fixtures/first-finding", "-o", file.to_str().unwrap()]);
+        assert!(answer.out.is_empty() && answer.err.contains("Not clean"), "{answer:?}");
+        let text = std::fs::read_to_string(&file).unwrap();
+        assert!(
+            text.starts_with(begins),
+            "{name}: {}",
+            text.lines().next().unwrap_or_default()
+        );
+    }
+}
+
+#[test]
+fn quiet_and_statistics_say_less() {
+    let quiet = answer(&["check", "--quiet", "fixtures/first-finding"]).out;
+    assert!(
+        quiet.starts_with("error[CROSS02") && !quiet.contains("Not evaluated") && !quiet.contains("Not clean"),
+        "{quiet}"
+    );
+    let clean = answer(&["check", "-q", "fixtures/first-finding/car.urdf", "--select", "TREE"]);
+    assert_eq!((clean.code, clean.out.as_str()), (0, ""));
+    let counted = answer(&["check", "--statistics", "fixtures/first-finding"]).out;
+    assert!(
+        counted.contains("     1  CROSS02  extrinsic-relation (error)\n"),
+        "{counted}"
+    );
+    assert!(
+        counted.contains("Not clean") && !counted.contains("measured:"),
+        "{counted}"
+    );
 }

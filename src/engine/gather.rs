@@ -114,6 +114,7 @@ fn read_emerged(emerged: Emerged, id: SourceId, inputs: &Inputs, dialects: &Dial
         .get(emerged.input)
         .map_or_else(MeshLookup::default, |input| meshes(input, inputs));
     let facts = urdf::read(&mut source, &lookup);
+    source.taken = facts.words();
     Reading {
         source,
         facts,
@@ -159,6 +160,7 @@ impl Reader<'_> {
         } else {
             self.read_kind(input, &mut source, index, &mut emerged)
         };
+        source.taken = facts.words();
         let reading = Reading {
             source,
             facts,

@@ -116,7 +116,7 @@ fn told(finding: &Finding, locator: &Locator) -> String {
         words,
         "{}: {} ({}): {}",
         clean(&place.unwrap_or_default()),
-        finding.severity.word(),
+        finding.word(),
         finding.confidence.word(),
         clean(&finding.message)
     );

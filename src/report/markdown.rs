@@ -97,9 +97,9 @@ fn table(run: &Run, locator: &Locator, out: &mut String) {
     out.push_str("\n| | rule | where | what |\n|---|---|---|---|\n");
     for finding in run.verdict.open().take(MAX_FINDINGS) {
         let place = finding.places.first().map(|label| locator.short(&label.place));
-        let hint = match finding.confidence {
-            Confidence::Certain => String::new(),
-            other => format!(" ({})", other.word()),
+        let likely = match finding.confidence {
+            Confidence::Likely => " (likely)",
+            Confidence::Certain | Confidence::Hint => "",
         };
         let mut what = escaped(&finding.message);
         if let Some(measured) = finding.measured.first() {
@@ -110,8 +110,8 @@ fn table(run: &Run, locator: &Locator, out: &mut String) {
         }
         let _ = writeln!(
             out,
-            "| {}{hint} | {} {} | {} | {what} |",
-            finding.severity.word(),
+            "| {}{likely} | {} {} | {} | {what} |",
+            finding.word(),
             finding.rule,
             finding.name,
             code(&place.unwrap_or_default())

@@ -202,6 +202,14 @@ impl Finding {
         self.confidence(Confidence::Hint)
     }
 
+    /// What it is called in words: a hint is no error, whatever the severity of its rule.
+    pub fn word(&self) -> &'static str {
+        match self.confidence {
+            Confidence::Hint => Confidence::Hint.word(),
+            Confidence::Certain | Confidence::Likely => self.severity.word(),
+        }
+    }
+
     /// With at most this confidence.
     #[must_use]
     pub fn confidence(mut self, ceiling: Confidence) -> Self {

@@ -135,6 +135,46 @@ pub struct Facts {
 }
 
 impl Facts {
+    /// What there is, in words: `3 transforms, 1 origin on the Earth`; `None` where there is nothing.
+    pub fn words(&self) -> Option<String> {
+        let files = self
+            .claims
+            .iter()
+            .filter(|claim| matches!(claim.kind, ClaimKind::File { .. }));
+        let topics: usize = self.bags.iter().map(|bag| bag.topics.len()).sum();
+        let edges: usize = self.bags.iter().map(|bag| bag.tf.len()).sum();
+        let links: usize = self.robots.iter().map(|robot| robot.links.len()).sum();
+        let joints: usize = self.robots.iter().map(|robot| robot.joints.len()).sum();
+        let open = self
+            .publishers
+            .iter()
+            .filter(|publisher| publisher.unread.is_some())
+            .count();
+        let counts = [
+            (topics, "topic"),
+            (edges, "transform of TF"),
+            (links, "link"),
+            (joints, "joint"),
+            (files.count(), "transform"),
+            (open, "call of a publisher that is filled in when it is run"),
+            (self.chains.len(), "product of transforms"),
+            (self.origins.len(), "origin on the Earth"),
+            (self.ousters.len(), "description of an Ouster"),
+            (self.projections.len(), "projection"),
+            (self.localizations.len(), "node of robot_localization"),
+            (self.references.len(), "name of a calibration file"),
+        ];
+        let words = counts.into_iter().filter(|(count, _)| *count > 0).map(|(count, word)| {
+            match (count, word.split_once(' ')) {
+                (1, _) => format!("1 {word}"),
+                (_, Some((first, rest))) => format!("{count} {first}s {rest}"),
+                (_, None) => format!("{count} {word}s"),
+            }
+        });
+        let words: Vec<String> = words.collect();
+        (!words.is_empty()).then(|| words.join(", "))
+    }
+
     /// Whether a transform between two frames is stated.
     pub fn state_transforms(&self) -> bool {
         !self.claims.is_empty() || !self.publishers.is_empty()

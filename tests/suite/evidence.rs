@@ -42,6 +42,8 @@ fn human(run: &Run) -> String {
         fail_on: FailOn::Error,
         verbose: true,
         all: true,
+        quiet: false,
+        statistics: false,
     };
     terminal::render(run, &options)
 }
@@ -319,7 +321,7 @@ fn the_program_saves_and_judges() {
     judged.report();
     assert_eq!(program(at, &["collect", "missing.mcap"]).code, 3);
     assert_eq!(program(at, &["collect"]).code, 2);
-    assert_eq!(program(at, &["check"]).code, 2);
+    assert_eq!(program(at, &["check", "--evidence"]).code, 2);
     assert_eq!(program(at, &["collect", "elsewhere", "-o", "no/such/folder"]).code, 2);
     // In place of a path it is not taken for a calibration.
     let confused = program(at, &["check", "evidence.json"]);

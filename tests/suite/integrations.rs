@@ -295,9 +295,9 @@ fn watching_checks_again_when_a_file_changes() {
         panic!("`{words}` does not come: {seen:#?}");
     };
     let robot = folder.path().join("a robot/r.urdf");
-    until("Clean:", &|| {});
+    until("Clean", &|| {});
     until("Not clean:", &|| fs::write(&robot, bad()).unwrap());
-    until("Clean:", &|| fs::write(&robot, GOOD).unwrap());
+    until("Clean", &|| fs::write(&robot, GOOD).unwrap());
     child.kill().unwrap();
     child.wait().unwrap();
 }

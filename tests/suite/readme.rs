@@ -31,6 +31,8 @@ fn report() -> String {
         fail_on: FailOn::Error,
         verbose: false,
         all: false,
+        quiet: false,
+        statistics: false,
     };
     terminal::render(&run, &options)
 }

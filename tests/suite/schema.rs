@@ -100,7 +100,7 @@ fn every_exit_code() {
     assert_eq!(code(&["check", "good.urdf"]), 0);
     assert_eq!(code(&["check", "bad.urdf"]), 1);
     assert_eq!(code(&["check", "bad.urdf", "--fail-on", "never"]), 0);
-    assert_eq!(code(&["check"]), 2);
+    assert_eq!(code(&["check", "--no-such-option"]), 2);
     assert_eq!(code(&["check", "good.urdf", "--select", "NOSUCH"]), 2);
     assert_eq!(code(&["check", "broken.urdf"]), 3);
     assert_eq!(code(&["check", "nothing.yaml"]), 3);

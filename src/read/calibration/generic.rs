@@ -13,7 +13,7 @@ use super::dialect::{self, Terms};
 use super::document::{Kind, Node};
 use super::names::{self, Half};
 use super::numbers::{self, Numbers};
-use super::shapes::{self, Rotation};
+use super::shapes::{self, Draft, Rotation};
 use super::walk::{Named, Step, Walk};
 
 /// Reads one document. Depth is bounded by the document model.
@@ -33,6 +33,8 @@ fn visit<'a>(node: &'a Node, walk: &mut Walk<'a>) {
     }
     match &node.kind {
         Kind::Scalar { .. } => {}
+        // A track, whose poses are of the platform in the world.
+        Kind::Sequence(items) if is_over_time(items) => {}
         Kind::Sequence(items) => {
             for (index, item) in items.iter().enumerate() {
                 let step = Step {
@@ -45,6 +47,31 @@ fn visit<'a>(node: &'a Node, walk: &mut Walk<'a>) {
         }
         Kind::Mapping(_) => mapping(node, walk),
     }
+}
+
+/// How many lists of poses over time a document has.
+pub(super) fn tracks(node: &Node) -> usize {
+    match &node.kind {
+        Kind::Scalar { .. } => 0,
+        Kind::Sequence(items) if is_over_time(items) => 1,
+        Kind::Sequence(items) => items.iter().map(tracks).sum(),
+        Kind::Mapping(pairs) => pairs.iter().map(|(_, child)| tracks(child)).sum(),
+    }
+}
+
+/// Whether a list holds poses, each with a time of its own: nuScenes' `ego_pose.json`.
+fn is_over_time(items: &[Node]) -> bool {
+    let time = |item: &Node| {
+        let times = ["timestamp", "timestamp_ns", "utime", "stamp", "time"];
+        times.iter().find_map(|key| item.get(key)?.text().map(str::to_owned))
+    };
+    let has = |item: &Node, half: Half| {
+        let mut keys = item.pairs().iter().filter_map(|(key, _)| key.text());
+        keys.any(|key| names::half(key).is_some_and(|(_, of)| of == half))
+    };
+    let is_pose = |item: &Node| has(item, Half::Translation) && has(item, Half::Rotation);
+    let times: Option<BTreeSet<String>> = items.iter().map(time).collect();
+    items.len() > 1 && items.iter().all(is_pose) && times.is_some_and(|times| times.len() > 1)
 }
 
 /// Numbers under a key.
@@ -196,7 +223,7 @@ fn parent_speaks_of_rotation(walk: &Walk<'_>) -> bool {
     walk.parent_key().is_some_and(names::is_rotation)
 }
 
-/// Autoware's nesting: `parent: {child: {x, y, z, roll, pitch, yaw}}`.
+/// Autoware's nesting: `parent: {child: {x, y, z, roll, pitch, yaw}}`; or with halves, `parent: {child: {translation: ..., rotation: ...}}`.
 fn nested<'a>(node: &'a Node, walk: &mut Walk<'a>, consumed: &mut BTreeSet<usize>) {
     let Some(parent) = walk.own_key() else { return };
     let Some(carrier) = parent.text().filter(|text| names::is_carrier(text)) else {
@@ -212,21 +239,44 @@ fn nested<'a>(node: &'a Node, walk: &mut Walk<'a>, consumed: &mut BTreeSet<usize
         let plain = child.pairs().len() == 6 && ["roll", "pitch", "yaw"].iter().all(|key| child.get(key).is_some());
         plain.then(|| shapes::flat_pose("", child, walk.text, dialect::AUTOWARE))?
     };
-    let drafts: Vec<_> = children.iter().filter_map(|(_, (_, child))| six(child)).collect();
+    let own = walk.terms("");
+    let read = |child: &Node| {
+        let of_autoware = six(child).map(|draft| (draft, Confidence::Certain, dialect::AUTOWARE));
+        of_autoware.or_else(|| Some((two_halves(child, walk.text, own)?, Confidence::Likely, own)))
+    };
+    let drafts: Vec<_> = children.iter().filter_map(|(_, (_, child))| read(child)).collect();
     if drafts.len() != children.len() {
         return;
     }
-    for ((index, (key, _)), draft) in children.into_iter().zip(drafts) {
+    for ((index, (key, _)), (draft, reading, terms)) in children.into_iter().zip(drafts) {
         let Some(child) = key.text() else { continue };
         let named = Named {
             frames: (carrier.to_owned(), child.to_owned()),
             places: (parent.span, key.span),
-            reading: Confidence::Certain,
+            reading,
             role: FrameRole::Calibration,
         };
         consumed.insert(index);
-        walk.emit(draft, walk.label(child), Some(&named), Some(key), dialect::AUTOWARE);
+        walk.emit(draft, walk.label(child), Some(&named), Some(key), terms);
     }
+}
+
+/// A mapping of a translation and a rotation, and nothing else.
+fn two_halves(node: &Node, text: &str, terms: Terms) -> Option<Draft> {
+    let [first, second] = node.pairs() else { return None };
+    let of = |half: fn(Half) -> bool| {
+        let is_it = |(key, _): &&(Node, Node)| {
+            let named = key.text().and_then(names::half);
+            named.is_some_and(|(stem, of)| stem.is_empty() && half(of))
+        };
+        [first, second].into_iter().find(is_it)
+    };
+    let (key, value) = of(|half| half == Half::Translation)?;
+    let (xyz, metres) = shapes::translation(key.text()?, value, text, terms)?;
+    let (key, value) = of(|half| half != Half::Translation)?;
+    let (_, half) = names::half(key.text()?)?;
+    let rotation = shapes::rotation(key.text()?, half, value, text, terms)?;
+    shapes::combine(Some(&xyz), Some(&rotation), metres, node.span)
 }
 
 /// Halves of one transform in a mapping: keys of one stem.

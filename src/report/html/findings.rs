@@ -86,10 +86,10 @@ fn look(finding: &Finding) -> (&'static str, &'static str) {
 /// Severity and confidence of a finding, with their sign.
 pub(super) fn severity(finding: &Finding) -> Markup {
     let (class, sign) = look(finding);
-    let word = finding.severity.word();
+    let word = finding.word();
     match finding.confidence {
-        Confidence::Certain => badge(class, sign, word),
-        other => badge(class, sign, &format!("{word}, {}", other.word())),
+        Confidence::Likely => badge(class, sign, &format!("{word}, {}", Confidence::Likely.word())),
+        Confidence::Certain | Confidence::Hint => badge(class, sign, word),
     }
 }
 

@@ -34,6 +34,9 @@ fn counts(run: &Run, summary: &Summary, style: Style) -> String {
             plural(summary.warnings, "warning"),
             plural(summary.notes, "note"),
         ]
+        .into_iter()
+        .chain((summary.hints > 0).then(|| plural(summary.hints, "hint")))
+        .collect::<Vec<_>>()
         .join(", "),
         format!("{} passed", plural(summary.passed, "check")),
         format!("{} not evaluated", summary.not_evaluated),
@@ -99,11 +102,7 @@ fn verdict(run: &Run, summary: &Summary, options: &Options) -> (Ink, String) {
             let (_, inputs) = inputs(run);
             sentences.push(match summary.passed {
                 0 => "Clean: no finding counts.".to_owned(),
-                passed => format!(
-                    "Clean: {} passed on {}.",
-                    plural(passed, "check"),
-                    plural(inputs, "input")
-                ),
+                _ => looked_at(summary, inputs),
             });
             sentences.extend(recordings::sentence(run));
             Ink::Good
@@ -111,6 +110,17 @@ fn verdict(run: &Run, summary: &Summary, options: &Options) -> (Ink, String) {
     };
     sentences.extend(not_counting(run, options.fail_on));
     (ink, sentences.join(" "))
+}
+
+/// How much was looked at is part of the verdict.
+fn looked_at(summary: &Summary, inputs: usize) -> String {
+    let Summary { judged, applicable, .. } = summary;
+    let inputs = plural(inputs, "input");
+    if 2 * judged < *applicable {
+        format!("Clean, but only {judged} of {applicable} checks that apply could be made on {inputs}.")
+    } else {
+        format!("Clean: {judged} of {applicable} checks that apply were made on {inputs}.")
+    }
 }
 
 /// `2 errors and 1 warning`, of the findings that fail the run.

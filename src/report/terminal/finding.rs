@@ -60,23 +60,19 @@ pub(super) fn line(finding: &Finding, locator: &Locator, style: Style, out: &mut
     );
 }
 
-/// `error[NAME06 optical-suffix]`, with the confidence where it is not certain.
+/// `error[NAME06 optical-suffix]`, with the confidence where it is not certain. A hint is no error, whatever the severity of its rule.
 fn head(finding: &Finding, style: Style) -> String {
     let ink = match finding.severity {
+        _ if finding.confidence == Confidence::Hint => Ink::Note,
         Severity::Error => Ink::Error,
         Severity::Warning => Ink::Warning,
         Severity::Note => Ink::Note,
     };
-    let ink = if finding.confidence == Confidence::Hint {
-        Ink::Note
-    } else {
-        ink
-    };
-    let head = format!("{}[{} {}]", finding.severity.word(), finding.rule, finding.name);
-    let head = style.paint(ink, &one_line(&head));
+    let word = finding.word();
+    let head = style.paint(ink, &one_line(&format!("{word}[{} {}]", finding.rule, finding.name)));
     match finding.confidence {
-        Confidence::Certain => head,
-        other => format!("{head} ({})", other.word()),
+        Confidence::Likely => format!("{head} (likely)"),
+        Confidence::Certain | Confidence::Hint => head,
     }
 }
 

@@ -18,6 +18,37 @@ const MAX_PROBLEMS: usize = 10;
 /// More kinds of skipped files are only counted.
 const MAX_SKIPPED: usize = 12;
 
+/// More inputs are only counted, unless all checks are listed.
+const MAX_TAKEN: usize = 20;
+
+/// What was taken from each input, in a line, and what is to be said of how it was judged.
+pub(super) fn taken(run: &Run, options: &Options, locator: &Locator, out: &mut String) {
+    let sources: Vec<&Source> = run
+        .sources
+        .iter()
+        .filter(|source| source.taken.is_some() || !source.notes.is_empty())
+        .collect();
+    if sources.is_empty() {
+        return;
+    }
+    let shown = if options.verbose { sources.len() } else { MAX_TAKEN };
+    heading(options.style, "Understood", sources.len(), "input", out);
+    for source in sources.iter().take(shown) {
+        let what = source.taken.iter().chain(&source.notes);
+        let what: Vec<&str> = what.map(String::as_str).collect();
+        let line = format!("{}: {}", locator.name(source.id), what.join("; "));
+        let _ = writeln!(out, "{}", wrap(&one_line(&line), options.style.width, "  ", "    "));
+    }
+    if sources.len() > shown {
+        let _ = writeln!(
+            out,
+            "  ... and {}; --verbose lists them",
+            plural(sources.len() - shown, "more input")
+        );
+    }
+    out.push('\n');
+}
+
 /// Inputs with problems, each with place and help.
 pub(super) fn unread(run: &Run, locator: &Locator, painter: &Painter, style: Style, out: &mut String) {
     let broken: Vec<&Source> = run

@@ -16,6 +16,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use crate::run::{FailOn, Run};
+use crate::source::{At, ReadStatus};
 
 use super::Style;
 use super::place::Locator;
@@ -45,6 +46,10 @@ pub struct Options {
     pub verbose: bool,
     /// Every finding, instead of the first few hundred.
     pub all: bool,
+    /// Findings and inputs with problems, and nothing else.
+    pub quiet: bool,
+    /// How many findings each rule has, instead of the findings.
+    pub statistics: bool,
 }
 
 /// The whole report.
@@ -52,10 +57,22 @@ pub fn render(run: &Run, options: &Options) -> String {
     let locator = Locator::new(&run.sources);
     let painter = Painter::new(&locator, options.style);
     let mut out = String::new();
-    findings(run, options, &locator, &painter, &mut out);
+    if let Some(line) = nothing_read(run, options) {
+        return line;
+    }
+    if options.statistics {
+        statistics(run, options.style, &mut out);
+    } else {
+        findings(run, options, &locator, &painter, &mut out);
+    }
+    if options.quiet {
+        inputs::unread(run, &locator, &painter, options.style, &mut out);
+        return out;
+    }
     policy::waived(run, options, &locator, &mut out);
     policy::unmet(run, options.style, &mut out);
     inputs::unread(run, &locator, &painter, options.style, &mut out);
+    inputs::taken(run, options, &locator, &mut out);
     inputs::partly_examined(run, options.style, &mut out);
     inputs::skipped(run, options, &mut out);
     rows::not_evaluated(run, options, &mut out);
@@ -65,6 +82,41 @@ pub fn render(run: &Run, options: &Options) -> String {
     out
 }
 
+/// Where the only input cannot be read: that, in one line.
+fn nothing_read(run: &Run, options: &Options) -> Option<String> {
+    let [only] = run.sources.as_slice() else {
+        return None;
+    };
+    let is_plain = only.problems.iter().all(|problem| problem.place.at == At::Whole);
+    if options.verbose || only.status != ReadStatus::Unreadable || !is_plain || run.verdict.open().next().is_some() {
+        return None;
+    }
+    let line = format!(
+        "{}: {}. Nothing was checked; this is not a pass.",
+        only.path,
+        only.shortfall()
+    );
+    Some(options.style.paint(Ink::Error, &one_line(&line)) + "\n")
+}
+
+/// How many findings each rule has, most first.
+fn statistics(run: &Run, style: Style, out: &mut String) {
+    let mut counts: BTreeMap<(&str, &str, &str), usize> = BTreeMap::new();
+    for finding in run.verdict.open() {
+        *counts
+            .entry((&finding.rule, &finding.name, finding.word()))
+            .or_default() += 1;
+    }
+    let mut counts: Vec<_> = counts.into_iter().collect();
+    counts.sort_by(|a, b| (b.1, a.0).cmp(&(a.1, b.0)));
+    for ((rule, name, word), count) in counts {
+        let _ = writeln!(out, "{count:>6}  {}  {name} ({word})", style.paint(Ink::Strong, rule));
+    }
+    if !out.is_empty() {
+        out.push('\n');
+    }
+}
+
 /// A line for each finding, and the ending.
 pub fn render_concise(run: &Run, options: &Options) -> String {
     let locator = Locator::new(&run.sources);
@@ -72,12 +124,16 @@ pub fn render_concise(run: &Run, options: &Options) -> String {
     for finding in run.verdict.open() {
         finding::line(finding, &locator, options.style, &mut out);
     }
-    policy::concise(run, &locator, options.style, &mut out);
+    if !options.quiet {
+        policy::concise(run, &locator, options.style, &mut out);
+    }
     for source in run.unread() {
         let detail = source.shortfall();
         let _ = writeln!(out, "{}: {}", one_line(&locator.name(source.id)), one_line(detail));
     }
-    ending::ending(run, options, &mut out);
+    if !options.quiet {
+        ending::ending(run, options, &mut out);
+    }
     out
 }
 
@@ -90,6 +146,8 @@ pub fn plain_ending(run: &Run, fail_on: FailOn) -> String {
             fail_on,
             verbose: false,
             all: false,
+            quiet: false,
+            statistics: false,
         },
     )
 }

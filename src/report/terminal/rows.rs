@@ -4,15 +4,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 
 use crate::run::Run;
-use crate::verdict::{Outcome, Row};
+use crate::verdict::{NotEvaluated, Outcome, Row};
 
 use super::super::Style;
 use super::super::style::Ink;
 use super::super::text::{one_line, plural, wrap};
 use super::{Options, heading};
-
-/// More reasons are only counted, unless all rows are asked for.
-const MAX_REASONS: usize = 10;
 
 fn rows(run: &Run, outcome: Outcome) -> Vec<&Row> {
     run.verdict.rows.iter().filter(|row| row.outcome == outcome).collect()
@@ -33,50 +30,55 @@ pub(in crate::report) fn reasons(run: &Run) -> BTreeMap<&str, (BTreeSet<&str>, u
     reasons
 }
 
-/// Rows that were not evaluated: by reason, or every one with `--verbose`.
+/// Rows that were not evaluated: in one line, or every one with `--verbose`.
 pub(super) fn not_evaluated(run: &Run, options: &Options, out: &mut String) {
     let rows = rows(run, Outcome::NotEvaluated);
     if rows.is_empty() {
         return;
     }
-    heading(options.style, "Not evaluated", rows.len(), "check", out);
     if options.verbose {
+        heading(options.style, "Not evaluated", rows.len(), "check", out);
         for row in rows {
             let line = format!("{} {}, {}: {}", row.rule, row.name, row.subject, reason(row));
             let _ = writeln!(out, "{}", wrap(&one_line(&line), options.style.width, "  ", "      "));
         }
     } else {
-        by_reason(run, options.style, out);
+        let _ = writeln!(out, "{}", options.style.paint(Ink::Faint, &brief(&rows, options.style)));
     }
     out.push('\n');
 }
 
-fn by_reason(run: &Run, style: Style, out: &mut String) {
-    // Most rules first, then most checks.
-    let mut reasons: Vec<(usize, usize, &str)> = reasons(run)
-        .iter()
-        .map(|(reason, (rules, checks))| (rules.len(), *checks, *reason))
-        .collect();
-    reasons.sort_by(|a, b| (b.0, b.1, a.2).cmp(&(a.0, a.1, b.2)));
-    for (count, _, reason) in reasons.iter().take(MAX_REASONS) {
-        let count = plural(*count, "rule");
-        let line = wrap(
-            &one_line(reason),
-            style.width,
-            &format!("  {count:>9}  "),
-            "             ",
-        );
-        let _ = writeln!(out, "{line}");
+/// One line: how many checks for what reason, and which input would help most.
+fn brief(rows: &[&Row], style: Style) -> String {
+    let count = |kind: NotEvaluated| rows.iter().filter(|row| row.why_not() == Some(kind)).count();
+    let kinds = [
+        (NotEvaluated::NotApplicable, "with nothing to judge"),
+        (NotEvaluated::TooLittleEvidence, "with too little evidence"),
+        (NotEvaluated::InputBroken, "on broken inputs"),
+        (NotEvaluated::MissingInput, "without an input"),
+    ];
+    let kinds = kinds.map(|(kind, words)| (count(kind), words));
+    let kinds = kinds.iter().filter(|(count, _)| *count > 0);
+    let mut parts: Vec<String> = kinds.map(|(count, words)| format!("{count} {words}")).collect();
+    let mut lacking: BTreeMap<&str, usize> = BTreeMap::new();
+    let missing = format!("{}: no ", NotEvaluated::MissingInput.word());
+    for row in rows {
+        let input = reason(row)
+            .strip_prefix(&missing)
+            .and_then(|rest| rest.split([',', ';', ':']).next());
+        if let Some(input) = input {
+            *lacking.entry(input).or_default() += 1;
+        }
     }
-    let more = match reasons.len().saturating_sub(MAX_REASONS) {
-        0 => String::new(),
-        count => format!("... and {}; ", plural(count, "more reason")),
-    };
-    let _ = writeln!(
-        out,
-        "  {}",
-        style.paint(Ink::Faint, &format!("{more}--verbose lists every check"))
-    );
+    if let Some((input, count)) = lacking
+        .into_iter()
+        .max_by_key(|(input, count)| (*count, std::cmp::Reverse(*input)))
+    {
+        let help = format!("what would help most is a {input} ({})", plural(count, "more check"));
+        parts.push(help);
+    }
+    let line = format!("Not evaluated: {}; --verbose lists them", parts.join(", "));
+    wrap(&one_line(&line), style.width, "", "  ")
 }
 
 /// Rules that broke: a fault of ours.

@@ -11,6 +11,8 @@ fn with(run: &Run, verbose: bool, all: bool, style: Style) -> String {
         fail_on: FailOn::Error,
         verbose,
         all,
+        quiet: false,
+        statistics: false,
     };
     render(run, &options)
 }
@@ -134,7 +136,7 @@ fn a_finding_in_a_recording() {
     assert_eq!(
         plain(&s.run()),
         "\
-warning[TF03 parent-switch] (hint) `odom` changes its parent
+hint[TF03 parent-switch] `odom` changes its parent
   → drive.mcap /tf message 12, stamp 2023-11-14 22:13:20.000 UTC (1700000000 s), transforms[0]: under `map`
   → drive.mcap /tf message 13, recorded 2023-11-14 22:13:20.100 UTC (1700000000.1 s): under `earth`
   measured: changes 2
@@ -142,7 +144,7 @@ warning[TF03 parent-switch] (hint) `odom` changes its parent
 Examined in part (1 recording)
   drive.mcap: 25 MB of 2 GB (1.2 %), 1200 messages
 
-0 errors, 1 warning, 0 notes · 0 checks passed · 0 not evaluated · 1 of 1 input read
+0 errors, 0 warnings, 0 notes, 1 hint · 0 checks passed · 0 not evaluated · 1 of 1 input read
 Clean: no finding counts. 1 hint does not count.
 "
     );
@@ -171,10 +173,7 @@ fn nothing_checked_is_never_a_pass() {
         "\
 Passed over, no reader for them: 12 .stl, 3 .png
 
-Not evaluated (4 checks)
-    3 rules  missing input: no URDF
-     1 rule  missing input: no recording
-  --verbose lists every check
+Not evaluated: 4 without an input, what would help most is a URDF (3 more checks); --verbose lists them
 
 0 errors, 0 warnings, 0 notes · 0 checks passed · 4 not evaluated · 1 of 1 input read
 Nothing was checked: no rule found anything it could judge in calib.yaml, for the reasons above. This is not a pass.
@@ -187,7 +186,11 @@ Nothing was checked: no rule found anything it could judge in calib.yaml, for th
         Place::whole(crate::source::SourceId(0)),
         "the file is empty",
     );
-    let text = plain(&run);
+    assert_eq!(
+        plain(&run),
+        "calib.yaml: the file is empty. Nothing was checked; this is not a pass.\n"
+    );
+    let text = with(&run, true, false, Style::PLAIN);
     assert!(
         text.contains("Inputs with problems (1 input)\n  unreadable calib.yaml (yaml)\n    the file is empty\n"),
         "{text}"
@@ -292,4 +295,31 @@ fn colour_and_width_are_only_for_terminals() {
     assert!(!plain(&run).contains('\u{1b}'));
     // The same run gives the same bytes.
     assert_eq!(text, with(&run, false, false, style));
+}
+
+#[test]
+fn how_much_was_looked_at_is_part_of_the_verdict() {
+    let judged = |passed: usize| {
+        let mut s = Sample::default();
+        s.source("car.urdf", SourceKind::Urdf, "");
+        for index in 0..10 {
+            let (outcome, reason) = match index {
+                _ if index < passed => (Outcome::Pass, None),
+                9 => (Outcome::NotEvaluated, Some("not applicable: nothing here to judge")),
+                _ => (Outcome::NotEvaluated, Some("missing input: no recording")),
+            };
+            s.row("TREE01", &format!("frame {index}"), outcome, reason);
+        }
+        plain(&s.run())
+    };
+    assert!(
+        judged(8).contains("Clean: 8 of 9 checks that apply were made on 1 input."),
+        "{}",
+        judged(8)
+    );
+    let few = judged(1);
+    assert!(
+        few.contains("Clean, but only 1 of 9 checks that apply could be made on 1 input."),
+        "{few}"
+    );
 }

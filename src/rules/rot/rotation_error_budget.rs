@@ -27,6 +27,9 @@ impl Limits {
     }
 }
 
+/// A smaller angle is 0.00 in words: 1 mm at 100 m.
+const LEAST_DEG: f64 = 0.005;
+
 /// The largest of the angles that are the turn of something, degrees, without its sign.
 fn turn_deg(measured: &[Measured]) -> Option<f64> {
     let turns = measured.iter().filter(|one| one.is_turn && one.unit == "deg");
@@ -43,7 +46,7 @@ impl Review for RotationErrorBudget {
         let mut worst: Option<(f64, &Finding)> = None;
         let (mut others, mut beyond) = (0, 0);
         for finding in found {
-            let Some(turn_deg) = turn_deg(&finding.measured).filter(|angle| *angle > 0.0) else {
+            let Some(turn_deg) = turn_deg(&finding.measured).filter(|angle| *angle >= LEAST_DEG) else {
                 continue;
             };
             if turn_deg > limits.max_deg {

@@ -88,11 +88,19 @@ fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut 
         fastest.rate_rad_s.to_degrees(),
         limits.at_m
     );
-    let finding = named(
-        Finding::error(subject, message, clouds.place()).likely(),
-        most.is_some(),
-    );
-    out.fail(finding.measured(measured));
+    let severity = if most.is_none() && !spins(clouds) {
+        Severity::Note
+    } else {
+        Severity::Error
+    };
+    let finding = Finding::new(severity, subject, message, clouds.place()).likely();
+    out.fail(named(finding, most.is_some()).measured(measured));
+}
+
+/// Whether anything says that one scan sweeps: a driver that is known by its points, or the number of the ring of each.
+fn spins(clouds: &Clouds) -> bool {
+    let rings = ["ring", "line", "channel", "laser_id"];
+    clouds.driver.is_some() || rings.iter().any(|name| clouds.datatype(name).is_some())
 }
 
 fn named(finding: Finding, is_constant: bool) -> Finding {

@@ -312,3 +312,32 @@ fn dialects_settle_units_and_meaning() {
     assert_eq!(matrix(&facts.claims[1]).0, 3);
     assert!(facts.claims[1].pose.is_some());
 }
+
+#[test]
+fn halves_nested_under_a_parent_and_a_child_have_their_frames() {
+    let claim = one(
+        "base_link:\n  lidar:\n    translation: {x: 0.9, y: 0.1, z: 1.8}\n    rotation: {x: 0, y: 0, z: 0, w: 1}\n",
+    );
+    assert_eq!(claim.frames, Some(("base_link".into(), "lidar".into())));
+    assert_eq!(translation(&claim), "[0.9, 0.1, 1.8]");
+    let claim = one("base_link:\n  lidar:\n    xyz: [0.9, 0.1, 1.8]\n    rpy: [0, 0, 0.2]\n");
+    assert_eq!(claim.frames, Some(("base_link".into(), "lidar".into())));
+}
+
+#[test]
+fn a_list_of_poses_with_times_is_no_mounting() {
+    let pose = |time: u64| format!("{{timestamp: {time}, rotation: [1, 0, 0, 0], translation: [411.3, 2700.9, 0]}}");
+    let (source, facts) = yaml(&format!(
+        "[{}, {}]\n",
+        pose(1_532_402_927_647_951),
+        pose(1_532_402_927_664_178)
+    ));
+    assert!(facts.claims.is_empty());
+    assert_eq!(
+        source.detail.as_deref(),
+        Some("poses over time: no transform of the platform")
+    );
+    // One time for all is when they were calibrated.
+    let (_, facts) = yaml(&format!("[{}, {}]\n", pose(1_532_402_927), pose(1_532_402_927)));
+    assert_eq!(facts.claims.len(), 2);
+}
