@@ -10,6 +10,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 use crate::config::PROFILES;
 use crate::engine::{self, Extent};
 use crate::report::Format;
+use crate::report::terminal::Parts;
 use crate::run::{FailOn, Run};
 
 use values::{Targets, is, output, size, xacro_arg};
@@ -232,6 +233,27 @@ pub(super) struct Fixing {
     pub(super) diff: bool,
 }
 
+/// What is left out of a report for people.
+#[derive(Clone, Copy, Debug, Args)]
+pub(super) struct Less {
+    /// Show findings and inputs with problems, and nothing else
+    #[arg(short, long, conflicts_with = "verbose")]
+    quiet: bool,
+    /// Show how many findings each rule has, instead of the findings
+    #[arg(long, conflicts_with = "quiet")]
+    statistics: bool,
+}
+
+impl Less {
+    pub(super) fn parts(self) -> Parts {
+        match (self.quiet, self.statistics) {
+            (true, _) => Parts::Findings,
+            (_, true) => Parts::Statistics,
+            (false, false) => Parts::All,
+        }
+    }
+}
+
 /// How the verdict is told.
 #[derive(Debug, Args)]
 pub(super) struct Reporting {
@@ -250,12 +272,8 @@ pub(super) struct Reporting {
     /// Show every finding, however many there are
     #[arg(long)]
     pub(super) all: bool,
-    /// Show findings and inputs with problems, and nothing else
-    #[arg(short, long, conflicts_with = "verbose")]
-    pub(super) quiet: bool,
-    /// Show how many findings each rule has, instead of the findings
-    #[arg(long)]
-    pub(super) statistics: bool,
+    #[command(flatten)]
+    pub(super) less: Less,
     /// Write the report to a file, in the form that its name ends in (.sarif, .html, .json, .jsonl, .xml, .md) unless --format says
     /// another; the counts and the verdict go to standard error. With a format before the file, a report of that format besides
     /// (`--output sarif=frames.sarif --output junit=frames.xml`); may be repeated
@@ -285,9 +303,8 @@ impl Reporting {
             _ => Format::Human,
         };
         match (output.format, self.format) {
-            (Some(format), _) => format,
             (None, Format::Human) => by_name,
-            (None, format) => format,
+            (Some(format), _) | (None, format) => format,
         }
     }
 

@@ -138,8 +138,7 @@ fn tell(
             fail_on,
             verbose: reporting.verbose,
             all: reporting.all,
-            quiet: reporting.quiet,
-            statistics: reporting.statistics,
+            parts: reporting.less.parts(),
         }
     };
     if reporting.has(Format::Html) {

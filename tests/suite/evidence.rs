@@ -42,8 +42,7 @@ fn human(run: &Run) -> String {
         fail_on: FailOn::Error,
         verbose: true,
         all: true,
-        quiet: false,
-        statistics: false,
+        parts: terminal::Parts::All,
     };
     terminal::render(run, &options)
 }

@@ -31,8 +31,7 @@ fn report() -> String {
         fail_on: FailOn::Error,
         verbose: false,
         all: false,
-        quiet: false,
-        statistics: false,
+        parts: terminal::Parts::All,
     };
     terminal::render(&run, &options)
 }

@@ -46,10 +46,20 @@ pub struct Options {
     pub verbose: bool,
     /// Every finding, instead of the first few hundred.
     pub all: bool,
-    /// Findings and inputs with problems, and nothing else.
-    pub quiet: bool,
-    /// How many findings each rule has, instead of the findings.
-    pub statistics: bool,
+    /// Which parts of the report.
+    pub parts: Parts,
+}
+
+/// The parts of the report that are shown.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Parts {
+    /// All of them.
+    #[default]
+    All,
+    /// Findings and inputs with problems.
+    Findings,
+    /// All, with how many findings each rule has instead of the findings.
+    Statistics,
 }
 
 /// The whole report.
@@ -60,12 +70,12 @@ pub fn render(run: &Run, options: &Options) -> String {
     if let Some(line) = nothing_read(run, options) {
         return line;
     }
-    if options.statistics {
+    if options.parts == Parts::Statistics {
         statistics(run, options.style, &mut out);
     } else {
         findings(run, options, &locator, &painter, &mut out);
     }
-    if options.quiet {
+    if options.parts == Parts::Findings {
         inputs::unread(run, &locator, &painter, options.style, &mut out);
         return out;
     }
@@ -124,14 +134,14 @@ pub fn render_concise(run: &Run, options: &Options) -> String {
     for finding in run.verdict.open() {
         finding::line(finding, &locator, options.style, &mut out);
     }
-    if !options.quiet {
+    if options.parts != Parts::Findings {
         policy::concise(run, &locator, options.style, &mut out);
     }
     for source in run.unread() {
         let detail = source.shortfall();
         let _ = writeln!(out, "{}: {}", one_line(&locator.name(source.id)), one_line(detail));
     }
-    if !options.quiet {
+    if options.parts != Parts::Findings {
         ending::ending(run, options, &mut out);
     }
     out
@@ -146,8 +156,7 @@ pub fn plain_ending(run: &Run, fail_on: FailOn) -> String {
             fail_on,
             verbose: false,
             all: false,
-            quiet: false,
-            statistics: false,
+            parts: Parts::All,
         },
     )
 }

@@ -11,8 +11,7 @@ fn with(run: &Run, verbose: bool, all: bool, style: Style) -> String {
         fail_on: FailOn::Error,
         verbose,
         all,
-        quiet: false,
-        statistics: false,
+        parts: Parts::All,
     };
     render(run, &options)
 }
