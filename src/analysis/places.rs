@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::source::{Confidence, Place, SourceId, Span};
+use crate::source::{Confidence, Place, Span};
 use crate::world::graph::{Edge, EdgeOrigin};
 use crate::world::{Claim, FrameId, FrameRole, Literal, World, robot::Joint};
 
@@ -39,36 +39,26 @@ impl<'a> Firsts<'a> {
 
 /// Where an edge is stated: the joint's start tag, or the first message that carries it.
 pub(crate) fn of_edge(world: &World, edge: &Edge) -> Option<Place> {
-    match edge.origin {
-        EdgeOrigin::Joint(index) | EdgeOrigin::Published(index) => {
-            let claim = world.claims.get(index)?;
-            let joint = joint_of(world, claim);
-            Some(joint.map_or_else(|| claim.place.clone(), |joint| joint.place.clone()))
-        }
-        EdgeOrigin::Tf(bag, index) => {
-            let bag = world.bags.get(bag)?;
-            let tf = bag.tf.get(index)?;
-            Some(Place::message(bag.source, tf.first_at.clone()))
-        }
+    if let EdgeOrigin::Tf(bag, index) = edge.origin {
+        let bag = world.bags.get(bag)?;
+        let tf = bag.tf.get(index)?;
+        return Some(Place::message(bag.source, tf.first_at.clone()));
     }
+    let claim = edge.claim(world)?;
+    let joint = joint_of(world, claim);
+    Some(joint.map_or_else(|| claim.place.clone(), |joint| joint.place.clone()))
 }
 
 /// How sure it is that a launch file publishes an edge; other edges are there for certain.
 pub(crate) fn published_reading(world: &World, edge: &Edge) -> Confidence {
-    match edge.origin {
-        EdgeOrigin::Published(index) => world.claims.get(index).map_or(Confidence::Hint, |claim| claim.reading),
-        EdgeOrigin::Joint(_) | EdgeOrigin::Tf(..) => Confidence::Certain,
-    }
+    let published = edge.claim(world).filter(|_| edge.is_published());
+    published.map_or(Confidence::Certain, |claim| claim.reading)
 }
 
 /// Where the numbers of an edge stand: a joint's `<origin>`, where it has one; else as [`of_edge`].
 pub(crate) fn of_numbers(world: &World, edge: &Edge) -> Option<Place> {
-    match edge.origin {
-        EdgeOrigin::Joint(index) | EdgeOrigin::Published(index) => {
-            world.claims.get(index).map(|claim| claim.place.clone())
-        }
-        EdgeOrigin::Tf(..) => of_edge(world, edge),
-    }
+    let stated = edge.claim(world).map(|claim| claim.place.clone());
+    stated.or_else(|| of_edge(world, edge))
 }
 
 /// The joint whose origin a claim is.
@@ -80,16 +70,6 @@ pub(crate) fn joint_of<'a>(world: &'a World, claim: &Claim) -> Option<&'a Joint>
         .filter(|robot| robot.source == claim.place.source)
         .flat_map(|robot| &robot.joints)
         .find(|joint| joint.name.value == claim.label && joint.child.as_ref().map(|link| link.value.as_str()) == child)
-}
-
-/// The source that states an edge.
-pub(crate) fn source_of_edge(world: &World, edge: &Edge) -> Option<SourceId> {
-    match edge.origin {
-        EdgeOrigin::Joint(index) | EdgeOrigin::Published(index) => {
-            world.claims.get(index).map(|claim| claim.place.source)
-        }
-        EdgeOrigin::Tf(bag, _) => world.bags.get(bag).map(|bag| bag.source),
-    }
 }
 
 /// The place that covers all of the literals; `whole` where there are none.

@@ -139,17 +139,14 @@ pub(crate) fn frames(bag: &BagEvidence) -> BTreeSet<FrameId> {
         .collect()
 }
 
-/// The frame that a frame hangs under in a recording's TF; the frame itself where it has no parent there.
-pub(crate) fn root_of(bag: &BagEvidence, frame: &FrameId) -> FrameId {
-    let (children, mut at) = (by_child(bag), frame.clone());
+/// A frame, and the frames above it in a recording's TF, by its edges of [`by_child`].
+pub(crate) fn upward<'t>(
+    children: &'t BTreeMap<FrameId, Vec<&TfEdge>>,
+    frame: &FrameId,
+) -> impl Iterator<Item = FrameId> + 't {
+    let above = |at: &FrameId| Some(children.get(at)?.first()?.parent.canonical());
     // A loop ends the walk as well: no tree is deeper than it has frames.
-    for _ in 0..=children.len() {
-        match children.get(&at).and_then(|edges| edges.first()) {
-            Some(edge) => at = edge.parent.canonical(),
-            None => break,
-        }
-    }
-    at
+    std::iter::successors(Some(frame.clone()), above).take(children.len() + 1)
 }
 
 /// The edges of a recording by child, canonical, in the order of the evidence.

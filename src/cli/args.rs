@@ -4,7 +4,7 @@ mod values;
 
 use std::path::PathBuf;
 
-use clap::builder::{PossibleValue, PossibleValuesParser};
+use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
 
 use crate::config::PROFILES;
@@ -13,7 +13,7 @@ use crate::report::Format;
 use crate::report::terminal::Parts;
 use crate::run::{FailOn, Run};
 
-use values::{Targets, is, output, size, xacro_arg};
+use values::{Targets, by_ending, is, output, size, xacro_arg};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -289,21 +289,8 @@ impl Reporting {
 
     /// The form of what goes to a file.
     pub(super) fn format_of(&self, output: &Output) -> Format {
-        let ending = output
-            .file
-            .extension()
-            .map(|ending| ending.to_string_lossy().to_lowercase());
-        let by_name = match ending.as_deref() {
-            Some("sarif") => Format::Sarif,
-            Some("html" | "htm") => Format::Html,
-            Some("json") => Format::Json,
-            Some("jsonl" | "ndjson") => Format::JsonLines,
-            Some("xml") => Format::Junit,
-            Some("md") => Format::Markdown,
-            _ => Format::Human,
-        };
         match (output.format, self.format) {
-            (None, Format::Human) => by_name,
+            (None, Format::Human) => by_ending(&output.file),
             (Some(format), _) | (None, format) => format,
         }
     }
@@ -432,42 +419,6 @@ pub(super) struct Tree {
     pub(super) chain: Vec<String>,
 }
 
-impl ValueEnum for Format {
-    fn value_variants<'a>() -> &'a [Self] {
-        &[
-            Self::Human,
-            Self::Concise,
-            Self::Json,
-            Self::JsonLines,
-            Self::Sarif,
-            Self::Github,
-            Self::Gitlab,
-            Self::Junit,
-            Self::Markdown,
-            Self::Html,
-        ]
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        let (word, help) = match self {
-            Self::Human => ("human", "For people, with source lines"),
-            Self::Concise => ("concise", "A line for each finding, as editors understand it"),
-            Self::Json => ("json", "One document, described by schema/frames-lint-1.json"),
-            Self::JsonLines => (
-                "json-lines",
-                "The same, a line for each input, outcome and finding, written as soon as it is known",
-            ),
-            Self::Sarif => ("sarif", "SARIF 2.1.0"),
-            Self::Github => ("github", "Workflow commands of GitHub Actions"),
-            Self::Gitlab => ("gitlab", "Code quality report of GitLab"),
-            Self::Junit => ("junit", "A test case for each check"),
-            Self::Markdown => ("markdown", "For comments and job summaries"),
-            Self::Html => ("html", "The acceptance report: one page with everything, to be signed"),
-        };
-        Some(PossibleValue::new(word).help(help))
-    }
-}
-
 #[derive(Clone, Copy, Debug, ValueEnum)]
 pub(super) enum RulesFormat {
     Text,
@@ -488,14 +439,4 @@ pub(super) enum Color {
     Auto,
     Always,
     Never,
-}
-
-impl ValueEnum for FailOn {
-    fn value_variants<'a>() -> &'a [Self] {
-        &[Self::Error, Self::Warning, Self::Note, Self::Never]
-    }
-
-    fn to_possible_value(&self) -> Option<PossibleValue> {
-        Some(PossibleValue::new(self.word()))
-    }
 }

@@ -256,7 +256,8 @@ impl Layout<'_> {
                 // In a large collection the top folder makes no neighbours.
                 ([], false) if near.len() > MAX_CANDIDATES && *folder == *self.root => Home::Alone(None),
                 ([], false) => {
-                    let open = near.iter().copied().filter(|at| self.is_open(folder, *at, unit));
+                    let here = self.side(folder, &unit.dir);
+                    let open = near.iter().copied().filter(|at| self.is_open(folder, *at, here));
                     self.choose(open.collect(), &near, unit)
                 }
                 ([], true) => self.choose(near.clone(), &near, unit),
@@ -266,18 +267,20 @@ impl Layout<'_> {
         Home::Alone(None)
     }
 
-    /// Whether an anchor's side of a folder lacks what the unit's side has: the two may be one platform, split by kinds of files.
-    fn is_open(&self, folder: &Path, anchor: usize, unit: &Unit) -> bool {
+    /// What stands in that folder below this one in which another stands, or which that one is.
+    fn side(&self, folder: &Path, dir: &Path) -> Kinds {
+        let below = dir.strip_prefix(folder).ok().and_then(|below| below.iter().next());
+        let side = folder.join(below.unwrap_or_default());
+        let own = self.kinds.iter().filter(|(dir, _)| dir.starts_with(&side));
+        own.fold(Kinds::default(), |all, (_, kinds)| all.and(*kinds))
+    }
+
+    /// Whether an anchor's side of a folder lacks what the side of the unit has: the two may be one platform, split by kinds of files.
+    fn is_open(&self, folder: &Path, anchor: usize, here: Kinds) -> bool {
         let Some(anchor) = self.anchors.get(anchor) else {
             return false;
         };
-        let side = |dir: &Path| {
-            let below = dir.strip_prefix(folder).ok().and_then(|below| below.iter().next());
-            let side = folder.join(below.unwrap_or_default());
-            let own = self.kinds.iter().filter(|(dir, _)| dir.starts_with(&side));
-            own.fold(Kinds::default(), |all, (_, kinds)| all.and(*kinds))
-        };
-        let (there, here) = (side(&anchor.dir), side(&unit.dir));
+        let there = self.side(folder, &anchor.dir);
         match self.around {
             // One robot is all there is, unless a folder beside it has everything that makes another platform.
             Around::Robot => !(here.states && here.records && (there.states || there.records)),

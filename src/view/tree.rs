@@ -100,7 +100,7 @@ impl Drawing<'_, '_> {
     /// The axes and the label of a frame.
     fn frame(&mut self, frame: &FrameId, path: &Path, edge: Option<&Edge>, remark: &str) {
         self.placed.put(frame, path, &self.root);
-        let said_by = edge.and_then(|edge| source_of(self.placed.world(), edge));
+        let said_by = edge.and_then(|edge| edge.source(self.placed.world()));
         // What the source of the frame above says, too, need not be told of each.
         let above = edge.and_then(|edge| self.said_by.get(&edge.parent).copied());
         let is_told = said_by.is_some() && said_by != above && self.placed.world().members.len() > 1;
@@ -155,7 +155,9 @@ impl Drawing<'_, '_> {
                     .iter()
                     .filter(|other| other.origin != main.origin && other.is_rigid)
                 {
-                    let said = source_of(self.placed.world(), other).map(|id| name(self.placed.world(), id));
+                    let said = other
+                        .source(self.placed.world())
+                        .map(|id| name(self.placed.world(), id));
                     let other = (other.pose, said.unwrap_or_default());
                     beside(
                         main.pose.filter(|_| main.is_rigid),
@@ -220,13 +222,4 @@ impl Drawing<'_, '_> {
 
 fn is_far(edge: &Edge) -> bool {
     edge.is_rigid && edge.pose.is_some_and(|pose| pose.translation.vector.norm() > FAR_M)
-}
-
-fn source_of(world: &World, edge: &Edge) -> Option<SourceId> {
-    match edge.origin {
-        EdgeOrigin::Joint(index) | EdgeOrigin::Published(index) => {
-            world.claims.get(index).map(|claim| claim.place.source)
-        }
-        EdgeOrigin::Tf(bag, _) => world.bags.get(bag).map(|bag| bag.source),
-    }
 }

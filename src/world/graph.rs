@@ -40,6 +40,29 @@ pub struct Edge {
     pub pose: Option<Isometry3<f64>>,
 }
 
+impl Edge {
+    /// The claim that states the edge; `None` for recorded TF.
+    pub fn claim<'w>(&self, world: &'w World) -> Option<&'w Claim> {
+        match self.origin {
+            EdgeOrigin::Joint(index) | EdgeOrigin::Published(index) => world.claims.get(index),
+            EdgeOrigin::Tf(..) => None,
+        }
+    }
+
+    /// The source that states it.
+    pub fn source(&self, world: &World) -> Option<SourceId> {
+        match self.origin {
+            EdgeOrigin::Tf(bag, _) => world.bags.get(bag).map(|bag| bag.source),
+            EdgeOrigin::Joint(_) | EdgeOrigin::Published(_) => self.claim(world).map(|claim| claim.place.source),
+        }
+    }
+
+    /// Whether a launch file or a script publishes it.
+    pub fn is_published(&self) -> bool {
+        matches!(self.origin, EdgeOrigin::Published(_))
+    }
+}
+
 /// A set of frames connected by edges.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Component {

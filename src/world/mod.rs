@@ -162,7 +162,7 @@ impl Facts {
             (self.ousters.len(), "description of an Ouster"),
             (self.projections.len(), "projection"),
             (self.localizations.len(), "node of robot_localization"),
-            (self.references.len(), "name of a calibration file"),
+            (self.references.len(), "reference to a calibration file"),
         ];
         let words = counts.into_iter().filter(|(count, _)| *count > 0).map(|(count, word)| {
             match (count, word.split_once(' ')) {

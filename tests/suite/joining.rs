@@ -208,7 +208,6 @@ proptest! {
         mistake in mistake(),
     ) {
         let root = tempfile::tempdir().unwrap();
-        // Without a description among them, or with one alone, nothing but the folders tells platforms apart.
         let wrong = which.index(platforms.len());
         for (number, platform) in platforms.iter().enumerate() {
             let mistake = if number == wrong { mistake } else { Mistake::None };
@@ -224,7 +223,7 @@ proptest! {
     }
 }
 
-/// Two robots of one make, the second with a calibration that is inverted, and a file in the folder above.
+/// Two robots of one make whose lidars stand elsewhere, and a file in the folder above.
 fn two_robots(above: &str) -> tempfile::TempDir {
     let root = tempfile::tempdir().unwrap();
     for (name, x) in [("a", 0.9), ("b", 1.4)] {

@@ -33,39 +33,35 @@ fn launched(folder: &Path) -> String {
     fs::read_to_string(folder.join("bringup.launch")).unwrap()
 }
 
-#[test]
-fn exchanged_frames_are_exchanged_by_the_fix_and_the_numbers_stay() {
-    let folder = platform("0.95 0.12 1.85 0.35 0.021 0.004 lidar base_link");
+/// A call that the check finds wrong, saying these words, and that the fix writes right.
+fn is_corrected(wrong: &str, says: &[&str], right: &str) {
+    let folder = platform(wrong);
     let before = run(folder.path(), ["check", "."]);
     assert_eq!(before.code, 1, "{}", before.text());
-    assert!(
-        before.text().contains("TREE03") && before.text().contains("CROSS02"),
-        "{}",
-        before.text()
-    );
+    for words in says {
+        assert!(before.text().contains(words), "{words}: {}", before.text());
+    }
     let after = run(folder.path(), ["check", "--unsafe-fixes", "."]);
-    assert_eq!(
-        launched(folder.path()),
-        launch("0.95 0.12 1.85 0.35 0.021 0.004 base_link lidar")
-    );
+    assert_eq!(launched(folder.path()), launch(right));
     assert_eq!(after.code, 0, "{}", after.text());
 }
 
 #[test]
+fn exchanged_frames_are_exchanged_by_the_fix_and_the_numbers_stay() {
+    is_corrected(
+        "0.95 0.12 1.85 0.35 0.021 0.004 lidar base_link",
+        &["TREE03", "CROSS02"],
+        "0.95 0.12 1.85 0.35 0.021 0.004 base_link lidar",
+    );
+}
+
+#[test]
 fn angles_in_the_order_of_a_description_are_put_in_that_of_the_publisher() {
-    let folder = platform("0.95 0.12 1.85 0.004 0.021 0.35 base_link lidar");
-    let before = run(folder.path(), ["check", "."]);
-    assert!(
-        before.text().contains("yaw pitch roll parent child"),
-        "{}",
-        before.text()
+    is_corrected(
+        "0.95 0.12 1.85 0.004 0.021 0.35 base_link lidar",
+        &["yaw pitch roll parent child"],
+        "0.95 0.12 1.85 0.35 0.021 0.004 base_link lidar",
     );
-    let after = run(folder.path(), ["check", "--unsafe-fixes", "."]);
-    assert_eq!(
-        launched(folder.path()),
-        launch("0.95 0.12 1.85 0.35 0.021 0.004 base_link lidar")
-    );
-    assert_eq!(after.code, 0, "{}", after.text());
 }
 
 #[test]

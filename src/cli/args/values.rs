@@ -1,12 +1,13 @@
 //! How the values of arguments are read.
 
 use std::ffi::OsStr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Arg, Command, ValueEnum};
 
 use crate::report::Format;
+use crate::run::FailOn;
 
 use super::Output;
 
@@ -26,6 +27,20 @@ pub(super) fn output(text: &str) -> Result<Output, String> {
             file: PathBuf::from(text),
         },
     })
+}
+
+/// The form of a report that the name of its file ends in; that for people where it ends in none.
+pub(super) fn by_ending(file: &Path) -> Format {
+    let ending = file.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    match ending.as_deref() {
+        Some("sarif") => Format::Sarif,
+        Some("html" | "htm") => Format::Html,
+        Some("json") => Format::Json,
+        Some("jsonl" | "ndjson") => Format::JsonLines,
+        Some("xml") => Format::Junit,
+        Some("md") => Format::Markdown,
+        _ => Format::Human,
+    }
 }
 
 /// The forms and dialects that are written. They stand in a table, which is read only where somebody asks for them.
@@ -72,5 +87,51 @@ pub(super) fn xacro_arg(text: &str) -> Result<String, String> {
     match text.split_once(":=") {
         Some((name, _)) if !name.trim().is_empty() => Ok(text.to_owned()),
         _ => Err("an argument for xacro has the form name:=value".to_owned()),
+    }
+}
+
+impl ValueEnum for Format {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[
+            Self::Human,
+            Self::Concise,
+            Self::Json,
+            Self::JsonLines,
+            Self::Sarif,
+            Self::Github,
+            Self::Gitlab,
+            Self::Junit,
+            Self::Markdown,
+            Self::Html,
+        ]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        let (word, help) = match self {
+            Self::Human => ("human", "For people, with source lines"),
+            Self::Concise => ("concise", "A line for each finding, as editors understand it"),
+            Self::Json => ("json", "One document, described by schema/frames-lint-1.json"),
+            Self::JsonLines => (
+                "json-lines",
+                "The same, a line for each input, outcome and finding, written as soon as it is known",
+            ),
+            Self::Sarif => ("sarif", "SARIF 2.1.0"),
+            Self::Github => ("github", "Workflow commands of GitHub Actions"),
+            Self::Gitlab => ("gitlab", "Code quality report of GitLab"),
+            Self::Junit => ("junit", "A test case for each check"),
+            Self::Markdown => ("markdown", "For comments and job summaries"),
+            Self::Html => ("html", "The acceptance report: one page with everything, to be signed"),
+        };
+        Some(PossibleValue::new(word).help(help))
+    }
+}
+
+impl ValueEnum for FailOn {
+    fn value_variants<'a>() -> &'a [Self] {
+        &[Self::Error, Self::Warning, Self::Note, Self::Never]
+    }
+
+    fn to_possible_value(&self) -> Option<PossibleValue> {
+        Some(PossibleValue::new(self.word()))
     }
 }

@@ -54,6 +54,7 @@ pub(super) fn check(
         &setup.choice.rules,
         &mut shared.sources,
     )?;
+    let alone = std::mem::take(&mut shared.worlds);
     let room = Room {
         setup,
         reading,
@@ -77,7 +78,7 @@ pub(super) fn check(
             whole.add(drive, renumber);
         }
     }
-    room.judge_rest(&covered, &mut whole);
+    room.judge_rest(alone, &covered, &mut whole);
     room.judge_across(left, &mut whole);
     for saved in saved {
         evidence::judge(&room, saved, &mut whole);
@@ -91,6 +92,8 @@ struct Shared {
     /// configuration.
     sources: Vec<Source>,
     members: Vec<Member>,
+    /// The platforms that the files make without any recording.
+    worlds: Vec<World>,
 }
 
 impl Shared {
@@ -110,8 +113,13 @@ impl Shared {
             .map(|(index, input)| Source::new(source_id(index), input.display.clone(), input.kind))
             .collect();
         put(&mut sources, read);
-        Platforms::of(members.clone(), inputs).note(&mut sources);
-        Self { sources, members }
+        let alone = Platforms::of(members.clone(), inputs);
+        alone.note(&mut sources);
+        Self {
+            sources,
+            members,
+            worlds: alone.worlds,
+        }
     }
 }
 
@@ -285,8 +293,7 @@ impl Room<'_> {
     }
 
     /// Files that belong to the platform of no recording.
-    fn judge_rest(&self, covered: &BTreeSet<SourceId>, whole: &mut Whole) {
-        let mut worlds = Platforms::of(self.shared.members.clone(), self.reading.inputs).worlds;
+    fn judge_rest(&self, mut worlds: Vec<World>, covered: &BTreeSet<SourceId>, whole: &mut Whole) {
         let is_left = |id: &SourceId| !covered.contains(id);
         worlds.retain(|world| world.members.iter().any(is_left));
         if worlds.is_empty() {

@@ -49,13 +49,12 @@ fn visit<'a>(node: &'a Node, walk: &mut Walk<'a>) {
     }
 }
 
-/// How many lists of poses over time a document has.
-pub(super) fn tracks(node: &Node) -> usize {
+/// Whether a document has a list of poses over time.
+pub(super) fn has_track(node: &Node) -> bool {
     match &node.kind {
-        Kind::Scalar { .. } => 0,
-        Kind::Sequence(items) if is_over_time(items) => 1,
-        Kind::Sequence(items) => items.iter().map(tracks).sum(),
-        Kind::Mapping(pairs) => pairs.iter().map(|(_, child)| tracks(child)).sum(),
+        Kind::Scalar { .. } => false,
+        Kind::Sequence(items) => is_over_time(items) || items.iter().any(has_track),
+        Kind::Mapping(pairs) => pairs.iter().any(|(_, child)| has_track(child)),
     }
 }
 

@@ -239,7 +239,7 @@ fn describe(
         notes.push("an origin on the Earth, and no transforms".to_owned());
     } else if !facts.projections.is_empty() && facts.claims.is_empty() {
         notes.push("a projection, and no transforms".to_owned());
-    } else if facts.claims.is_empty() && documents.roots.iter().any(|root| generic::tracks(root) > 0) {
+    } else if facts.claims.is_empty() && documents.roots.iter().any(generic::has_track) {
         notes.push("poses over time: no transform of the platform".to_owned());
     } else if facts.claims.is_empty() && facts.chains.is_empty() {
         notes.push("no transforms found".to_owned());

@@ -64,12 +64,12 @@ pub enum Parts {
 
 /// The whole report.
 pub fn render(run: &Run, options: &Options) -> String {
-    let locator = Locator::new(&run.sources);
-    let painter = Painter::new(&locator, options.style);
-    let mut out = String::new();
     if let Some(line) = nothing_read(run, options) {
         return line;
     }
+    let locator = Locator::new(&run.sources);
+    let painter = Painter::new(&locator, options.style);
+    let mut out = String::new();
     if options.parts == Parts::Statistics {
         statistics(run, options.style, &mut out);
     } else {

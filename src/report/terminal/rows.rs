@@ -74,8 +74,11 @@ fn brief(rows: &[&Row], style: Style) -> String {
         .into_iter()
         .max_by_key(|(input, count)| (*count, std::cmp::Reverse(*input)))
     {
-        let help = format!("what would help most is a {input} ({})", plural(count, "more check"));
-        parts.push(help);
+        let input = input.replace(" and no ", " or ");
+        parts.push(format!(
+            "what would help most: {input} ({})",
+            plural(count, "more check")
+        ));
     }
     let line = format!("Not evaluated: {}; --verbose lists them", parts.join(", "));
     wrap(&one_line(&line), style.width, "", "  ")

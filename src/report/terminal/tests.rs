@@ -172,7 +172,7 @@ fn nothing_checked_is_never_a_pass() {
         "\
 Passed over, no reader for them: 12 .stl, 3 .png
 
-Not evaluated: 4 without an input, what would help most is a URDF (3 more checks); --verbose lists them
+Not evaluated: 4 without an input, what would help most: URDF (3 more checks); --verbose lists them
 
 0 errors, 0 warnings, 0 notes · 0 checks passed · 4 not evaluated · 1 of 1 input read
 Nothing was checked: no rule found anything it could judge in calib.yaml, for the reasons above. This is not a pass.

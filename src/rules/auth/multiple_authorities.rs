@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::analysis::places::{self, published_reading};
 use crate::math::stats::median;
 use crate::rules::prelude::*;
-use crate::world::graph::{Edge, EdgeOrigin, FrameGraph};
+use crate::world::graph::{Edge, FrameGraph};
 use crate::world::{BagEvidence, World, bag::TfEdge, content::Step};
 
 pub(crate) struct MultipleAuthorities;
@@ -41,10 +41,7 @@ impl Rule for MultipleAuthorities {
 
 /// What a launch file publishes, where a joint or another call states it as well.
 fn judge_launched(world: &World, launched: &FrameGraph, limits: &Limits, out: &mut Judge) {
-    for edge in &launched.edges {
-        let EdgeOrigin::Published(_) = edge.origin else {
-            continue;
-        };
+    for edge in launched.edges.iter().filter(|edge| edge.is_published()) {
         let subject = format!("published `{}` from `{}`", edge.parent, edge.child);
         let twins = launched.edges_to(&edge.child).filter(|other| other.parent == edge.parent);
         let others: Vec<&Edge> = twins.filter(|other| other.origin != edge.origin).collect();
@@ -58,9 +55,10 @@ fn judge_launched(world: &World, launched: &FrameGraph, limits: &Limits, out: &m
             // Said of the last one.
             continue;
         }
-        let (who, by) = match other.origin {
-            EdgeOrigin::Joint(_) => ("robot_state_publisher and a static_transform_publisher", "the joint"),
-            _ => ("two static_transform_publishers", "the other call"),
+        let (who, by) = if other.is_published() {
+            ("two static_transform_publishers", "the other call")
+        } else {
+            ("robot_state_publisher and a static_transform_publisher", "the joint")
         };
         let apart = edge.pose.zip(other.pose).map(|(a, b)| {
             let distance_m = (a.translation.vector - b.translation.vector).norm();
@@ -80,7 +78,7 @@ fn judge_launched(world: &World, launched: &FrameGraph, limits: &Limits, out: &m
             .confidence(published_reading(world, edge))
             .help("let one program publish the frame: remove the call where the description has the joint")
             .measured(count);
-        if matches!(other.origin, EdgeOrigin::Joint(_)) {
+        if !other.is_published() {
             finding = finding.unless(codes::CROSS02).unless(codes::CROSS01);
         }
         if let Some(place) = places::of_edge(world, other) {

@@ -202,13 +202,17 @@ fn claim_of<'w>(world: &'w World, pair: &Pair) -> Option<&'w Claim> {
 
 /// What the program that publishes it wants, where that is what was missed.
 fn publisher_wants(world: &World, pair: &Pair, relation: Relation) -> &'static str {
-    match relation {
-        _ if !claim_of(world, pair).is_some_and(Claim::is_published) => "",
+    let wants = match relation {
         Relation::Ypr => " static_transform_publisher reads x y z yaw pitch roll parent child.",
         Relation::Inverse if pair.other.direction == Direction::TurnedRound => {
             " static_transform_publisher reads the parent first, then the child: the two are exchanged."
         }
-        _ => "",
+        _ => return "",
+    };
+    if claim_of(world, pair).is_some_and(Claim::is_published) {
+        wants
+    } else {
+        ""
     }
 }
 

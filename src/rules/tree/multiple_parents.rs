@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::analysis::places::{self, published_reading};
 use crate::analysis::{tf, tree::loops::loops};
 use crate::rules::prelude::*;
-use crate::world::graph::{Edge, EdgeOrigin, FrameGraph};
+use crate::world::graph::FrameGraph;
 use crate::world::{BagEvidence, FrameId, Robot, World, bag::TfEdge, robot::Joint};
 
 pub(crate) struct MultipleParents;
@@ -45,11 +45,11 @@ impl Rule for MultipleParents {
 
 /// What a launch file publishes, beside the joints.
 fn judge_launched(world: &World, launched: &FrameGraph, closing: &BTreeSet<(FrameId, FrameId)>, out: &mut Judge) {
-    let published = |edge: &&Edge| matches!(edge.origin, EdgeOrigin::Published(_));
+    let published = || launched.edges.iter().filter(|edge| edge.is_published());
     let mut failed = false;
     let mut file = None;
-    for edge in launched.edges.iter().filter(published) {
-        file = file.or_else(|| places::source_of_edge(world, edge));
+    for edge in published() {
+        file = file.or_else(|| edge.source(world));
         let child = &edge.child;
         // A frame that is its own parent is TREE04's; two publishers of one transform are AUTH01's.
         let others = launched.edges_to(child).filter(|other| other.parent != edge.parent && other.parent != *child);
@@ -58,7 +58,7 @@ fn judge_launched(world: &World, launched: &FrameGraph, closing: &BTreeSet<(Fram
             continue;
         };
         // Of two published ones, one finding.
-        if published(&other) && other.origin > edge.origin {
+        if other.is_published() && other.origin > edge.origin {
             continue;
         }
         failed = true;
@@ -78,7 +78,7 @@ fn judge_launched(world: &World, launched: &FrameGraph, closing: &BTreeSet<(Fram
     }
     if let (false, Some(file)) = (failed, file) {
         let several = Measured::count("frames with more than one parent", 0).limit(0.0);
-        let judged = launched.edges.iter().filter(published).count() as u64;
+        let judged = published().count() as u64;
         out.pass(format!("published by {}", world.path(file)), [several.samples(judged)]);
     }
 }

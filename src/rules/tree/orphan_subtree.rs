@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::analysis::{names, places::Firsts, places::of_edge, spelling::loose, tf, tree::loops::loops};
 use crate::rules::prelude::*;
 use crate::source::SourceId;
-use crate::world::graph::{Component, EdgeOrigin, FrameGraph};
+use crate::world::graph::{Component, FrameGraph};
 use crate::world::{FrameId, FrameRole, World};
 
 pub(crate) struct OrphanSubtree;
@@ -72,13 +72,16 @@ impl Rule for OrphanSubtree {
 
 /// Trees of recorded TF that a description alone connects: tf2 knows TF, and no URDF.
 fn judge_recorded(world: &World, out: &mut Judge) {
-    if world.robots.is_empty() || world.bags.iter().any(|bag| bag.truncated || !bag.share.whole) {
+    if world.robots.is_empty() {
         return;
     }
-    let recorded = FrameGraph::of_recordings(world);
-    let components = recorded.components();
+    let components = FrameGraph::of_recordings(world).components();
     if components.len() < 2 {
         return;
+    }
+    if world.bags.iter().any(|bag| bag.truncated || !bag.share.whole) {
+        let why = "what was read of TF is several trees, and what connects them may stand in what was not read";
+        return out.too_little("recorded frame tree", why);
     }
     // Of recorded trees, the platform's own is the main one.
     let is_standard = |component: &Component| component.members.iter().any(|frame| names::standard(frame).is_some());
@@ -95,20 +98,17 @@ fn judge_recorded(world: &World, out: &mut Judge) {
             continue;
         };
         let edges = steps.iter().filter_map(|step| whole.edges.get(step.edge));
-        let mut joints = edges.filter(|edge| matches!(edge.origin, EdgeOrigin::Joint(_)));
-        let Some((joint, place)) = joints.find_map(|edge| Some((edge, of_edge(world, edge)?))) else {
+        let mut joints = edges.filter_map(|edge| Some((edge.claim(world)?, of_edge(world, edge)?)));
+        let Some((joint, place)) = joints.next() else {
             continue;
-        };
-        let name = match joint.origin {
-            EdgeOrigin::Joint(index) => world.claims.get(index).map_or("?", |claim| claim.label.as_str()),
-            _ => "?",
         };
         let is_used = world
             .frames
             .iter()
             .any(|used| used.role == FrameRole::Header && orphan.members.contains(&used.frame.canonical()));
         let message = format!(
-            "TF never connects `{root}` with `{home}`: only joint `{name}` of the description does, which tf2 does not know"
+            "TF never connects `{root}` with `{home}`: only joint `{}` of the description does, which tf2 does not know",
+            joint.label
         );
         let subject = format!("recorded subtree `{root}`");
         let severity = if is_used { Severity::Error } else { Severity::Warning };

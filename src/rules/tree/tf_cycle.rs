@@ -6,8 +6,7 @@ use crate::analysis::places::published_reading;
 use crate::analysis::tree::loops::loops;
 use crate::rules::prelude::*;
 use crate::source::{At, SourceId};
-use crate::world::graph::{Edge, EdgeOrigin};
-use crate::world::{FrameId, World};
+use crate::world::{FrameId, World, graph::Edge};
 
 pub(crate) struct TfCycle;
 
@@ -32,7 +31,7 @@ impl Rule for TfCycle {
 fn judge_cycle(world: &World, cycle: &[FrameId], steps: &[&Edge], out: &mut Judge) {
     let sources: BTreeSet<SourceId> = steps
         .iter()
-        .filter_map(|edge| crate::analysis::places::source_of_edge(world, edge))
+        .filter_map(|edge| edge.source(world))
         .collect();
     // The cycle lists each frame before its parent; people read from parent to child.
     let mut names: Vec<String> = cycle.iter().rev().map(|frame| format!("`{frame}`")).collect();
@@ -51,8 +50,7 @@ fn judge_cycle(world: &World, cycle: &[FrameId], steps: &[&Edge], out: &mut Judg
         .collect();
     // What was published, or else written last, closed the loop.
     let rank = |(edge, place): &(&&Edge, Place)| {
-        let is_published = matches!(edge.origin, EdgeOrigin::Published(_));
-        (matches!(place.at, At::Message(_)), is_published, place.clone())
+        (matches!(place.at, At::Message(_)), edge.is_published(), place.clone())
     };
     let last = (0..at.len()).max_by_key(|index| at.get(*index).map(rank));
     let Some((first, place)) = last.map(|index| at.remove(index)) else {

@@ -112,16 +112,8 @@ fn judge_topic(
 /// The frame, or a frame above it, of which tf2 takes no transform at all.
 fn refused(bag: &BagEvidence, frame: &FrameId) -> Option<FrameId> {
     let edges = tf::by_child(bag);
-    let mut at = frame.clone();
-    // A loop ends the walk as well: no tree is deeper than it has frames.
-    for _ in 0..=edges.len() {
-        let above = edges.get(&at)?;
-        if above.iter().all(|edge| edge.samples.is_empty()) {
-            return Some(at);
-        }
-        at = above.first()?.parent.canonical();
-    }
-    None
+    let is_refused = |at: &FrameId| edges.get(at).is_some_and(|above| above.iter().all(|edge| edge.samples.is_empty()));
+    tf::upward(&edges, frame).find(is_refused)
 }
 
 /// A moving edge on the way whose stamps are of another clock than the topic's, with the seconds between them.

@@ -71,7 +71,9 @@ fn unpublished(world: &World, bag: &BagEvidence, subject: &str) -> Option<Findin
     let names: BTreeSet<&FrameId> = missing.iter().map(|(child, _)| child).collect();
     let (_, joint) = missing.first()?;
     let needed = tf::sensor_frames(bag).map(|(frame, _, _)| frame);
-    let blind: BTreeSet<FrameId> = needed.filter(|frame| names.contains(&tf::root_of(bag, frame))).collect();
+    let children = tf::by_child(bag);
+    let hangs_on_one = |frame: &FrameId| tf::upward(&children, frame).last().is_some_and(|root| names.contains(&root));
+    let blind: BTreeSet<FrameId> = needed.filter(hangs_on_one).collect();
     let message = format!(
         "fixed joints of the URDF are missing from TF: {}",
         tf::listed(names.iter().copied())
