@@ -52,6 +52,8 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
+use globset::{Glob, GlobMatcher};
+
 use crate::policy::Policy;
 use crate::read::discover::CONFIGURATION;
 use crate::run::FailOn;
@@ -73,6 +75,8 @@ const MAX_BYTES: u64 = 1 << 20;
 #[derive(Clone, Debug, Default)]
 pub struct Config {
     layers: Vec<Layer>,
+    /// Of configurations that lie deeper: what they say of files there.
+    below: Vec<Layer>,
     /// What is known of devices, with the user's own rows.
     tables: Arc<Tables>,
 }
@@ -80,6 +84,8 @@ pub struct Config {
 /// One file, or a profile of the tool.
 #[derive(Clone, Debug, Default)]
 struct Layer {
+    /// Its number among the layers of a run.
+    number: u32,
     /// Where it was read, for messages.
     path: String,
     text: String,
@@ -97,45 +103,20 @@ struct Layer {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConfigError(pub String);
 
-/// The configuration that holds for these inputs: `named` by the user, or the nearest above them, on top of a profile where one is
-/// named. `None` where there is none.
-pub fn find(named: Option<&Path>, profile: Option<&str>, inputs: &[PathBuf]) -> Result<Option<Config>, ConfigError> {
+/// A profile where one is named, and on top of it a file where there is one. `None` where there is neither.
+pub fn find(file: Option<&Path>, profile: Option<&str>) -> Result<Option<Config>, ConfigError> {
     let mut config = Config::default();
     if let Some(profile) = profile {
         config.add_profile(profile)?;
     }
-    let found = match named {
-        Some(path) => Some(path.to_path_buf()),
-        None => nearest_of(inputs)?,
-    };
-    if let Some(path) = &found {
-        config.add_file(path, &mut Vec::new())?;
+    if let Some(file) = file {
+        config.add_file(file, &mut Vec::new())?;
     }
     Ok((!config.layers.is_empty()).then_some(config))
 }
 
-/// The one configuration that is nearest above all inputs that have one.
-fn nearest_of(inputs: &[PathBuf]) -> Result<Option<PathBuf>, ConfigError> {
-    let mut found: Option<PathBuf> = None;
-    for input in inputs {
-        let above = nearest(input);
-        match (&found, above) {
-            (Some(one), Some(other)) if *one != other => {
-                return Err(ConfigError(format!(
-                    "`{}` and `{}` hold for different inputs of this call; check them one by one, or name one with --config",
-                    one.display(),
-                    other.display()
-                )));
-            }
-            (None, Some(other)) => found = Some(other),
-            _ => {}
-        }
-    }
-    Ok(found)
-}
-
 /// The nearest configuration in the input's own folder or above it.
-fn nearest(input: &Path) -> Option<PathBuf> {
+pub fn nearest(input: &Path) -> Option<PathBuf> {
     let whole = std::fs::canonicalize(input).ok()?;
     whole
         .ancestors()
@@ -217,23 +198,39 @@ impl Config {
 
     /// The configuration as sources of the run, from this id on.
     pub fn sources(&self, first: u32) -> Vec<Source> {
-        let source = |(id, layer): (u32, &Layer)| {
-            let mut source = Source::new(SourceId(id), layer.path.clone(), SourceKind::Configuration);
+        let source = |layer: &Layer| {
+            let id = SourceId(first.saturating_add(layer.number));
+            let mut source = Source::new(id, layer.path.clone(), SourceKind::Configuration);
             source.text.clone_from(&layer.text);
             source.examined.bytes = layer.text.len() as u64;
             source.examined.bytes_total = layer.text.len() as u64;
             source
         };
-        (first..).zip(&self.layers).map(source).collect()
+        self.layers.iter().map(source).collect()
+    }
+
+    /// Numbers its layers among those of a run, from this number on; the next number.
+    pub fn number(&mut self, first: u32) -> u32 {
+        (first..)
+            .zip(&mut self.layers)
+            .map(|(number, layer)| {
+                layer.number = number;
+                number + 1
+            })
+            .last()
+            .unwrap_or(first)
+    }
+
+    /// Adds what a configuration that lies deeper says of files: of those below `folder`, a path as sources have it.
+    pub fn add_below(&mut self, deeper: &Self, folder: &str) {
+        self.below
+            .extend(deeper.layers.iter().filter_map(|layer| layer.below(folder)));
     }
 
     /// The layers with the ids that they have as sources, if they are sources.
     fn placed(&self, first: Option<u32>) -> impl DoubleEndedIterator<Item = (Option<SourceId>, &Layer)> {
-        let id = move |index: usize| Some(SourceId(first? + u32::try_from(index).ok()?));
-        self.layers
-            .iter()
-            .enumerate()
-            .map(move |(index, layer)| (id(index), layer))
+        let layers = self.layers.iter().chain(&self.below);
+        layers.map(move |layer| (first.map(|first| SourceId(first.saturating_add(layer.number))), layer))
     }
 
     /// What is known of devices, drivers and datasets: the user's rows, and behind them those that come with the program.
@@ -326,6 +323,35 @@ impl Config {
     /// The last file, as it is shown.
     pub fn path(&self) -> &str {
         self.layers.last().map_or("", |layer| &layer.path)
+    }
+}
+
+impl Layer {
+    /// What it says of files, for those below a folder.
+    fn below(&self, folder: &str) -> Option<Self> {
+        let within = |file: &mut Option<GlobMatcher>| {
+            let own = file.as_ref().map_or("*", |glob| glob.glob().glob());
+            let whole = format!("{}/**/{own}", globset::escape(folder));
+            *file = Some(Glob::new(&whole).ok()?.compile_matcher());
+            Some(())
+        };
+        let mut layer = Self {
+            number: self.number,
+            path: self.path.clone(),
+            conventions: self.conventions.clone(),
+            transforms: self.transforms.clone(),
+            aliases: self.aliases.clone(),
+            asked: self.asked.of_files(),
+            ..Self::default()
+        };
+        for (declaration, _) in &mut layer.conventions {
+            within(&mut declaration.scope.file)?;
+        }
+        for transform in &mut layer.transforms {
+            within(&mut transform.file)?;
+        }
+        layer.asked.files().try_for_each(within)?;
+        Some(layer)
     }
 }
 

@@ -209,6 +209,16 @@ impl FailOn {
         }
     }
 
+    /// The more findings fail, the higher.
+    pub fn rank(self) -> u8 {
+        match self {
+            Self::Never => 0,
+            Self::Error => 1,
+            Self::Warning => 2,
+            Self::Note => 3,
+        }
+    }
+
     /// Whether this finding fails a run: severe enough, and more than a hint.
     pub fn counts(self, finding: &Finding) -> bool {
         let from = match self {

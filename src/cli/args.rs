@@ -155,9 +155,12 @@ pub(super) struct Check {
     /// Evidence saved by `collect`, judged as the files were; may be repeated, and stand beside paths
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) evidence: Vec<PathBuf>,
-    /// Configuration with the conventions that the files follow; without it the frames-lint.yaml nearest above the inputs
+    /// Configuration for everything; without it each frames-lint.yaml counts for its folder and below
     #[arg(long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) config: Option<PathBuf>,
+    /// Show which configuration governs a file, and what it changes
+    #[arg(long, value_name = "FILE", value_hint = ValueHint::AnyPath, conflicts_with_all = ["paths", "evidence"])]
+    pub(super) show_settings: Option<PathBuf>,
     /// Profile that the configuration stands on
     #[arg(long, value_name = "NAME", value_parser = PossibleValuesParser::new(PROFILES.iter().map(|(name, _)| *name)))]
     pub(super) profile: Option<String>,

@@ -53,6 +53,14 @@ pub(super) fn run(
         msg_paths: check.reading.msg_paths,
         progress: surroundings.progress,
     };
+    if let Some(file) = &check.show_settings {
+        let settings = engine::settings_of(&options, file)?.into_iter();
+        let out = settings.map(|(name, value)| format!("{name:<13}  {value}\n")).collect();
+        return Ok(Answer {
+            out,
+            ..Answer::default()
+        });
+    }
     if check.views.rrd.is_some() {
         view::is_there()?;
     }

@@ -57,6 +57,27 @@ struct Waived {
 }
 
 impl Asked {
+    /// What it says of findings by their files. A rule that is left out is off in these files.
+    pub(super) fn of_files(&self) -> Self {
+        let off = self.ignore.iter().map(|(rule, origin)| Weight {
+            rule: rule.clone(),
+            file: None,
+            level: Level::Off,
+            origin: origin.clone(),
+        });
+        Self {
+            weights: self.weights.iter().cloned().chain(off).collect(),
+            waivers: self.waivers.clone(),
+            ..Self::default()
+        }
+    }
+
+    /// The files that its parts are for.
+    pub(super) fn files(&mut self) -> impl Iterator<Item = &mut Option<GlobMatcher>> {
+        let weights = self.weights.iter_mut().map(|weight| &mut weight.file);
+        weights.chain(self.waivers.iter_mut().map(|waived| &mut waived.file))
+    }
+
     /// The waivers; the layer has this id as a source.
     pub(super) fn exceptions(&self, id: SourceId) -> impl Iterator<Item = Exception> {
         self.waivers.iter().map(move |waived| {

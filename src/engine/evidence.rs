@@ -71,6 +71,8 @@ pub struct Saved {
     pub sources: Arc<Vec<Source>>,
     /// Files met in folders that no reader exists for.
     pub skipped: BTreeMap<String, usize>,
+    /// The number of the configuration that governs it.
+    pub governed: usize,
 }
 
 /// The document of what a run read. The same run gives the same bytes.
@@ -110,7 +112,7 @@ fn unreadable(path: &Path, why: String) -> Saved {
     Saved {
         worlds: vec![world],
         sources,
-        skipped: BTreeMap::new(),
+        ..Saved::default()
     }
 }
 
@@ -160,6 +162,7 @@ pub fn parse(bytes: &[u8]) -> Result<Saved, String> {
         worlds,
         sources,
         skipped: document.skipped,
+        governed: 0,
     })
 }
 

@@ -5,15 +5,17 @@
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::collect::{How, collect};
 use crate::progress::Progress;
-use crate::read::calibration::{self, Dialects};
+use crate::read::calibration;
 use crate::read::discover::Inputs;
 use crate::read::input::Input;
 use crate::read::urdf::MeshLookup;
 use crate::read::{code, feather, launch, text, urdf, xacro, xacro_parts};
 use crate::source::{Derived, Examined, MessageRef, Place, ReadStatus, Source, SourceId, SourceKind};
+use crate::tables::Tables;
 use crate::world::Facts;
 
 use super::{parallel, references};
@@ -48,7 +50,7 @@ pub(super) fn gather(
     emerged_from: usize,
     xacro_args: &[String],
     how: &How,
-    dialects: &Dialects,
+    tables: &(dyn Fn(usize) -> Arc<Tables> + Sync),
     progress: &Progress,
 ) -> Vec<Reading> {
     let which = which
@@ -60,7 +62,7 @@ pub(super) fn gather(
         inputs,
         xacro_args,
         how,
-        dialects,
+        tables,
         progress,
         included: &included,
     };
@@ -73,7 +75,7 @@ pub(super) fn gather(
     }
     readings.extend(parallel::map(
         emerged.into_iter().enumerate().collect(),
-        |(offset, text)| read_emerged(text, source_id(emerged_from + offset), inputs, dialects),
+        |(offset, text)| read_emerged(text, source_id(emerged_from + offset), inputs, tables),
     ));
     readings
 }
@@ -90,7 +92,7 @@ fn meshes(input: &Input, inputs: &Inputs) -> MeshLookup {
     }
 }
 
-fn read_emerged(emerged: Emerged, id: SourceId, inputs: &Inputs, dialects: &Dialects) -> Reading {
+fn read_emerged(emerged: Emerged, id: SourceId, inputs: &Inputs, tables: &dyn Fn(usize) -> Arc<Tables>) -> Reading {
     let mut source = Source::new(id, emerged.path, emerged.kind);
     source.derived = Some(emerged.derived);
     source.examined = Examined {
@@ -100,7 +102,7 @@ fn read_emerged(emerged: Emerged, id: SourceId, inputs: &Inputs, dialects: &Dial
     };
     source.text = emerged.text;
     if source.kind == SourceKind::SensorMetadata {
-        let facts = calibration::read_json(&mut source, dialects);
+        let facts = calibration::read_json(&mut source, tables(emerged.input).dialects());
         // A text that is cut off is no fault of the recording, nor of the call.
         source.status = source.status.min(ReadStatus::Partial);
         return Reading {
@@ -139,7 +141,7 @@ struct Reader<'a> {
     inputs: &'a Inputs,
     xacro_args: &'a [String],
     how: &'a How,
-    dialects: &'a Dialects,
+    tables: &'a (dyn Fn(usize) -> Arc<Tables> + Sync),
     progress: &'a Progress,
     included: &'a [String],
 }
@@ -186,12 +188,13 @@ impl Reader<'_> {
                 if !load_text(input, source) {
                     return Facts::default();
                 }
+                let tables = (self.tables)(index);
                 match input.kind {
-                    SourceKind::Yaml => with_references(calibration::read_yaml(source, self.dialects), input),
-                    SourceKind::Json => with_references(calibration::read_json(source, self.dialects), input),
+                    SourceKind::Yaml => with_references(calibration::read_yaml(source, tables.dialects()), input),
+                    SourceKind::Json => with_references(calibration::read_json(source, tables.dialects()), input),
                     SourceKind::Launch => launch::read(source),
                     SourceKind::Code => code::read(source),
-                    SourceKind::Text => with_references(calibration::read_plain(source, self.dialects), input),
+                    SourceKind::Text => with_references(calibration::read_plain(source, tables.dialects()), input),
                     SourceKind::Xacro => self.read_xacro(input, source, index, emerged),
                     _ => urdf::read(source, &meshes(input, self.inputs)),
                 }

@@ -65,7 +65,7 @@ pub(super) fn judge<'r>(
 }
 
 /// What the rules say of what the user accepts.
-pub(super) fn judge_policy(applied: &[Applied], misspelt: &[Misspelt], rules: &[Enabled], verdict: &mut Verdict) {
+pub(super) fn judge_policy(applied: &[Applied], misspelt: &[Misspelt], rules: &[&Enabled], verdict: &mut Verdict) {
     for rule in rules {
         let Kind::Policy(asked) = rule.entry.kind else { continue };
         let mut out = Judge::default();

@@ -3,6 +3,7 @@
 mod enabled;
 pub mod evidence;
 mod gather;
+mod governed;
 mod hash;
 mod judge;
 mod limits;
@@ -18,11 +19,10 @@ mod sampling;
 mod sessions;
 
 use std::collections::BTreeMap;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::collect::How;
-use crate::config::{self, Config};
+use crate::config::Config;
 use crate::progress::Progress;
 use crate::read::discover::{Inputs, discover_of};
 use crate::read::messages::definition::Definitions;
@@ -33,12 +33,14 @@ use crate::verdict::Verdict;
 use crate::world::{Conventions, NamedDataset, World};
 
 use evidence::Saved;
+use governed::Governed;
 use plan::Choice;
 use platform::{Member, Platforms};
 use policy::{Demanded, RunPolicy};
 use renumber::Renumber;
 
 pub use crate::read::discover::Wanted;
+pub use governed::settings_of;
 pub use hash::hash;
 pub use options::{Options, Sights, UsageError, Verdicts};
 pub use policy::write_baseline;
@@ -61,19 +63,19 @@ pub fn check(options: &Options) -> Result<Run, UsageError> {
 /// The same, and tells what was judged as soon as it is: a recording after the other, where there are several. Every source, outcome
 /// and finding is told once.
 pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Result<Run, UsageError> {
-    let config = configuration(options)?;
-    let mut choice = plan::enabled(&options.select, &options.ignore, config.as_ref())?;
-    for rule in &mut choice.rules {
-        rule.plots = options.sights >= Sights::Plots;
-    }
+    let inputs = inputs(options)?;
     let setup = Setup {
         options,
-        choice,
         definitions: definitions(options)?,
-        config,
+        governed: Governed::new(options, &inputs)?,
     };
-    let inputs = inputs(options)?;
-    let saved: Vec<Saved> = options.evidence.iter().map(|path| evidence::read(path)).collect();
+    let saved = (0..).zip(&options.evidence);
+    let saved: Vec<Saved> = saved
+        .map(|(number, path)| Saved {
+            governed: setup.governed.of_document(number),
+            ..evidence::read(path)
+        })
+        .collect();
     let is_one = options.verdicts == Verdicts::One;
     let sessions = if is_one { Vec::new() } else { sessions::of(&inputs) };
     let in_saved = |saved: &Saved| sessions::of_worlds(&saved.worlds, &saved.sources).len();
@@ -89,24 +91,19 @@ pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Resu
 /// What is the same for everything that a run reads and judges.
 struct Setup<'o> {
     options: &'o Options,
-    config: Option<Config>,
-    choice: Choice,
+    governed: Governed,
     definitions: Arc<Definitions>,
 }
 
 impl Setup<'_> {
     /// A run of these rules that has nothing yet.
     fn run(&self, sources: Vec<Source>, skipped: BTreeMap<String, usize>) -> Run {
+        let rules = self.governed.rules().into_iter();
         Run {
             sources,
-            rules: self
-                .choice
-                .rules
-                .iter()
-                .map(|rule| RuleInfo::new(&rule.front, rule.entry.page))
-                .collect(),
+            rules: rules.map(|rule| RuleInfo::new(&rule.front, rule.entry.page)).collect(),
             skipped,
-            fail_on: self.config.as_ref().and_then(Config::fail_on),
+            fail_on: self.governed.fail_on(),
             ..Run::default()
         }
     }
@@ -118,71 +115,80 @@ impl Setup<'_> {
             Sights::None | Sights::Plots => Vec::new(),
         }
     }
+
+    /// One verdict for each world, with the number of what governs it; subjects say which where there are several.
+    fn judge(&self, worlds: &[World], several: bool) -> Vec<(usize, Verdict)> {
+        let governed = |world: &World| self.governed.of(world);
+        parallel::map(worlds.iter().collect(), |world| {
+            self.judge_as(governed(world), world, several)
+        })
+    }
+
+    fn judge_as(&self, governed: usize, world: &World, several: bool) -> (usize, Verdict) {
+        let label = several.then_some(world.label.as_str());
+        let choice = &self.governed.at(governed).choice;
+        (governed, judge::judge(world, &choice.rules, &choice.settings, label))
+    }
 }
 
 /// One verdict for everything.
 fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, UsageError> {
     let others = saved.iter().map(|saved| saved.worlds.len()).sum();
-    let (mut worlds, verdicts) = settle(
-        &inputs,
-        setup.options,
-        setup.config.as_ref(),
-        (&setup.choice, &setup.definitions),
-        others,
-    );
+    let (mut worlds, mut verdicts) = settle(&inputs, setup, others);
     let several = worlds.len() + others > 1;
     let mut labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
     let seen = setup.seen(&worlds);
     let mut run = setup.run(take_sources(&mut worlds), inputs.skipped);
     run.seen = seen;
-    run.verdict = merged(verdicts);
     run.worlds = worlds;
     for saved in saved {
-        labels.extend(add_saved(setup, saved, several, &mut run));
+        verdicts.extend(add_saved(setup, saved, several, &mut run, &mut labels));
     }
     if several {
         run.platforms = labels;
     }
-    let policy = RunPolicy::new(
-        setup.options,
-        setup.config.as_ref(),
-        &setup.choice.rules,
-        &mut run.sources,
-    )?;
-    let mut laid = policy.lay(&mut run.verdict, &run.sources, &run.platforms);
-    let demanded = Demanded {
-        rows: &run.verdict.rows,
-        beside: &[],
-        recording: None,
-    };
-    policy.demand(&mut laid, &demanded, &run.platforms);
-    policy.close(laid, &mut run, &setup.choice.rules);
+    let policy = RunPolicy::new(setup.options, &setup.governed, &mut run.sources)?;
+    let (verdict, laid) = policy.lay(verdicts, (&run.sources, &run.platforms), Some(&Demanded::default()));
+    run.verdict = verdict;
+    policy.close(laid, &mut run);
     Ok(run)
 }
 
-/// Judges a document of evidence, and adds it to a run: its sources behind those that are there. Returns the names of its platforms.
-fn add_saved(setup: &Setup, saved: Saved, several: bool, run: &mut Run) -> Vec<String> {
+/// Judges a document of evidence, and adds it to a run: its sources behind those that are there.
+fn add_saved(
+    setup: &Setup,
+    saved: Saved,
+    several: bool,
+    run: &mut Run,
+    labels: &mut Vec<String>,
+) -> Vec<(usize, Verdict)> {
     let Saved {
         worlds,
         sources,
         skipped,
+        governed,
     } = furnished(setup, saved);
-    let mut verdict = merged(judge_all(&worlds, &setup.choice, several));
+    let mut verdicts: Vec<_> = worlds
+        .iter()
+        .map(|world| setup.judge_as(governed, world, several))
+        .collect();
     run.seen.extend(setup.seen(&worlds));
-    let labels = worlds.into_iter().map(|world| world.label).collect();
+    labels.extend(worlds.into_iter().map(|world| world.label));
     let mut sources = Arc::unwrap_or_clone(sources);
-    Renumber::behind(0, run.sources.len()).all(&mut sources, &mut verdict);
+    let renumber = Renumber::behind(0, run.sources.len());
+    renumber.all(&mut sources, &mut Verdict::default());
+    verdicts
+        .iter_mut()
+        .for_each(|(_, verdict)| renumber.all(&mut [], verdict));
     run.sources.extend(sources);
-    run.verdict.extend(verdict);
     run.skip(skipped);
-    labels
+    verdicts
 }
 
 /// A document of evidence whose worlds know what the configuration declares.
 fn furnished(setup: &Setup, mut saved: Saved) -> Saved {
-    if let Some(config) = &setup.config {
-        saved.sources = add_config(&mut saved.worlds, saved.sources, config);
-    }
+    let governed = saved.governed;
+    saved.sources = declare(&mut saved.worlds, saved.sources, &setup.governed, |_| governed);
     saved
 }
 
@@ -198,8 +204,7 @@ impl Rules {
 
     /// The rules that run with these options, with the limits of their configuration.
     pub fn of(options: &Options) -> Result<Self, UsageError> {
-        let config = configuration(options)?;
-        Ok(Self(plan::enabled(&options.select, &options.ignore, config.as_ref())?))
+        Ok(Self(Governed::new(options, &Inputs::default())?.into_outer().choice))
     }
 
     /// What the rules say of a world. Nothing is read, and nothing is asked for again.
@@ -213,7 +218,19 @@ impl Rules {
 /// Reads the inputs as far as [`check`] with every rule would, and keeps no judgement.
 pub fn collect(options: &Options) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;
-    let (mut worlds, _) = settle(&inputs, options, None, (&Choice::all()?, &definitions(options)?), 0);
+    let all = Options {
+        without_config: true,
+        profile: None,
+        select: Vec::new(),
+        ignore: Vec::new(),
+        ..options.clone()
+    };
+    let setup = Setup {
+        options: &all,
+        definitions: definitions(options)?,
+        governed: Governed::new(&all, &inputs)?,
+    };
+    let (mut worlds, _) = settle(&inputs, &setup, 0);
     Ok(Run {
         sources: take_sources(&mut worlds),
         worlds,
@@ -223,51 +240,29 @@ pub fn collect(options: &Options) -> Result<Run, UsageError> {
 }
 
 /// Reads and judges until no rule lacks evidence that may still be had. `others` worlds are judged beside these.
-fn settle(
-    inputs: &Inputs,
-    options: &Options,
-    config: Option<&Config>,
-    (choice, definitions): (&Choice, &Arc<Definitions>),
-    others: usize,
-) -> (Vec<World>, Vec<Verdict>) {
-    let mut plan = sampling::Plan::new(options.extent, &choice.rules);
+fn settle(inputs: &Inputs, setup: &Setup, others: usize) -> (Vec<World>, Vec<(usize, Verdict)>) {
+    let mut plan = sampling::Plan::new(setup.options.extent, &setup.governed.rules());
+    let progress = Progress::new(setup.options.progress);
+    let reading = Reading::new(inputs, setup, &progress);
     loop {
-        let worlds = worlds(inputs, options, config, definitions, &plan);
-        let verdicts = judge_all(&worlds, choice, worlds.len() + others > 1);
+        let worlds = reading.worlds(&plan);
+        let verdicts = setup.judge(&worlds, worlds.len() + others > 1);
         if !plan.widen(&worlds, &verdicts) {
             return (worlds, verdicts);
         }
     }
 }
 
-/// One verdict for each world; subjects say which where there are several.
-fn judge_all(worlds: &[World], choice: &Choice, several: bool) -> Vec<Verdict> {
-    parallel::map(worlds.iter().collect(), |world| {
-        let label = several.then_some(world.label.as_str());
-        judge::judge(world, &choice.rules, &choice.settings, label)
-    })
-}
-
-fn merged(verdicts: Vec<Verdict>) -> Verdict {
-    let mut verdict = Verdict::default();
-    for part in verdicts {
-        verdict.extend(part);
-    }
-    verdict
-}
-
 /// Reads the inputs and judges nothing.
 pub fn read(options: &Options) -> Result<Run, UsageError> {
     let inputs = inputs(options)?;
-    let definitions = definitions(options)?;
-    let config = configuration(options)?;
-    let worlds = worlds(
-        &inputs,
+    let setup = Setup {
         options,
-        config.as_ref(),
-        &definitions,
-        &sampling::Plan::new(options.extent, &[]),
-    );
+        definitions: definitions(options)?,
+        governed: Governed::new(options, &inputs)?,
+    };
+    let progress = Progress::new(options.progress);
+    let worlds = Reading::new(&inputs, &setup, &progress).worlds(&sampling::Plan::new(options.extent, &[]));
     Ok(Run {
         sources: worlds.first().map(|world| world.sources.to_vec()).unwrap_or_default(),
         worlds,
@@ -293,37 +288,32 @@ fn definitions(options: &Options) -> Result<Arc<Definitions>, UsageError> {
     Ok(Arc::new(definitions))
 }
 
-/// The configuration that holds for the inputs, evidence among them.
-fn configuration(options: &Options) -> Result<Option<Config>, UsageError> {
-    if options.without_config {
-        return Ok(None);
-    }
-    let inputs: Vec<PathBuf> = options.paths.iter().chain(&options.evidence).cloned().collect();
-    Ok(config::find(
-        options.config.as_deref(),
-        options.profile.as_deref(),
-        &inputs,
-    )?)
-}
-
-/// Tells the worlds what the configuration declares, and adds it to their sources: behind all others, so that their
+/// Tells the worlds what the configurations declare, and adds these to their sources: behind all others, so that their
 /// numbers do not depend on it.
-fn add_config(worlds: &mut [World], sources: Arc<Vec<Source>>, config: &Config) -> Arc<Vec<Source>> {
+fn declare(
+    worlds: &mut [World],
+    sources: Arc<Vec<Source>>,
+    governed: &Governed,
+    of: impl Fn(&World) -> usize,
+) -> Arc<Vec<Source>> {
     // Let go by the worlds, the list can be added to where it is.
     for world in worlds.iter_mut() {
         world.sources = Arc::default();
     }
     let mut sources = Arc::unwrap_or_clone(sources);
-    let declared = Declared::new(config, &mut sources);
+    let declared = Declared::all(governed, &mut sources);
     let sources = Arc::new(sources);
     for world in worlds {
         world.sources = Arc::clone(&sources);
-        declared.tell(world);
+        if let Some(declared) = declared.get(of(world)) {
+            declared.tell(world);
+        }
     }
     sources
 }
 
-/// What a configuration declares of every world.
+/// What a configuration declares of the worlds that it governs.
+#[derive(Default)]
 struct Declared {
     conventions: Arc<Conventions>,
     tables: Arc<Tables>,
@@ -331,15 +321,17 @@ struct Declared {
 }
 
 impl Declared {
-    /// Adds the configuration to the sources.
-    fn new(config: &Config, sources: &mut Vec<Source>) -> Self {
-        let id = u32::try_from(sources.len()).ok();
-        sources.extend(id.into_iter().flat_map(|id| config.sources(id)));
-        Self {
-            conventions: Arc::new(config.conventions(id)),
+    /// Of every configuration, by its number. Their files become sources behind these.
+    fn all(governed: &Governed, sources: &mut Vec<Source>) -> Vec<Self> {
+        let first = governed.add_sources(sources);
+        let declared = |config: &Config| Self {
+            conventions: Arc::new(config.conventions(Some(first))),
             tables: config.tables(),
-            dataset: config.dataset(id),
-        }
+            dataset: config.dataset(Some(first)),
+        };
+        let each = governed.each();
+        each.map(|one| one.config.as_ref().map(declared).unwrap_or_default())
+            .collect()
     }
 
     fn tell(&self, world: &mut World) {
@@ -349,63 +341,52 @@ impl Declared {
     }
 }
 
-fn worlds(
-    inputs: &Inputs,
-    options: &Options,
-    config: Option<&Config>,
-    definitions: &Arc<Definitions>,
-    plan: &sampling::Plan,
-) -> Vec<World> {
-    let progress = Progress::new(options.progress);
-    let reading = Reading {
-        inputs,
-        options,
-        config,
-        definitions,
-        progress: &progress,
-    };
-    let every: Vec<usize> = (0..inputs.files.len()).collect();
-    let (mut sources, members) = reading.members(&every, inputs.files.len(), plan);
-    let platforms = Platforms::of(members, inputs);
-    platforms.note(&mut sources);
-    let sources = Arc::new(sources);
-    let mut worlds = platforms.worlds;
-    for world in &mut worlds {
-        world.sources = Arc::clone(&sources);
-    }
-    if let (Some(config), false) = (config, worlds.is_empty()) {
-        add_config(&mut worlds, sources, config);
-    }
-    worlds
-}
-
 /// How inputs are read.
 struct Reading<'a> {
     inputs: &'a Inputs,
-    options: &'a Options,
-    config: Option<&'a Config>,
-    definitions: &'a Arc<Definitions>,
+    setup: &'a Setup<'a>,
     progress: &'a Progress,
 }
 
-impl Reading<'_> {
+impl<'a> Reading<'a> {
+    fn new(inputs: &'a Inputs, setup: &'a Setup<'a>, progress: &'a Progress) -> Self {
+        Self {
+            inputs,
+            setup,
+            progress,
+        }
+    }
+
+    /// Reads all of the inputs.
+    fn worlds(&self, plan: &sampling::Plan) -> Vec<World> {
+        let every: Vec<usize> = (0..self.inputs.files.len()).collect();
+        let (mut sources, members) = self.members(&every, every.len(), plan);
+        let platforms = Platforms::of(members, self.inputs);
+        platforms.note(&mut sources);
+        let mut worlds = platforms.worlds;
+        if !worlds.is_empty() {
+            let governed = &self.setup.governed;
+            declare(&mut worlds, Arc::new(sources), governed, |world| governed.of(world));
+        }
+        worlds
+    }
+
     /// Reads these of the inputs; see [`gather::gather`].
     fn members(&self, which: &[usize], emerged_from: usize, plan: &sampling::Plan) -> (Vec<Source>, Vec<Member>) {
+        let governed = &self.setup.governed;
         let how = How {
             sampling: plan.sampling(),
-            definitions: Arc::clone(self.definitions),
-            time_fields: self.config.map(Config::time_fields).unwrap_or_default(),
+            definitions: Arc::clone(&self.setup.definitions),
+            time_fields: governed.time_fields(),
             ..How::default()
         };
-        let tables = self.config.map_or_else(Arc::default, Config::tables);
-        let xacro_args = &self.options.xacro_args;
         let readings = gather::gather(
             self.inputs,
             which,
             emerged_from,
-            xacro_args,
+            &self.setup.options.xacro_args,
             &how,
-            tables.dialects(),
+            &|input| governed.tables(input),
             self.progress,
         );
         platform::members(readings, self.inputs)

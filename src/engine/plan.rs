@@ -27,17 +27,6 @@ pub(super) struct Choice {
     pub(super) settings: Settings,
 }
 
-impl Choice {
-    /// Every rule, with the limits of its page.
-    pub(super) fn all() -> Result<Self, UsageError> {
-        let rules = all()?;
-        Ok(Self {
-            settings: settings(&rules),
-            rules,
-        })
-    }
-}
-
 fn settings(rules: &[Enabled]) -> Settings {
     let mut settings = Settings::default();
     for rule in rules {

@@ -1,6 +1,6 @@
 //! Lays over a run what the user accepts and requires: the policy of the configuration, a baseline, today, and the rules that speak of waivers.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 use std::time::SystemTime;
 
@@ -17,45 +17,54 @@ use crate::verdict::waiver::Day;
 use crate::verdict::{Row, Verdict};
 
 use super::enabled::Enabled;
+use super::governed::Governed;
 use super::{Options, UsageError, judge};
 
 /// What the user accepts and requires, for every verdict of a run.
 pub(super) struct RunPolicy<'a> {
-    policy: Policy,
+    /// By the numbers of the configurations.
+    each: Vec<Governing>,
     /// Every rule of the tool.
     rules: Vec<RuleInfo>,
-    /// Codes of the rules that are asked.
-    asked: BTreeSet<String>,
     /// The folder that the paths of the baseline start from, where there is one.
     folder: Option<&'a Path>,
     today: Day,
+    enabled: Vec<&'a Enabled>,
 }
 
-/// Outcomes that are looked through for what is required.
+/// The policy of one configuration.
+struct Governing {
+    policy: Policy,
+    /// Codes of the rules that are asked.
+    asked: BTreeSet<String>,
+}
+
+/// What is known besides a verdict, where it is looked through for what is required.
+#[derive(Default)]
 pub(super) struct Demanded<'a> {
-    /// Of the platform.
-    pub(super) rows: &'a [Row],
-    /// Of what stands beside it and was judged by itself.
+    /// Outcomes of what stands beside it and was judged by itself.
     pub(super) beside: &'a [Row],
     /// Label of the recording, where each has a verdict of its own.
     pub(super) recording: Option<&'a str>,
 }
 
 impl<'a> RunPolicy<'a> {
-    /// Reads the baseline, which becomes a source behind these; the configuration is among them already.
+    /// Reads the baseline, which becomes a source behind these; the configurations are among them already.
     pub(super) fn new(
         options: &'a Options,
-        config: Option<&Config>,
-        enabled: &[Enabled],
+        governed: &'a Governed,
         sources: &mut Vec<Source>,
     ) -> Result<Self, UsageError> {
         let first = sources
             .iter()
             .position(|source| source.kind == SourceKind::Configuration);
-        let mut policy = match (config, first.and_then(|at| u32::try_from(at).ok())) {
-            (Some(config), Some(first)) => config.policy(first),
-            _ => Policy::default(),
-        };
+        let first = first.and_then(|at| u32::try_from(at).ok());
+        let of_config = |config: &Option<Config>| Some(config.as_ref()?.policy(first?));
+        let each = governed.each().map(|one| Governing {
+            policy: of_config(&one.config).unwrap_or_default(),
+            asked: one.choice.rules.iter().map(|rule| rule.front.code.clone()).collect(),
+        });
+        let mut each: Vec<Governing> = each.collect();
         if let Some(path) = &options.baseline {
             let (document, mut source, spans) = read_baseline(path)?;
             let id = SourceId(u32::try_from(sources.len()).unwrap_or(u32::MAX));
@@ -66,44 +75,62 @@ impl<'a> RunPolicy<'a> {
                 let line = lines.locate(&source.text, span.start).line;
                 (Place::text(id, span), format!("{}:{line}", source.path))
             };
-            policy.exceptions.extend(baseline::exceptions(&document, place));
+            let exceptions = baseline::exceptions(&document, place);
+            for one in &mut each {
+                one.policy.exceptions.extend(exceptions.iter().cloned());
+            }
             sources.push(source);
         }
         Ok(Self {
-            policy,
+            each,
             rules: super::rules()?,
-            asked: enabled.iter().map(|rule| rule.front.code.clone()).collect(),
             folder: options.baseline.as_deref().and_then(Path::parent),
             today: options.today.clone().unwrap_or_else(|| Day::of(SystemTime::now())),
+            enabled: governed.rules(),
         })
     }
 
-    /// Lays everything over a verdict but what is required.
-    pub(super) fn lay(&self, verdict: &mut Verdict, sources: &[Source], platforms: &[String]) -> Laid {
-        self.with(sources, platforms, |context| {
-            policy::lay(verdict, &self.policy, context)
-        })
+    /// Lays over verdicts what the configurations with these numbers accept and, where that is asked, require. One verdict of all.
+    pub(super) fn lay(
+        &self,
+        verdicts: impl IntoIterator<Item = (usize, Verdict)>,
+        (sources, platforms): (&[Source], &[String]),
+        demanded: Option<&Demanded>,
+    ) -> (Verdict, Laid) {
+        let mut parts: BTreeMap<usize, Verdict> = BTreeMap::new();
+        for (governed, verdict) in verdicts {
+            parts.entry(governed).or_default().extend(verdict);
+        }
+        let (mut whole, mut all) = (Verdict::default(), Laid::default());
+        for (at, mut verdict) in parts {
+            let Some(governing) = self.each.get(at) else { continue };
+            let mut laid = self.with(sources, platforms, &governing.asked, |context| {
+                policy::lay(&mut verdict, &governing.policy, context)
+            });
+            if let Some(demanded) = demanded {
+                let rows = (verdict.rows.as_slice(), demanded.beside);
+                self.with(&[], platforms, &governing.asked, |context| {
+                    laid.demand(rows, &governing.policy.required, demanded.recording, context);
+                });
+            }
+            all.join(laid);
+            whole.extend(verdict);
+        }
+        (whole, all)
     }
 
     /// Whether anything is required at all.
     pub(super) fn demands(&self) -> bool {
-        !self.policy.required.is_empty()
-    }
-
-    /// Adds to what was laid over a verdict what is required and was not judged.
-    pub(super) fn demand(&self, laid: &mut Laid, demanded: &Demanded, platforms: &[String]) {
-        let rows = (demanded.rows, demanded.beside);
-        self.with(&[], platforms, |context| {
-            laid.demand(rows, &self.policy.required, demanded.recording, context);
-        });
+        self.each.iter().any(|one| !one.policy.required.is_empty())
     }
 
     /// Ends a run: what was required and what became of every acceptance, with the rules that speak of that.
-    pub(super) fn close(&self, laid: Laid, run: &mut Run, enabled: &[Enabled]) {
-        let passed = self.with(&run.sources, &run.platforms, |context| {
+    pub(super) fn close(&self, laid: Laid, run: &mut Run) {
+        let asked = self.each.iter().flat_map(|one| one.asked.iter().cloned()).collect();
+        let passed = self.with(&run.sources, &run.platforms, &asked, |context| {
             laid.close(&run.verdict, context)
         });
-        judge::judge_policy(&passed.applied, &passed.misspelt, enabled, &mut run.verdict);
+        judge::judge_policy(&passed.applied, &passed.misspelt, &self.enabled, &mut run.verdict);
         run.unmet = passed.unmet;
         for unmet in &mut run.unmet {
             let rule = self.rules.iter().find(|rule| rule.code == unmet.rule);
@@ -112,12 +139,18 @@ impl<'a> RunPolicy<'a> {
         }
     }
 
-    fn with<T>(&self, sources: &[Source], platforms: &[String], asked: impl FnOnce(&Context) -> T) -> T {
-        asked(&Context {
+    fn with<T>(
+        &self,
+        sources: &[Source],
+        platforms: &[String],
+        asked: &BTreeSet<String>,
+        ask: impl FnOnce(&Context) -> T,
+    ) -> T {
+        ask(&Context {
             sources,
             platforms,
             rules: &self.rules,
-            asked: &self.asked,
+            asked,
             paths: &self.folder.map(|folder| paths(sources, folder)).unwrap_or_default(),
             today: &self.today,
         })

@@ -53,7 +53,7 @@ pub(super) struct Plan {
 
 impl Plan {
     /// The sampling that the enabled rules need at first.
-    pub(super) fn new(asked: Extent, rules: &[Enabled]) -> Self {
+    pub(super) fn new(asked: Extent, rules: &[&Enabled]) -> Self {
         let needed = rules
             .iter()
             .map(|rule| rule.entry.evidence)
@@ -84,14 +84,14 @@ impl Plan {
 
     /// Whether another round is worth its time: some rule lacked evidence that a recording still holds, the round before
     /// brought something, and the time suffices.
-    pub(super) fn widen(&mut self, worlds: &[World], verdicts: &[Verdict]) -> bool {
+    pub(super) fn widen(&mut self, worlds: &[World], verdicts: &[(usize, Verdict)]) -> bool {
         let Some(sampling) = &mut self.current else {
             return false;
         };
         let lacking: usize = worlds
             .iter()
             .zip(verdicts)
-            .map(|(world, verdict)| lacking(world, verdict, &self.content))
+            .map(|(world, (_, verdict))| lacking(world, verdict, &self.content))
             .sum();
         // Time that the user gave is used.
         let is_stuck = self.asked.budget.is_none() && self.lacking.is_some_and(|before| lacking >= before);
@@ -181,7 +181,7 @@ mod tests {
             rows,
             ..Verdict::default()
         };
-        plan.widen(&[world], &[verdict])
+        plan.widen(&[world], &[(0, verdict)])
     }
 
     #[test]
@@ -203,10 +203,11 @@ mod tests {
             rows: vec![row("platform", NotEvaluated::TooLittleEvidence)],
             ..Verdict::default()
         };
+        let verdicts = [(0, verdict)];
         let before = plan.sampling().unwrap();
-        assert!(plan.widen(&[world()], std::slice::from_ref(&verdict)));
+        assert!(plan.widen(&[world()], &verdicts));
         assert_eq!(plan.sampling().unwrap().bytes, before.bytes * u64::from(WIDENING));
-        assert!(!plan.widen(&[world()], &[verdict]));
+        assert!(!plan.widen(&[world()], &verdicts));
     }
 
     #[test]
@@ -220,8 +221,9 @@ mod tests {
             rows: vec![row("platform", NotEvaluated::TooLittleEvidence)],
             ..Verdict::default()
         };
+        let verdicts = [(0, verdict)];
         for _ in 0..3 {
-            assert!(plan.widen(&[world()], std::slice::from_ref(&verdict)));
+            assert!(plan.widen(&[world()], &verdicts));
         }
     }
 
@@ -241,7 +243,7 @@ mod tests {
                 rows: vec![row],
                 ..Verdict::default()
             };
-            Plan::new(asked, &[rule]).widen(&[world()], &[verdict])
+            Plan::new(asked, &[&rule]).widen(&[world()], &[(0, verdict)])
         };
         assert!(!widens(None));
         assert!(widens(Some(Duration::from_secs(3600))));

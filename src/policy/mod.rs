@@ -30,6 +30,16 @@ pub enum Level {
     Severity(Severity),
 }
 
+impl Level {
+    /// The word in a configuration.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Severity(severity) => severity.word(),
+        }
+    }
+}
+
 /// A rule that weighs otherwise, everywhere or in some files.
 #[derive(Clone, Debug)]
 pub struct Weight {

@@ -116,16 +116,126 @@ fn a_fault_in_the_configuration_is_a_fault_of_the_call_with_its_place() {
     assert!(ran.err.contains("`none.yaml` cannot be read"), "{}", ran.err);
 }
 
+/// A robot with two mistakes in its calibrations: a mirror image (ROT01), and the name of a frame in another case (NAME01).
+fn robot(folder: &Path) {
+    fs::create_dir_all(folder.join("calib")).unwrap();
+    let urdf = r#"<robot name="car"><link name="base_link"/><link name="lidar"/><link name="radar"/>
+  <joint name="lidar_joint" type="fixed"><parent link="base_link"/><child link="lidar"/><origin xyz="1.2 0.3 1.8"/></joint>
+  <joint name="radar_joint" type="fixed"><parent link="base_link"/><child link="radar"/><origin xyz="3.4 0.2 0.5"/></joint></robot>"#;
+    fs::write(folder.join("car.urdf"), urdf).unwrap();
+    let matrix =
+        "base_link_from_lidar:\n  - [1, 0, 0, 1.2]\n  - [0, -1, 0, 0.3]\n  - [0, 0, 1, 1.8]\n  - [0, 0, 0, 1]\n";
+    fs::write(folder.join("calib/lidar.yaml"), matrix).unwrap();
+    let radar = "extrinsics:\n  - {parent: base_link, child: Radar, xyz: [3.4, 0.2, 0.5], rpy: [0, 0, 0]}\n";
+    fs::write(folder.join("calib/radar.yaml"), radar).unwrap();
+}
+
+/// The rules that found something, with the folder of the robot in which they found it.
+fn found(ran: &Ran) -> Vec<String> {
+    let report = ran.report();
+    let findings = report["findings"].as_array().unwrap().iter();
+    let mut found: Vec<String> = findings
+        .map(|finding| {
+            let file = finding["places"][0]["path"].as_str().unwrap();
+            format!(
+                "{} {}",
+                file.split('/').next().unwrap(),
+                finding["rule"].as_str().unwrap()
+            )
+        })
+        .collect();
+    found.sort();
+    found.dedup();
+    found
+}
+
 #[test]
-fn two_configurations_in_one_call_are_refused() {
-    let folder = folder(Some(DECLARED));
+fn each_configuration_counts_for_its_folder_and_below() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a", "b", "c"] {
+        robot(&folder.path().join(name));
+    }
+    let config = |path: &str, text: &str| fs::write(folder.path().join(path), text).unwrap();
+    let all = found(&check(folder.path(), &["."]));
+    assert_eq!(
+        all,
+        ["a NAME01", "a ROT01", "b NAME01", "b ROT01", "c NAME01", "c ROT01"]
+    );
+    // One on top, and one deeper, which does not extend it.
+    config("frames-lint.yaml", "rules: {ignore: [NAME01]}\n");
+    config("b/frames-lint.yaml", "rules: {ignore: [ROT01]}\n");
+    // One beside a calibration alone: what it says of files counts there.
+    config(
+        "c/calib/frames-lint.yaml",
+        "waivers:\n  - {rule: ROT01, reason: being replaced}\n",
+    );
+    for paths in [["."].as_slice(), &["a", "b", "c"], &["c", "b", "a"]] {
+        let ran = check(folder.path(), paths);
+        assert_eq!(found(&ran), ["a ROT01", "b NAME01", "c ROT01"], "{paths:?}");
+        let waived: Vec<_> = ran.report()["findings"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter(|finding| !finding["waived"].is_null())
+            .map(|finding| finding["places"][0]["path"].as_str().unwrap().to_owned())
+            .collect();
+        assert_eq!(waived, ["c/calib/lidar.yaml"], "{paths:?}");
+    }
+    // Each folder by itself says the same.
+    assert_eq!(found(&check(folder.path(), &["b"])), ["b NAME01"]);
+    // What is named is for everything.
+    let named = check(folder.path(), &[".", "--config", "frames-lint.yaml"]);
+    assert_eq!(found(&named), ["a ROT01", "b ROT01", "c ROT01"]);
+}
+
+#[test]
+fn limits_and_requirements_are_those_of_the_configuration_above_the_recording() {
+    let folder = folder(Some("require: [AXES03]\nfail-on: never\n"));
     let other = folder.path().join("other");
     fs::create_dir(&other).unwrap();
     support::write(NED, &other.join("drive.mcap"));
-    fs::write(other.join("frames-lint.yaml"), DECLARED).unwrap();
-    let ran = check(folder.path(), &["data", "other"]);
-    assert_eq!(ran.code, 2);
-    assert!(ran.err.contains("--config"), "{}", ran.err);
+    fs::write(
+        other.join("frames-lint.yaml"),
+        format!("{DECLARED}require: [CROSS04]\n"),
+    )
+    .unwrap();
+    let ran = check(folder.path(), &["."]);
+    let headings: Vec<String> = found(&ran).into_iter().filter(|one| one.ends_with("AXES03")).collect();
+    assert_eq!(headings, ["data AXES03"]);
+    let report = ran.report();
+    let unmet: Vec<_> = report["required"].as_array().unwrap().iter().collect();
+    assert_eq!(unmet.len(), 1, "{unmet:?}");
+    assert_eq!(unmet[0]["rule"], "CROSS04");
+    let recordings = report["recordings"].as_array().unwrap();
+    let codes: Vec<_> = recordings
+        .iter()
+        .map(|one| one["exit_code"].as_i64().unwrap())
+        .collect();
+    assert_eq!(codes, [1, 3], "the strictest `fail-on` is for all");
+}
+
+#[test]
+fn the_settings_of_a_file_are_shown() {
+    let folder = tempfile::tempdir().unwrap();
+    robot(&folder.path().join("a"));
+    let show = |file: &str| run(folder.path(), ["check", "--show-settings", file]);
+    assert!(show("a/car.urdf").text().starts_with("configuration  none\n"));
+    fs::write(folder.path().join("frames-lint.yaml"), "rules: {ignore: [NAME01]}\n").unwrap();
+    fs::write(
+        folder.path().join("a/frames-lint.yaml"),
+        "extends: ../frames-lint.yaml\nlimits:\n  CROSS02: {mount_m: 12 m}\nrequire: [TREE01]\n",
+    )
+    .unwrap();
+    let shown = show("a/calib/lidar.yaml").text();
+    for line in [
+        "configuration  a/frames-lint.yaml, which extends a/../frames-lint.yaml",
+        "ignore         NAME01 (a/../frames-lint.yaml:1:18)",
+        "limit          CROSS02 mount_m: 12 m (a/frames-lint.yaml:3:",
+        "require        TREE01 (a/frames-lint.yaml:4)",
+    ] {
+        assert!(shown.contains(line), "{line} is not in\n{shown}");
+    }
+    assert_eq!(show("none.yaml").code, 2);
 }
 
 /// Metadata of an Ouster, firmware 2.x, shortened.

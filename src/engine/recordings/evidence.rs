@@ -8,7 +8,7 @@ use crate::world::World;
 
 use super::super::evidence::Saved;
 use super::super::gather::source_id;
-use super::super::{Renumber, furnished, judge_all, merged, sessions};
+use super::super::{Renumber, furnished, sessions};
 use super::whole::Whole;
 use super::{Room, name};
 
@@ -18,6 +18,7 @@ pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
         worlds,
         sources,
         skipped,
+        governed,
     } = furnished(room.setup, saved);
     let before = whole.run.sources.len();
     let renumber = Renumber::behind(0, before);
@@ -27,6 +28,10 @@ pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
     let (rows, findings) = (whole.run.verdict.rows.len(), whole.run.verdict.findings.len());
     whole.tell((before..whole.run.sources.len()).collect(), rows, findings, None);
     whole.run.skip(skipped);
+    let judged = |worlds: &[World]| -> Vec<_> {
+        let judged = worlds.iter().map(|world| room.setup.judge_as(governed, world, true));
+        judged.collect()
+    };
     let drives = sessions::of_worlds(&worlds, &sources);
     for recordings in &drives {
         let is_of = |id: SourceId| recordings.contains(&(id.0 as usize));
@@ -46,8 +51,8 @@ pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
         let of_drive = worlds.iter().filter(|world| world.members.iter().any(|id| is_of(*id)));
         let mut parts: Vec<World> = of_drive.map(|world| world.only(stays)).collect();
         let label = name(recordings, &mut parts, &sources);
-        let verdict = merged(judge_all(&parts, &room.setup.choice, true));
-        let mut drive = room.drive(label, recordings, (parts, &[]), verdict);
+        let verdicts = judged(&parts);
+        let mut drive = room.drive(label, recordings, (parts, &[]), verdicts);
         for id in &mut drive.recording.sources {
             *id = source_id(id.0 as usize + before);
         }
@@ -56,10 +61,11 @@ pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
     let rest: Vec<World> = worlds.iter().filter(|world| world.bags.is_empty()).cloned().collect();
     let rest_labels: Vec<String> = rest.iter().map(|world| world.label.clone()).collect();
     whole.run.seen.extend(room.setup.seen(&rest));
-    let rest = (merged(judge_all(&rest, &room.setup.choice, true)), rest_labels);
-    let compared = room.compare(&worlds, &drives, whole);
-    for (mut verdict, labels) in [Some(rest), compared].into_iter().flatten() {
-        renumber.all(&mut [], &mut verdict);
-        whole.lay(verdict, &labels, room.policy);
+    let compared = room.compare(&worlds, &drives, whole, |_| governed);
+    for (mut verdicts, labels) in [(judged(&rest), rest_labels), compared] {
+        verdicts
+            .iter_mut()
+            .for_each(|(_, verdict)| renumber.all(&mut [], verdict));
+        whole.lay(verdicts, &labels, room.policy);
     }
 }

@@ -22,8 +22,7 @@ use crate::world::{Facts, World};
 use super::evidence::Saved;
 use super::gather::source_id;
 use super::{
-    Declared, Demanded, Member, Platforms, Reading, Renumber, RunPolicy, Setup, UsageError, judge, judge_all, merged,
-    parallel, sampling,
+    Declared, Demanded, Member, Platforms, Reading, Renumber, RunPolicy, Setup, UsageError, judge, parallel, sampling,
 };
 use whole::Whole;
 
@@ -36,30 +35,16 @@ pub(super) fn check(
     told: &mut dyn FnMut(&Run, &Grown),
 ) -> Result<Run, UsageError> {
     let progress = Progress::new(setup.options.progress);
-    let reading = Reading {
-        inputs,
-        options: setup.options,
-        config: setup.config.as_ref(),
-        definitions: &setup.definitions,
-        progress: &progress,
-    };
+    let reading = Reading::new(inputs, setup, &progress);
     let mut shared = Shared::read(&reading, drives);
-    let declared = setup
-        .config
-        .as_ref()
-        .map(|config| Declared::new(config, &mut shared.sources));
-    let policy = RunPolicy::new(
-        setup.options,
-        setup.config.as_ref(),
-        &setup.choice.rules,
-        &mut shared.sources,
-    )?;
+    let declared = Declared::all(&setup.governed, &mut shared.sources);
+    let policy = RunPolicy::new(setup.options, &setup.governed, &mut shared.sources)?;
     let alone = std::mem::take(&mut shared.worlds);
     let room = Room {
         setup,
         reading,
         shared: &shared,
-        declared: declared.as_ref(),
+        declared: &declared,
         policy: &policy,
         beside: Mutex::default(),
     };
@@ -104,7 +89,7 @@ impl Shared {
             .filter(|index| !recordings.contains(index))
             .collect();
         // Files are read whole, whatever is asked of recordings.
-        let plan = sampling::Plan::new(reading.options.extent, &[]);
+        let plan = sampling::Plan::new(reading.setup.options.extent, &[]);
         let (read, members) = reading.members(&files, inputs.files.len(), &plan);
         let mut sources: Vec<Source> = inputs
             .files
@@ -138,7 +123,8 @@ struct Room<'a> {
     setup: &'a Setup<'a>,
     reading: Reading<'a>,
     shared: &'a Shared,
-    declared: Option<&'a Declared>,
+    /// By the numbers of the configurations.
+    declared: &'a [Declared],
     policy: &'a RunPolicy<'a>,
     /// Verdicts of the platforms that a recording does not belong to, by their sources.
     beside: Mutex<BTreeMap<Vec<SourceId>, Arc<Verdict>>>,
@@ -162,7 +148,7 @@ struct Drive {
 
 impl Room<'_> {
     fn judge(&self, recordings: &[usize]) -> Drive {
-        let mut plan = sampling::Plan::new(self.setup.options.extent, &self.setup.choice.rules);
+        let mut plan = sampling::Plan::new(self.setup.options.extent, &self.setup.governed.rules());
         loop {
             let (mut own, members) = self.reading.members(recordings, self.shared.sources.len(), &plan);
             let members = self.shared.members.iter().cloned().chain(members);
@@ -178,9 +164,9 @@ impl Room<'_> {
             let (mut worlds, others): (Vec<World>, Vec<World>) =
                 worlds.into_iter().partition(|world| world.members.iter().any(is_own));
             let label = name(recordings, &mut worlds, &sources);
-            let verdicts = judge_all(&worlds, &self.setup.choice, true);
+            let verdicts = self.setup.judge(&worlds, true);
             if !plan.widen(&worlds, &verdicts) {
-                let mut drive = self.drive(label, recordings, (worlds, &others), merged(verdicts));
+                let mut drive = self.drive(label, recordings, (worlds, &others), verdicts);
                 drive.left = drive.worlds.iter_mut().flat_map(slim).collect();
                 drive.sources = own;
                 return drive;
@@ -192,7 +178,7 @@ impl Room<'_> {
     fn furnish(&self, worlds: &mut [World], sources: &Arc<Vec<Source>>) {
         for world in worlds {
             world.sources = Arc::clone(sources);
-            if let Some(declared) = self.declared {
+            if let Some(declared) = self.declared.get(self.setup.governed.of(world)) {
                 declared.tell(world);
             }
         }
@@ -203,20 +189,18 @@ impl Room<'_> {
         label: String,
         recordings: &[usize],
         (mut worlds, others): (Vec<World>, &[World]),
-        mut verdict: Verdict,
+        verdicts: Vec<(usize, Verdict)>,
     ) -> Drive {
         let platforms: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
         let sources = worlds
             .first()
             .map(|world| Arc::clone(&world.sources))
             .unwrap_or_default();
-        let mut laid = self.policy.lay(&mut verdict, &sources, &platforms);
         let demanded = Demanded {
-            rows: &verdict.rows,
             beside: &self.beside(others),
             recording: Some(&label),
         };
-        self.policy.demand(&mut laid, &demanded, &platforms);
+        let (mut verdict, laid) = self.policy.lay(verdicts, (&sources, &platforms), Some(&demanded));
         verdict.sort();
         let covered: Vec<SourceId> = worlds.iter().flat_map(|world| world.members.iter().copied()).collect();
         let read = covered.iter().filter_map(|id| sources.get(id.0 as usize));
@@ -258,7 +242,7 @@ impl Room<'_> {
             unmet: laid.unmet().to_vec(),
             ..Run::default()
         };
-        let configured = self.setup.config.as_ref().and_then(crate::config::Config::fail_on);
+        let configured = self.setup.governed.fail_on();
         let fail_on = self.setup.options.fail_on.or(configured).unwrap_or_default();
         let recording = Recording {
             label,
@@ -280,10 +264,10 @@ impl Room<'_> {
             let beside = self.beside.lock().unwrap_or_else(PoisonError::into_inner);
             beside.get(members).cloned()
         };
-        let choice = &self.setup.choice;
         let judged = parallel::map(others.iter().collect(), |world| {
             known(&world.members).unwrap_or_else(|| {
-                let verdict = Arc::new(judge::judge(world, &choice.rules, &choice.settings, Some(&world.label)));
+                let (_, verdict) = self.setup.judge_as(self.setup.governed.of(world), world, true);
+                let verdict = Arc::new(verdict);
                 let mut beside = self.beside.lock().unwrap_or_else(PoisonError::into_inner);
                 beside.insert(world.members.clone(), Arc::clone(&verdict));
                 verdict
@@ -301,10 +285,10 @@ impl Room<'_> {
         }
         let sources = Arc::new(self.shared.sources.clone());
         self.furnish(&mut worlds, &sources);
-        let verdict = merged(judge_all(&worlds, &self.setup.choice, true));
+        let verdicts = self.setup.judge(&worlds, true);
         whole.run.seen.extend(self.setup.seen(&worlds));
         let labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
-        whole.lay(verdict, &labels, self.policy);
+        whole.lay(verdicts, &labels, self.policy);
     }
 
     /// What compares the recordings of a platform. Of what it says, everything is left out that was said of one of them.
@@ -322,16 +306,21 @@ impl Room<'_> {
         let mut worlds = Platforms::of(members, self.reading.inputs).worlds;
         let sources = Arc::new(std::mem::take(&mut whole.run.sources));
         self.furnish(&mut worlds, &sources);
-        let compared = self.compare(&worlds, &drives, whole);
+        let compared = self.compare(&worlds, &drives, whole, |world| self.setup.governed.of(world));
         drop(worlds);
         whole.run.sources = Arc::unwrap_or_clone(sources);
-        if let Some((verdict, labels)) = compared {
-            whole.lay(verdict, &labels, self.policy);
-        }
+        let (verdicts, labels) = compared;
+        whole.lay(verdicts, &labels, self.policy);
     }
 
-    /// What the rules that compare recordings say of platforms with several drives, with the names of these platforms.
-    fn compare(&self, worlds: &[World], drives: &[Vec<usize>], whole: &Whole) -> Option<(Verdict, Vec<String>)> {
+    /// What the rules that compare recordings say of platforms with several drives, with the numbers of what governs these and their names.
+    fn compare(
+        &self,
+        worlds: &[World],
+        drives: &[Vec<usize>],
+        whole: &Whole,
+        governed: impl Fn(&World) -> usize,
+    ) -> (Vec<(usize, Verdict)>, Vec<String>) {
         let drive_of: BTreeMap<usize, usize> = (0..)
             .zip(drives)
             .flat_map(|(drive, recordings)| recordings.iter().map(move |recording| (*recording, drive)))
@@ -340,54 +329,48 @@ impl Room<'_> {
             let drives: BTreeSet<&usize> = ids.filter_map(|id| drive_of.get(&(id.0 as usize))).collect();
             drives.len() > 1
         };
-        let worlds: Vec<&World> = worlds
+        let worlds: Vec<(usize, &World)> = worlds
             .iter()
             .filter(|world| are_several(&mut world.members.iter().copied()))
+            .map(|world| (governed(world), world))
             .collect();
-        if worlds.is_empty() {
-            return None;
-        }
-        let labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
-        let rules: Vec<_> = self
-            .setup
-            .choice
-            .rules
-            .iter()
-            .filter(|rule| matches!(rule.entry.kind, Kind::Across(_)))
-            .collect();
-        let mut verdict = merged(parallel::map(worlds, |world| {
-            judge::judge(
-                world,
-                rules.iter().copied(),
-                &self.setup.choice.settings,
-                Some(&world.label),
-            )
-        }));
-        let compares = |finding: &Finding| are_several(&mut finding.places.iter().map(|label| label.place.source));
-        verdict.findings.retain(compares);
-        verdict.explained.retain(compares);
+        let labels: Vec<String> = worlds.iter().map(|(_, world)| world.label.clone()).collect();
+        let mut verdicts = parallel::map(worlds, |(governed, world)| {
+            let choice = &self.setup.governed.at(governed).choice;
+            let rules = choice
+                .rules
+                .iter()
+                .filter(|rule| matches!(rule.entry.kind, Kind::Across(_)));
+            let verdict = judge::judge(world, rules, &choice.settings, Some(&world.label));
+            (governed, verdict)
+        });
+        let before = &whole.run;
         let key = |row: &Row, platforms: &[String]| {
             let subject = plain_subject(&row.subject, platforms);
             (row.rule.clone(), subject.to_owned())
         };
-        let before = &whole.run;
         let known: BTreeSet<_> = before
             .verdict
             .rows
             .iter()
             .map(|row| key(row, &before.platforms))
             .collect();
-        let found: BTreeSet<(&str, &str)> = verdict
-            .findings
-            .iter()
-            .chain(&verdict.explained)
-            .map(|finding| (finding.rule.as_str(), finding.subject.as_str()))
-            .collect();
-        verdict.rows.retain(|row| match row.outcome {
-            Outcome::Fail | Outcome::Explained => found.contains(&(row.rule.as_str(), row.subject.as_str())),
-            _ => !known.contains(&key(row, &labels)),
-        });
-        Some((verdict, labels))
+        let compares = |finding: &Finding| are_several(&mut finding.places.iter().map(|label| label.place.source));
+        for (_, verdict) in &mut verdicts {
+            verdict.findings.retain(compares);
+            verdict.explained.retain(compares);
+            let found: BTreeSet<(&str, &str)> = verdict
+                .findings
+                .iter()
+                .chain(&verdict.explained)
+                .map(|finding| (finding.rule.as_str(), finding.subject.as_str()))
+                .collect();
+            verdict.rows.retain(|row| match row.outcome {
+                Outcome::Fail | Outcome::Explained => found.contains(&(row.rule.as_str(), row.subject.as_str())),
+                _ => !known.contains(&key(row, &labels)),
+            });
+        }
+        (verdicts, labels)
     }
 }
 

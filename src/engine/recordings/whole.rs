@@ -100,8 +100,8 @@ impl<'a> Whole<'a> {
     }
 
     /// Lays the policy over what was judged apart from the recordings, and adds it.
-    pub(super) fn lay(&mut self, mut verdict: Verdict, labels: &[String], policy: &RunPolicy) {
-        let laid = policy.lay(&mut verdict, &self.run.sources, labels);
+    pub(super) fn lay(&mut self, verdicts: Vec<(usize, Verdict)>, labels: &[String], policy: &RunPolicy) {
+        let (mut verdict, laid) = policy.lay(verdicts, (&self.run.sources, labels), None);
         verdict.sort();
         self.run.platforms.extend(labels.iter().cloned());
         self.take(verdict, laid, Vec::new(), None);
@@ -130,8 +130,7 @@ impl<'a> Whole<'a> {
     /// The run, with what is said when everything is there.
     pub(super) fn end(mut self, room: &Room) -> Run {
         let (rows, findings) = (self.run.verdict.rows.len(), self.run.verdict.findings.len());
-        room.policy
-            .close(std::mem::take(&mut self.laid), &mut self.run, &room.setup.choice.rules);
+        room.policy.close(std::mem::take(&mut self.laid), &mut self.run);
         self.tell(Vec::new(), rows, findings, None);
         self.run.verdict.sort();
         self.run

@@ -1,0 +1,258 @@
+//! Which configuration governs what: of a platform the nearest above its recordings, else above its robots, else above its files. Of one
+//! that lies deeper, what it says of files counts there.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use globset::GlobMatcher;
+
+use crate::config::{self, Config};
+use crate::read::discover::Inputs;
+use crate::read::input::Input;
+use crate::run::FailOn;
+use crate::source::{Source, SourceId};
+use crate::tables::Tables;
+use crate::verdict::waiver::Waiver;
+use crate::world::World;
+
+use super::enabled::Enabled;
+use super::gather::source_id;
+use super::plan::{self, Choice};
+use super::{Options, Sights, UsageError};
+
+/// A configuration, and what follows from it for the platforms that it governs.
+pub(super) struct Governance {
+    /// `None` where there is none.
+    pub(super) config: Option<Config>,
+    /// The rules that run, and the limits of all.
+    pub(super) choice: Choice,
+    /// The folder that it counts for; empty where that is everything.
+    folder: PathBuf,
+}
+
+impl Governance {
+    fn new(options: &Options, file: Option<&Path>, folder: PathBuf) -> Result<Self, UsageError> {
+        let profile = options.profile.as_deref().filter(|_| !options.without_config);
+        let config = config::find(file, profile)?;
+        let mut choice = plan::enabled(&options.select, &options.ignore, config.as_ref())?;
+        for rule in &mut choice.rules {
+            rule.plots = options.sights >= Sights::Plots;
+        }
+        Ok(Self { config, choice, folder })
+    }
+}
+
+/// The configurations of a run.
+pub(super) struct Governed {
+    /// For everything that no other governs.
+    outer: Governance,
+    deeper: Vec<Governance>,
+    /// Of each input, by its number, which one governs it: 0 is the outer one.
+    of_input: Vec<usize>,
+    /// The same of documents of evidence.
+    of_document: Vec<usize>,
+}
+
+impl Governed {
+    /// Finds and reads them.
+    pub(super) fn new(options: &Options, inputs: &Inputs) -> Result<Self, UsageError> {
+        let looks = options.config.is_none() && !options.without_config;
+        let nearest = |path: &Path| config::nearest(path).filter(|_| looks);
+        let mut folders: BTreeMap<&Path, Option<PathBuf>> = BTreeMap::new();
+        let of_inputs = inputs.files.iter().map(|input| {
+            let folder = input.path.parent().unwrap_or(Path::new(""));
+            folders.entry(folder).or_insert_with(|| nearest(&input.path)).clone()
+        });
+        let of_inputs: Vec<Option<PathBuf>> = of_inputs.collect();
+        let of_documents: Vec<Option<PathBuf>> = options.evidence.iter().map(|path| nearest(path)).collect();
+        let given = options.paths.iter().map(|path| nearest(path));
+        let given: BTreeSet<Option<PathBuf>> = given.chain(of_documents.iter().cloned()).collect();
+        let outer = given.first().filter(|_| given.len() == 1).cloned().flatten();
+        let files: BTreeSet<&PathBuf> = of_inputs.iter().chain(&of_documents).flatten().collect();
+        let files: Vec<&PathBuf> = files.into_iter().filter(|file| Some(*file) != outer.as_ref()).collect();
+        let number = |file: &Option<PathBuf>| {
+            let known = files.iter().position(|known| Some(*known) == file.as_ref());
+            known.map_or(0, |at| at + 1)
+        };
+        let deeper = files.iter().map(|file| {
+            let folder = file.parent().map(Path::to_path_buf).unwrap_or_default();
+            Governance::new(options, Some(file), folder)
+        });
+        let mut governed = Self {
+            deeper: deeper.collect::<Result<_, _>>()?,
+            outer: Governance::new(options, options.config.as_deref().or(outer.as_deref()), PathBuf::new())?,
+            of_input: of_inputs.iter().map(number).collect(),
+            of_document: of_documents.iter().map(number).collect(),
+        };
+        governed.nest(inputs);
+        Ok(governed)
+    }
+
+    /// Numbers the layers of all, and tells each what those say that lie deeper.
+    fn nest(&mut self, inputs: &Inputs) {
+        let mut next = 0;
+        for config in self.each_mut().filter_map(|one| one.config.as_mut()) {
+            next = config.number(next);
+        }
+        let deeper: Vec<(PathBuf, String, Config)> = (1..)
+            .zip(&self.deeper)
+            .filter_map(|(at, one)| {
+                let governs = |(_, own): &(&Input, &usize)| **own == at;
+                let (input, _) = inputs.files.iter().zip(&self.of_input).find(governs)?;
+                Some((one.folder.clone(), shown(&one.folder, input)?, one.config.clone()?))
+            })
+            .collect();
+        for one in self.each_mut() {
+            for (folder, shown, config) in &deeper {
+                if *folder != one.folder && folder.starts_with(&one.folder) {
+                    one.config.get_or_insert_default().add_below(config, shown);
+                }
+            }
+        }
+    }
+
+    fn each_mut(&mut self) -> impl Iterator<Item = &mut Governance> {
+        std::iter::once(&mut self.outer).chain(&mut self.deeper)
+    }
+
+    /// The outer one.
+    pub(super) fn into_outer(self) -> Governance {
+        self.outer
+    }
+
+    /// All of them, by their numbers.
+    pub(super) fn each(&self) -> impl Iterator<Item = &Governance> {
+        std::iter::once(&self.outer).chain(&self.deeper)
+    }
+
+    /// The one with this number.
+    pub(super) fn at(&self, number: usize) -> &Governance {
+        self.each().nth(number).unwrap_or(&self.outer)
+    }
+
+    /// The number of the one that governs a platform.
+    pub(super) fn of(&self, world: &World) -> usize {
+        let governs = |ids: Vec<SourceId>| {
+            let own = ids.iter().filter_map(|id| self.of_input.get(id.0 as usize));
+            let own: BTreeSet<&Path> = own.map(|at| self.at(*at).folder.as_path()).collect();
+            // The deepest that counts for all of them.
+            let counts = |(_, one): &(usize, &Governance)| own.iter().all(|folder| folder.starts_with(&one.folder));
+            let all = self.each().enumerate().filter(counts);
+            let deepest = all.max_by_key(|(_, one)| one.folder.components().count());
+            deepest.filter(|_| !own.is_empty()).map(|(at, _)| at)
+        };
+        governs(world.bags.iter().map(|bag| bag.source).collect())
+            .or_else(|| governs(world.robots.iter().map(|robot| robot.source).collect()))
+            .or_else(|| governs(world.members.clone()))
+            .unwrap_or_default()
+    }
+
+    /// The number of the one that governs a document of evidence.
+    pub(super) fn of_document(&self, number: usize) -> usize {
+        self.of_document.get(number).copied().unwrap_or_default()
+    }
+
+    /// What is known of devices and dialects where the input with this number lies.
+    pub(super) fn tables(&self, input: usize) -> Arc<Tables> {
+        let at = self.of_input.get(input).copied().unwrap_or_default();
+        self.at(at).config.as_ref().map_or_else(Arc::default, Config::tables)
+    }
+
+    /// Fields in which the users' drivers of lidars have the times of points.
+    pub(super) fn time_fields(&self) -> Arc<[String]> {
+        let configs = self.each().filter_map(|one| one.config.as_ref());
+        let fields: BTreeSet<String> = configs.flat_map(|config| config.time_fields().to_vec()).collect();
+        fields.into_iter().collect()
+    }
+
+    /// The rules that run anywhere, once each.
+    pub(super) fn rules(&self) -> Vec<&Enabled> {
+        let all = self.each().flat_map(|one| &one.choice.rules);
+        let rules: BTreeMap<&str, &Enabled> = all.map(|rule| (rule.front.code.as_str(), rule)).collect();
+        rules.into_values().collect()
+    }
+
+    /// From which severity on findings fail a run: the strictest, where one is named.
+    pub(super) fn fail_on(&self) -> Option<FailOn> {
+        let governs = |(at, _): &(usize, &Governance)| {
+            *at == 0 && self.deeper.is_empty() || self.of_input.contains(at) || self.of_document.contains(at)
+        };
+        let named = self.each().enumerate().filter(governs);
+        let named: Vec<Option<FailOn>> = named.map(|(_, one)| one.config.as_ref()?.fail_on()).collect();
+        let is_named = named.iter().any(Option::is_some);
+        let strictest = named
+            .into_iter()
+            .map(Option::unwrap_or_default)
+            .max_by_key(|one| one.rank());
+        strictest.filter(|_| is_named)
+    }
+
+    /// Their files as sources, behind these. The id of the first.
+    pub(super) fn add_sources(&self, sources: &mut Vec<Source>) -> u32 {
+        let first = source_id(sources.len()).0;
+        let configs = self.each().filter_map(|one| one.config.as_ref());
+        sources.extend(configs.flat_map(|config| config.sources(first)));
+        first
+    }
+}
+
+/// What is in force for a file, and where that is said: names with their values.
+pub fn settings_of(options: &Options, file: &Path) -> Result<Vec<(&'static str, String)>, UsageError> {
+    if !file.exists() {
+        return Err(UsageError(format!("`{}` is not there", file.display())));
+    }
+    let looks = options.config.is_none() && !options.without_config;
+    let near = config::nearest(file).filter(|_| looks);
+    let one = Governance::new(options, options.config.as_deref().or(near.as_deref()), PathBuf::new())?;
+    let all = plan::all()?.len();
+    let Some(config) = one.config else {
+        return Ok(vec![
+            ("configuration", "none".to_owned()),
+            ("rules", format!("{} of {all}", one.choice.rules.len())),
+        ]);
+    };
+    let files: Vec<String> = config.sources(0).into_iter().map(|source| source.path).rev().collect();
+    let mut said = vec![("configuration", files.join(", which extends "))];
+    said.push(("rules", format!("{} of {all}", one.choice.rules.len())));
+    let (select, ignore) = config.rules();
+    let named = |word: &'static str, (rule, origin): &(String, String)| (word, format!("{rule} ({origin})"));
+    said.extend(select.iter().map(|rule| named("select", rule)));
+    said.extend(ignore.map(|rule| named("ignore", rule)));
+    said.extend(config.limits().map(|limit| {
+        let (rule, name, value, unit) = (&limit.rule, &limit.name, limit.value, &limit.unit);
+        ("limit", format!("{rule} {name}: {value} {unit} ({})", limit.origin))
+    }));
+    let policy = config.policy(0);
+    let files = |glob: &Option<GlobMatcher>| {
+        let glob = glob.as_ref().map(|glob| format!(" in `{}`", glob.glob()));
+        glob.unwrap_or_default()
+    };
+    said.extend(policy.weights.iter().map(|weight| {
+        let (rule, files, level) = (&weight.rule, files(&weight.file), weight.level.word());
+        ("severity", format!("{rule}{files}: {level} ({})", weight.origin))
+    }));
+    said.extend(policy.exceptions.iter().map(|exception| {
+        let Waiver {
+            rule, about, origin, ..
+        } = &exception.waiver;
+        ("waiver", format!("{rule} {about} ({origin})"))
+    }));
+    said.extend(policy.required.iter().map(|required| {
+        let subject = required.subject.as_ref().map(|glob| format!(" of `{}`", glob.glob()));
+        let subject = subject.unwrap_or_default();
+        ("require", format!("{}{subject} ({})", required.rule, required.origin))
+    }));
+    said.extend(config.fail_on().map(|fail_on| ("fail-on", fail_on.word().to_owned())));
+    Ok(said)
+}
+
+/// A folder in which an input lies, as the input's path has it.
+fn shown(folder: &Path, input: &Input) -> Option<String> {
+    let whole = std::fs::canonicalize(&input.path).ok()?;
+    let behind = whole.strip_prefix(folder).ok()?.components().count();
+    let shown = Path::new(&input.display).components();
+    let before = shown.clone().count().checked_sub(behind)?;
+    let folder: PathBuf = shown.take(before).collect();
+    Some(folder.to_string_lossy().into_owned())
+}
