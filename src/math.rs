@@ -34,6 +34,7 @@ pub mod stats;
 pub mod support;
 pub mod turns;
 pub mod utm;
+pub mod yaw_search;
 
 #[cfg(test)]
 mod tests_constants;

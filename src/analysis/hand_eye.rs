@@ -195,6 +195,26 @@ impl HandEye {
         Ok(best)
     }
 
+    /// `world_from_body` at the moment of a cloud, by its poses.
+    pub(crate) fn body_at(
+        &self,
+        world: &World,
+        motion: &Motion,
+        clouds: &Clouds,
+    ) -> impl Fn(&Moment) -> Option<Isometry3<f64>> + use<> {
+        let tied = tied(world, motion, clouds, &self.lidar).into_iter();
+        let poses = tied
+            .map(|(poses, ..)| poses)
+            .find(|poses| poses.subject == self.poses.0);
+        let poses = poses.map(|poses| (poses.stamp_offset_s, Turned::of(poses), poses.track()));
+        let late_s = self.late.by_s;
+        move |moment| {
+            let (stamp_offset_s, turned, track) = poses.as_ref()?;
+            let t_s = moment.on(*stamp_offset_s) + late_s;
+            pose_at(turned, &track.at(t_s)?, t_s)
+        }
+    }
+
     /// Whether the scans turn to the side that the poses turn to, where both turn.
     fn turns_along(&self) -> Option<bool> {
         let turns = self.pairs.iter().map(|pair| {

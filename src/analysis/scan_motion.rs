@@ -123,50 +123,99 @@ impl ScanMotion {
 }
 
 fn steps(world: &Estimates, clouds: &Clouds, planes: &Planes) -> Steps {
-    if clouds.laser.is_some() {
-        return match level(world, clouds) {
-            Ok(is_up) => Steps {
-                is_up: Some(is_up),
-                runs: runs(clouds, |point| Some(point.xy())),
-                ..Steps::default()
-            },
-            Err(why) => Steps {
-                why,
-                ..Steps::default()
-            },
-        };
-    }
-    let limits = world.limits::<crate::analysis::ground::Limits>();
-    let grounds = planes.grounds(clouds, &limits.is_ground());
-    let side = limits.agreed(clouds, &grounds).ok().and_then(|side| SIDES.get(side));
-    let is_up = match side.map(|(_, word)| *word) {
-        Some("z") => Some(true),
-        Some("-z") => Some(false),
-        // The plane that was cut stands upright.
-        Some(_) => {
-            return Steps {
-                why: NO_GROUND,
-                ..Steps::default()
-            };
-        }
-        None => None,
-    };
-    let Some(upright) = is_up.and_then(|is_up| Upright::of(&grounds, is_up)) else {
-        return Steps {
+    match Level::of(world, clouds, planes) {
+        Ok(level) => Steps {
+            is_up: level.is_up,
             why: NO_GROUND,
-            runs: runs(clouds, |point| Some(point.xy())),
+            level_from_cloud: level.level_from_cloud,
+            runs: runs(clouds, |point| level.flat(point)),
+        },
+        Err(why) => Steps {
+            why,
             ..Steps::default()
+        },
+    }
+}
+
+/// How the points of a topic's clouds are laid flat.
+#[derive(Default)]
+struct Level {
+    /// See [`Steps::is_up`].
+    is_up: Option<bool>,
+    level_from_cloud: UnitQuaternion<f64>,
+    /// The ground, the points of which are left out, and where the sensor is in the cloud, metres.
+    ground: Option<(Upright, Vector3<f64>)>,
+}
+
+impl Level {
+    /// Or why the plane of x and y is not that of the ground.
+    fn of(world: &Estimates, clouds: &Clouds, planes: &Planes) -> Result<Self, &'static str> {
+        if clouds.laser.is_some() {
+            return level(world, clouds).map(|is_up| Self {
+                is_up: Some(is_up),
+                ..Self::default()
+            });
+        }
+        let limits = world.limits::<crate::analysis::ground::Limits>();
+        let grounds = planes.grounds(clouds, &limits.is_ground());
+        let side = limits.agreed(clouds, &grounds).ok().and_then(|side| SIDES.get(side));
+        let is_up = match side.map(|(_, word)| *word) {
+            Some("z") => Some(true),
+            Some("-z") => Some(false),
+            // The plane that was cut stands upright.
+            Some(_) => return Err(NO_GROUND),
+            None => None,
         };
-    };
-    let sensor = sensor_in_cloud(world, clouds).unwrap_or_else(Vector3::zeros);
-    Steps {
-        is_up,
-        level_from_cloud: upright.level_from_cloud,
-        runs: runs(clouds, |point| {
-            let is_clear = upright.height_m + upright.up.dot(&(point - sensor)) > CLEAR_M;
-            is_clear.then(|| (upright.level_from_cloud * point).xy())
-        }),
-        ..Steps::default()
+        let Some((is_up, upright)) = is_up.and_then(|is_up| Some((is_up, Upright::of(&grounds, is_up)?))) else {
+            return Ok(Self::default());
+        };
+        let sensor = sensor_in_cloud(world, clouds).unwrap_or_else(Vector3::zeros);
+        Ok(Self {
+            is_up: Some(is_up),
+            level_from_cloud: upright.level_from_cloud,
+            ground: Some((upright, sensor)),
+        })
+    }
+
+    /// A point in the level plane, metres; none where it is of the ground.
+    fn flat(&self, point: &Vector3<f64>) -> Option<Vector2<f64>> {
+        let is_clear = self
+            .ground
+            .as_ref()
+            .is_none_or(|(upright, sensor)| upright.height_m + upright.up.dot(&(point - sensor)) > CLEAR_M);
+        is_clear.then(|| (self.level_from_cloud * point).xy())
+    }
+}
+
+/// The clouds of a topic over the ground, with z up.
+pub(crate) struct Standing {
+    /// Turns the cloud's axes so that its z points up, away from the ground.
+    pub(crate) up_from_cloud: UnitQuaternion<f64>,
+    /// Of each run the moments and the points of its clouds, as measured, without those of the ground, metres.
+    pub(crate) runs: Vec<Vec<(Moment, Vec<Vector2<f64>>)>>,
+}
+
+impl Standing {
+    /// `None` where nothing shows which way is up.
+    pub(crate) fn of(world: &Estimates, clouds: &Clouds) -> Option<Self> {
+        let level = Level::of(world, clouds, &Planes::of(world)).ok()?;
+        let is_up = level.is_up?;
+        let start_ns = clouds.bag.start_ns.unwrap_or_default();
+        let turned = |point: Vector2<f64>| Vector2::new(point.x, if is_up { point.y } else { -point.y });
+        let cloud = |slice: &CloudSlice| {
+            let points = slice
+                .points
+                .iter()
+                .filter_map(|point| level.flat(&Vector3::from(*point)));
+            let moment = Moment::new(slice.stamp_ns, slice.log_ns, start_ns);
+            (moment, points.map(turned).collect())
+        };
+        let over = if is_up { 0.0 } else { std::f64::consts::PI };
+        let runs = clouds.evidence.runs.iter();
+        Some(Self {
+            up_from_cloud: UnitQuaternion::from_axis_angle(&Vector3::x_axis(), over) * level.level_from_cloud,
+            runs: runs.map(|run| run.iter().map(cloud).collect()).collect(),
+        })
     }
 }
 

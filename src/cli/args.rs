@@ -97,8 +97,7 @@ pub(super) struct Reading {
     /// Number of windows that a recording is read in, instead of what the rules ask for
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=100_000))]
     pub(super) windows: Option<u32>,
-    /// Time until which more is read of recordings where a rule lacks evidence (30s, 2min); without it 30s, and not for
-    /// rules on motion
+    /// Time until which more is read of recordings where a rule lacks evidence (30s, 2min), instead of 2 GiB of each
     #[arg(long, value_name = "TIME", value_parser = humantime::parse_duration)]
     pub(super) budget: Option<std::time::Duration>,
 }

@@ -2,7 +2,7 @@
 //!
 //! Owns the numbers of sampling and the decision to widen. Must not read anything.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::time::{Duration, Instant};
 
 use crate::read::bag::{Carried, Sampling};
@@ -24,8 +24,9 @@ const CARRIED: Carried = Carried {
 };
 /// What one widening multiplies the bytes and the windows by.
 const WIDENING: u32 = 4;
-/// Time that a run may take before it is no longer widened.
-const BUDGET: Duration = Duration::from_secs(30);
+/// Bytes of recordings that may be read in all rounds, where no time is given. Work and not time: what is found does not depend on the load of
+/// the machine.
+const WORK_BYTES: u64 = 2 << 30;
 
 /// What the user says of sampling.
 #[derive(Clone, Copy, Debug, Default)]
@@ -45,10 +46,10 @@ pub(super) struct Plan {
     asked: Extent,
     current: Option<Sampling>,
     begin: Instant,
+    /// Bytes that were read in the rounds so far.
+    read_bytes: u64,
     /// Rows that lacked evidence in the round before.
     lacking: Option<usize>,
-    /// Rules for which no more is read.
-    content: BTreeSet<String>,
 }
 
 impl Plan {
@@ -68,12 +69,8 @@ impl Plan {
             asked,
             current: (!asked.full).then_some(first),
             begin: Instant::now(),
+            read_bytes: 0,
             lacking: None,
-            content: rules
-                .iter()
-                .filter(|rule| !rule.entry.evidence.widens && asked.budget.is_none())
-                .map(|rule| rule.front.code.clone())
-                .collect(),
         }
     }
 
@@ -83,7 +80,7 @@ impl Plan {
     }
 
     /// Whether another round is worth its time: some rule lacked evidence that a recording still holds, the round before
-    /// brought something, and the time suffices.
+    /// brought something, and the time or the bytes suffice.
     pub(super) fn widen(&mut self, worlds: &[World], verdicts: &[(usize, Verdict)]) -> bool {
         let Some(sampling) = &mut self.current else {
             return false;
@@ -91,28 +88,47 @@ impl Plan {
         let lacking: usize = worlds
             .iter()
             .zip(verdicts)
-            .map(|(world, (_, verdict))| lacking(world, verdict, &self.content))
+            .map(|(world, (_, verdict))| lacking(world, verdict))
             .sum();
+        let bytes = read_bytes(worlds);
+        self.read_bytes += bytes;
         // Time that the user gave is used.
         let is_stuck = self.asked.budget.is_none() && self.lacking.is_some_and(|before| lacking >= before);
-        let spent = self.begin.elapsed();
         // The next round reads so many times more.
-        let left = spent.saturating_mul(WIDENING) < self.asked.budget.unwrap_or(BUDGET).saturating_sub(spent);
+        let left = match self.asked.budget {
+            Some(budget) => {
+                let spent = self.begin.elapsed();
+                spent.saturating_mul(WIDENING) < budget.saturating_sub(spent)
+            }
+            None => bytes.saturating_mul(u64::from(WIDENING)) <= WORK_BYTES.saturating_sub(self.read_bytes),
+        };
         if lacking == 0 || is_stuck || !left || self.asked.windows.is_some() {
             return false;
         }
         self.lacking = Some(lacking);
         sampling.windows = sampling.windows.saturating_mul(WIDENING);
         sampling.bytes = sampling.bytes.saturating_mul(u64::from(WIDENING));
-        if let Some(carried) = sampling.carried.as_mut().filter(|_| self.asked.budget.is_some()) {
+        if let Some(carried) = &mut sampling.carried {
             carried.runs = carried.runs.saturating_mul(WIDENING);
         }
         true
     }
 }
 
-/// Judgements that lacked evidence which a recording of the world still holds; those of the rules in `content` do without.
-fn lacking(world: &World, verdict: &Verdict, content: &BTreeSet<String>) -> usize {
+/// Bytes that were read of the recordings of these worlds.
+fn read_bytes(worlds: &[World]) -> u64 {
+    let read = worlds.iter().flat_map(|world| {
+        let sources = world
+            .bags
+            .iter()
+            .filter_map(|bag| world.sources.get(bag.source.0 as usize));
+        sources.map(|source| (source.id, source.examined.bytes))
+    });
+    read.collect::<BTreeMap<_, _>>().values().sum()
+}
+
+/// Judgements that lacked evidence which a recording of the world still holds.
+fn lacking(world: &World, verdict: &Verdict) -> usize {
     let sampled: Vec<_> = world.bags.iter().filter(|bag| !bag.share.whole).collect();
     if sampled.is_empty() {
         return 0;
@@ -122,8 +138,7 @@ fn lacking(world: &World, verdict: &Verdict, content: &BTreeSet<String>) -> usiz
         .filter(|topic| topic.total.is_some() && !topic.has_more())
         .map(|topic: &TopicEvidence| topic.topic.as_str())
         .collect();
-    let asks = |row: &&Row| !content.contains(&row.rule) && may_gain(row, &read_up);
-    verdict.rows.iter().filter(asks).count()
+    verdict.rows.iter().filter(|row| may_gain(row, &read_up)).count()
 }
 
 /// Whether a row lacks evidence, and its subject is not a topic that was read wholly.
@@ -140,9 +155,9 @@ fn may_gain(row: &Row, read_up: &BTreeSet<&str>) -> bool {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
-    use crate::rules::Entry;
-    use crate::source::SourceId;
+    use crate::source::{Source, SourceId, SourceKind};
     use crate::world::BagEvidence;
+    use std::sync::Arc;
 
     fn row(subject: &str, why: NotEvaluated) -> Row {
         Row {
@@ -228,25 +243,20 @@ mod tests {
     }
 
     #[test]
-    fn rules_that_are_content_widen_only_for_time_that_is_given() {
-        const PAGE: &str = include_str!("../../rules/axes/imu-units.md");
-        let content = Entry::of_test(PAGE, &[], Evidence::MOTION, |_, _| {});
-        let widens = |budget: Option<Duration>| {
-            let rule = Enabled::new(content).unwrap();
-            let mut row = row("platform", NotEvaluated::TooLittleEvidence);
-            row.rule.clone_from(&rule.front.code);
-            let asked = Extent {
-                budget,
-                ..Extent::default()
-            };
+    fn work_is_counted_in_bytes() {
+        let widens = |bytes: u64| {
+            let mut source = Source::new(SourceId(0), "drive.mcap", SourceKind::Urdf);
+            source.examined.bytes = bytes;
+            let mut world = world();
+            world.sources = Arc::new(vec![source]);
             let verdict = Verdict {
-                rows: vec![row],
+                rows: vec![row("platform", NotEvaluated::TooLittleEvidence)],
                 ..Verdict::default()
             };
-            Plan::new(asked, &[&rule]).widen(&[world()], &[(0, verdict)])
+            Plan::new(Extent::default(), &[]).widen(&[world], &[(0, verdict)])
         };
-        assert!(!widens(None));
-        assert!(widens(Some(Duration::from_secs(3600))));
+        assert!(widens(FIRST_BYTES));
+        assert!(!widens(WORK_BYTES / 4), "this round, and four times as much");
     }
 
     #[test]

@@ -66,8 +66,6 @@ pub struct Evidence {
     pub windows: u32,
     /// Length of a window, seconds of log time.
     pub seconds: f64,
-    /// Whether more is read where that does not suffice, though nobody gave a time for it.
-    pub widens: bool,
 }
 
 impl Evidence {
@@ -75,19 +73,11 @@ impl Evidence {
     pub const LEAST: Self = Self {
         windows: 2,
         seconds: 0.5,
-        widens: true,
     };
     /// What rules on names, trees and stamps need.
     pub const USUAL: Self = Self {
         windows: 10,
         seconds: 2.0,
-        widens: true,
-    };
-    /// What rules on motion need: a drive with turns. Of recordings with images or clouds that would be a large part, which
-    /// is read where the user gives a time for it.
-    pub const MOTION: Self = Self {
-        widens: false,
-        ..Self::USUAL
     };
 
     /// What suffices for both.
@@ -96,7 +86,6 @@ impl Evidence {
         Self {
             windows: self.windows.max(other.windows),
             seconds: self.seconds.max(other.seconds),
-            widens: self.widens || other.widens,
         }
     }
 }

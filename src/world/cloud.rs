@@ -74,7 +74,7 @@ pub const SLICE_SLOPE: f64 = 0.0699;
 /// Clouds of a run.
 pub const RUN_CLOUDS: usize = 16;
 /// Runs of one topic that are kept.
-pub const MAX_RUNS: usize = 24;
+pub const MAX_RUNS: usize = 48;
 
 /// A point with a return.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

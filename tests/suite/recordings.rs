@@ -228,6 +228,31 @@ fn what_was_recorded_at_the_same_time_is_of_one_drive() {
 }
 
 #[test]
+fn recordings_of_one_time_in_folders_side_by_side_are_each_judged() {
+    let folder = tempfile::tempdir().unwrap();
+    for (name, drive) in [("a", drive(0, 1.85)), ("b", late(&drive(0, 1.85)))] {
+        fs::create_dir(folder.path().join(name)).unwrap();
+        support::write(&drive, &folder.path().join(name).join("drive.mcap"));
+    }
+    let run = check(&[folder.path()]);
+    let labels: Vec<&str> = run.recordings.iter().map(|one| one.label.as_str()).collect();
+    assert_eq!(labels.len(), 2, "{labels:?}");
+    for (name, one) in ["a", "b"].iter().zip(&run.recordings) {
+        assert!(one.label.ends_with(&format!("{name}/drive.mcap")), "{labels:?}");
+        let alone = check(&[&folder.path().join(name)]);
+        assert_eq!(
+            one.summary.passed,
+            alone.summary(FailOn::default()).passed,
+            "{}",
+            one.label
+        );
+        assert_eq!(one.code, alone.exit_code(FailOn::default()), "{}", one.label);
+    }
+    let codes: Vec<u8> = run.recordings.iter().map(|one| one.code).collect();
+    assert_eq!(codes, [0, 1], "the second one's sensor is 18 s ahead");
+}
+
+#[test]
 fn what_is_wrong_in_a_file_counts_for_every_recording_and_is_told_once() {
     let robot = ROBOT.replace("<link name=\"imu\"/>", "<link name=\"imu\"/><link name=\"imu\"/>");
     let folder = folder(

@@ -2,8 +2,10 @@
 
 use serde::Deserialize;
 
-use crate::analysis::{Estimates, hand_eye::HandEye, lidar::Clouds};
+use crate::analysis::hand_eye::{HandEye, in_plane};
+use crate::analysis::{Estimates, lidar::Clouds, motion::Motion, scan_motion::Standing};
 use crate::math::circular::{circular_mean, difference};
+use crate::math::yaw_search::{Pair, search};
 use crate::verdict::{Measured, NotEvaluated};
 
 #[derive(Debug, Deserialize)]
@@ -18,6 +20,10 @@ pub(crate) struct Limits {
     pub(crate) pass_deg: f64,
     pub(crate) error_deg: f64,
     pub(crate) named_deg: f64,
+    pub(crate) search_way_m: f64,
+    pub(crate) search_pairs: usize,
+    pub(crate) search_apart_deg: f64,
+    pub(crate) search_t: f64,
 }
 
 /// The yaw between the way of the lidar by its scans and by the poses.
@@ -26,8 +32,16 @@ pub(crate) struct Yaw {
     pub(crate) off_deg: f64,
     /// Standard error of that, degrees.
     pub(crate) error_deg: f64,
-    pub(crate) resultant: f64,
+    pub(crate) sure: Sure,
     pub(crate) pairs: usize,
+}
+
+/// What shows that there is one yaw.
+pub(crate) enum Sure {
+    /// The directions of all pairs: the length of their mean.
+    Resultant(f64),
+    /// All scans together, which fall on each other at this yaw alone: how much better than at any other, in standard errors.
+    Search(f64),
 }
 
 impl Yaw {
@@ -48,7 +62,12 @@ impl Yaw {
                 .limit(limits.pass_deg)
                 .spread(self.error_deg)
                 .samples(self.pairs as u64),
-            Measured::new("resultant", self.resultant, "1").limit(limits.min_resultant),
+            match self.sure {
+                Sure::Resultant(resultant) => Measured::new("resultant", resultant, "1").limit(limits.min_resultant),
+                Sure::Search(t) => {
+                    Measured::new("standard errors between this yaw and the next", t, "1").limit(limits.search_t)
+                }
+            },
         ]
     }
 }
@@ -62,7 +81,69 @@ pub(crate) fn look(
     let known = HandEye::of(world, clouds, |steps| {
         steps.chained(|moved| moved.way_m() >= limits.min_way_m)
     })?;
-    Ok((yaw(&known, limits)?, known))
+    let yaw = yaw(&known, limits).or_else(|(reason, why)| {
+        searched(world, clouds, &known, limits).map_err(|found| (reason, format!("{why}; {found}")))
+    })?;
+    Ok((yaw, known))
+}
+
+/// The yaw at which all scans together fall on each other, where too few could be matched one by one; or what that lacks.
+fn searched(world: &Estimates, clouds: &Clouds, known: &HandEye, limits: &Limits) -> Result<Yaw, String> {
+    let standing = Standing::of(world, clouds).ok_or("no ground shows which way is up")?;
+    let motion = Motion::of(world);
+    let body_at = known.body_at(world, &motion, clouds);
+    let mut pairs = Vec::new();
+    for run in &standing.runs {
+        let mut clouds = run
+            .iter()
+            .filter_map(|(moment, points)| Some((body_at(moment)?, points)));
+        let Some(mut from) = clouds.next() else { continue };
+        for to in clouds {
+            let body = in_plane(&from.0.inv_mul(&to.0));
+            if body.translation.vector.norm() >= limits.search_way_m {
+                pairs.push(Pair {
+                    body,
+                    from: from.1.clone(),
+                    to: to.1.clone(),
+                });
+                from = to;
+            }
+        }
+    }
+    let told = known.told * standing.up_from_cloud.inverse();
+    let found = search(&pairs, &in_plane(&told), limits.search_apart_deg.to_radians());
+    let Some(found) = found.filter(|found| found.pairs >= limits.search_pairs) else {
+        return Err(format!(
+            "{} pairs of scans that are {} m apart show anything over the ground, and {} would do for all of them together",
+            found.map_or(0, |found| found.pairs),
+            limits.search_way_m,
+            limits.search_pairs
+        ));
+    };
+    let error_deg = found.sigma_rad.to_degrees();
+    if found.t < limits.search_t || error_deg > limits.max_error_deg {
+        return Err(format!(
+            "nor do all {} together: another yaw is {:.1} standard errors from the best ({} are needed), which is known to {error_deg:.1} deg ({} are \
+             needed). {} times as many would do, or a place with more to see over the ground",
+            found.pairs,
+            found.t,
+            limits.search_t,
+            limits.max_error_deg,
+            more(found.t, error_deg, limits)
+        ));
+    }
+    Ok(Yaw {
+        off_deg: found.yaw_rad.to_degrees(),
+        error_deg,
+        sure: Sure::Search(found.t),
+        pairs: found.pairs,
+    })
+}
+
+/// How many times as many pairs: errors fall with the root of their number.
+fn more(t: f64, error_deg: f64, limits: &Limits) -> f64 {
+    let times = (limits.search_t / t.max(0.5)).max(error_deg / limits.max_error_deg);
+    times.powi(2).ceil()
 }
 
 pub(crate) fn yaw(known: &HandEye, limits: &Limits) -> Result<Yaw, (NotEvaluated, String)> {
@@ -103,10 +184,11 @@ pub(crate) fn yaw(known: &HandEye, limits: &Limits) -> Result<Yaw, (NotEvaluated
     let told = mean.map(|mean| Yaw {
         off_deg: mean.mean_rad.to_degrees(),
         error_deg: (mean.sd_rad() / (off.len() as f64).sqrt()).to_degrees().hypot(late_deg),
-        resultant: mean.resultant,
+        sure: Sure::Resultant(mean.resultant),
         pairs: off.len(),
     });
-    told.filter(|yaw| yaw.resultant >= limits.min_resultant && yaw.error_deg <= limits.max_error_deg)
+    let is_steady = mean.is_some_and(|mean| mean.resultant >= limits.min_resultant);
+    told.filter(|yaw| is_steady && yaw.error_deg <= limits.max_error_deg)
         .ok_or_else(|| {
             little("the way of the scans and that of the poses have no steady angle between them".to_owned())
         })

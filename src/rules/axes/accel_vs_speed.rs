@@ -12,7 +12,6 @@ pub(crate) struct AccelVsSpeed;
 impl Rule for AccelVsSpeed {
     const PAGE: &'static str = include_str!("../../../rules/axes/accel-vs-speed.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

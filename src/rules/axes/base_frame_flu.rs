@@ -10,7 +10,6 @@ pub(crate) struct BaseFrameFlu;
 impl Rule for BaseFrameFlu {
     const PAGE: &'static str = include_str!("../../../rules/axes/base-frame-flu.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

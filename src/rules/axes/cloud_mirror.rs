@@ -46,7 +46,6 @@ struct Turned {
 impl Rule for CloudMirror {
     const PAGE: &'static str = include_str!("../../../rules/axes/cloud-mirror.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -15,7 +15,6 @@ pub(crate) struct GnssVsOdomHandedness;
 impl Rule for GnssVsOdomHandedness {
     const PAGE: &'static str = include_str!("../../../rules/axes/gnss-vs-odom-handedness.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -52,7 +52,6 @@ struct Height {
 impl Rule for GroundZ {
     const PAGE: &'static str = include_str!("../../../rules/axes/ground-z.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -13,7 +13,6 @@ pub(crate) struct GyroVsTurnSign;
 impl Rule for GyroVsTurnSign {
     const PAGE: &'static str = include_str!("../../../rules/axes/gyro-vs-turn-sign.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -12,7 +12,6 @@ pub(crate) struct HeadingConvention;
 impl Rule for HeadingConvention {
     const PAGE: &'static str = include_str!("../../../rules/axes/heading-convention.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

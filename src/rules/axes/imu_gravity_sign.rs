@@ -12,7 +12,6 @@ pub(crate) struct ImuGravitySign;
 impl Rule for ImuGravitySign {
     const PAGE: &'static str = include_str!("../../../rules/axes/imu-gravity-sign.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

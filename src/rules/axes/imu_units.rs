@@ -32,7 +32,6 @@ pub(crate) struct Limits {
 impl Rule for ImuUnits {
     const PAGE: &'static str = include_str!("../../../rules/axes/imu-units.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -9,7 +9,6 @@ pub(crate) struct LidarForwardAxis;
 impl Rule for LidarForwardAxis {
     const PAGE: &'static str = include_str!("../../../rules/axes/lidar-forward-axis.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -8,7 +8,6 @@ pub(crate) struct MapZUp;
 impl Rule for MapZUp {
     const PAGE: &'static str = include_str!("../../../rules/axes/map-z-up.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -22,7 +22,6 @@ pub(crate) struct OdomTwistFrame;
 impl Rule for OdomTwistFrame {
     const PAGE: &'static str = include_str!("../../../rules/axes/odom-twist-frame.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -14,7 +14,6 @@ pub(crate) struct OrientationVsGravity;
 impl Rule for OrientationVsGravity {
     const PAGE: &'static str = include_str!("../../../rules/axes/orientation-vs-gravity.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

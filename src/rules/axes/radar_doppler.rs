@@ -70,7 +70,6 @@ struct Seen {
 impl Rule for RadarDoppler {
     const PAGE: &'static str = include_str!("../../../rules/axes/radar-doppler.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -17,7 +17,6 @@ pub(crate) struct UpAxisFlip;
 impl Rule for UpAxisFlip {
     const PAGE: &'static str = include_str!("../../../rules/axes/up-axis-flip.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

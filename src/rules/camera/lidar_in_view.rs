@@ -11,7 +11,6 @@ pub(crate) struct LidarInView;
 impl Rule for LidarInView {
     const PAGE: &'static str = include_str!("../../../rules/camera/lidar-in-view.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -14,7 +14,6 @@ pub(crate) struct CovFrame;
 impl Rule for CovFrame {
     const PAGE: &'static str = include_str!("../../../rules/cov/cov-frame.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

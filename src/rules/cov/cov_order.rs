@@ -23,7 +23,6 @@ pub(crate) struct Limits {
 impl Rule for CovOrder {
     const PAGE: &'static str = include_str!("../../../rules/cov/cov-order.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -24,7 +24,6 @@ pub(crate) struct Limits {
 impl Rule for CovUnits {
     const PAGE: &'static str = include_str!("../../../rules/cov/cov-units.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -9,7 +9,6 @@ pub(crate) struct ExtrinsicDirection;
 impl Rule for ExtrinsicDirection {
     const PAGE: &'static str = include_str!("../../../rules/cross/extrinsic-direction.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

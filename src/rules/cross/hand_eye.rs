@@ -11,7 +11,6 @@ pub(crate) struct HandEyeCalibration;
 impl Rule for HandEyeCalibration {
     const PAGE: &'static str = include_str!("../../../rules/cross/hand-eye.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

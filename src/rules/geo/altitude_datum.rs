@@ -22,7 +22,6 @@ enum Relation {
 impl Rule for AltitudeDatum {
     const PAGE: &'static str = include_str!("../../../rules/geo/altitude-datum.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

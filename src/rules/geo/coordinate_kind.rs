@@ -14,7 +14,6 @@ pub(crate) struct CoordinateKind;
 impl Rule for CoordinateKind {
     const PAGE: &'static str = include_str!("../../../rules/geo/coordinate-kind.md");
     const NEEDS: &'static [Need] = &[Need::Frames];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -36,7 +36,6 @@ pub(crate) struct Limits {
 impl Rule for GridConvergenceScale {
     const PAGE: &'static str = include_str!("../../../rules/geo/grid-convergence-scale.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

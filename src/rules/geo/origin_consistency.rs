@@ -16,7 +16,6 @@ pub(crate) struct OriginConsistency;
 impl Rule for OriginConsistency {
     const PAGE: &'static str = include_str!("../../../rules/geo/origin-consistency.md");
     const NEEDS: &'static [Need] = &[];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -28,7 +28,6 @@ pub(crate) struct Limits {
 impl Rule for TangentPlaneRange {
     const PAGE: &'static str = include_str!("../../../rules/geo/tangent-plane-range.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

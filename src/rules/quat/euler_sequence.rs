@@ -15,7 +15,6 @@ pub(crate) struct EulerSequence;
 impl Rule for EulerSequence {
     const PAGE: &'static str = include_str!("../../../rules/quat/euler-sequence.md");
     const NEEDS: &'static [Need] = &[Need::TransformsOrBag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

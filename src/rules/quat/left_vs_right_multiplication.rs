@@ -27,7 +27,6 @@ pub(crate) struct Limits {
 impl Rule for LeftVsRightMultiplication {
     const PAGE: &'static str = include_str!("../../../rules/quat/left-vs-right-multiplication.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

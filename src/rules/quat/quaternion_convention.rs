@@ -13,7 +13,6 @@ pub(crate) struct QuaternionConvention;
 impl Rule for QuaternionConvention {
     const PAGE: &'static str = include_str!("../../../rules/quat/quaternion-convention.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -17,7 +17,6 @@ pub(crate) struct QuaternionOrderStatic;
 impl Rule for QuaternionOrderStatic {
     const PAGE: &'static str = include_str!("../../../rules/quat/quaternion-order-static.md");
     const NEEDS: &'static [Need] = &[Need::CalibrationOrBag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -25,7 +25,6 @@ struct Against<'a> {
 impl Rule for CompassInQuaternion {
     const PAGE: &'static str = include_str!("../../../rules/sensor/compass-in-quaternion.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

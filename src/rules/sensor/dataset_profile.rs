@@ -19,7 +19,6 @@ pub(crate) struct DatasetProfile;
 impl Rule for DatasetProfile {
     const PAGE: &'static str = include_str!("../../../rules/sensor/dataset-profile.md");
     const NEEDS: &'static [Need] = &[];
-    const EVIDENCE: Evidence = Evidence::USUAL;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -26,7 +26,6 @@ struct Told {
 impl Rule for ExtrinsicZ180Double {
     const PAGE: &'static str = include_str!("../../../rules/sensor/extrinsic-z180-double.md");
     const NEEDS: &'static [Need] = &[Need::TransformsOrBag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

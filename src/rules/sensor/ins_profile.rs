@@ -17,7 +17,6 @@ pub(crate) struct Limits {
 impl Rule for InsProfile {
     const PAGE: &'static str = include_str!("../../../rules/sensor/ins-profile.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

@@ -18,7 +18,6 @@ struct Told {
 impl Rule for LeftHandedSimulator {
     const PAGE: &'static str = include_str!("../../../rules/sensor/left-handed-simulator.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = NoLimits;
 
     fn judge(world: &Estimates, _: &NoLimits, out: &mut Judge) {

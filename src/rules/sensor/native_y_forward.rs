@@ -16,7 +16,6 @@ pub(crate) struct Limits {
 impl Rule for NativeYForward {
     const PAGE: &'static str = include_str!("../../../rules/sensor/native-y-forward.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

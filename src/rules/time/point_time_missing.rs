@@ -19,7 +19,6 @@ pub(crate) struct Limits {
 impl Rule for PointTimeMissing {
     const PAGE: &'static str = include_str!("../../../rules/time/point-time-missing.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {

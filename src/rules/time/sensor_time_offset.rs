@@ -16,7 +16,6 @@ pub(crate) struct SensorTimeOffset;
 impl Rule for SensorTimeOffset {
     const PAGE: &'static str = include_str!("../../../rules/time/sensor-time-offset.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
-    const EVIDENCE: Evidence = Evidence::MOTION;
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
