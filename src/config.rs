@@ -15,7 +15,11 @@
 //!   - {file: simulation/**, ignore: [urdf]}
 //! waivers:
 //!   - {rule: CROSS02, subject: '*lidar*', reason: remounted on the 3rd, until: 2027-01-31, by: J. Doe}
-//! require: [TREE01, {rule: AXES03, subject: '*/imu*'}]
+//! require:
+//!   - TREE01
+//!   - {rule: AXES03, subject: '*/imu*', if: applicable}
+//!   - {rule: GEO01, lifted: no satellite receiver} # what stands before it, or is extended, is required no more
+//!   - {share: 0.8}                   # of the checks that apply
 //! conventions:                     # see `declared`
 //!   - topic: /ins/*                # a glob; `frame:` and `file:` as well, and all that are given must hold
 //!     world: NED                   # ENU, NED, NWU
@@ -294,6 +298,7 @@ impl Config {
                 .exceptions
                 .extend(id.into_iter().flat_map(|id| layer.asked.exceptions(id)));
             policy.required.extend(layer.asked.required.iter().cloned());
+            policy.share = layer.asked.share.clone().or(policy.share);
         }
         policy
     }

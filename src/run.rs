@@ -8,7 +8,7 @@ use std::ops::Range;
 use crate::page::{Front, Status};
 use crate::source::{Confidence, ReadStatus, Source, SourceId};
 use crate::verdict::waiver::FAMILY;
-use crate::verdict::{Finding, Outcome, Severity, Verdict, Waived};
+use crate::verdict::{Finding, Outcome, Severity, Verdict, Waived, judged_of_applicable};
 use crate::world::World;
 
 /// Exit code of a run that found nothing to complain about.
@@ -74,10 +74,10 @@ impl Grown {
     }
 }
 
-/// A rule that had to judge, and did not.
+/// A requirement that is not met: a rule that had to judge and did not, or too few checks that were made.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Unmet {
-    /// Code of the rule.
+    /// Code of the rule; [`SHARE`] where a share of the checks is required.
     pub rule: String,
     /// Its name.
     pub name: String,
@@ -95,6 +95,9 @@ pub struct Unmet {
     pub waived: Option<Waived>,
 }
 
+/// What stands in the place of a rule's code where a share of the checks is required.
+pub const SHARE: &str = "share";
+
 /// So many recordings are named where a rule had to judge and did not.
 const MAX_NAMED: usize = 5;
 
@@ -111,7 +114,22 @@ impl Unmet {
         reasons
     }
 
-    /// The same in one line.
+    /// Whether a share of the checks is required, and no rule.
+    pub fn is_share(&self) -> bool {
+        self.rule == SHARE
+    }
+
+    /// What is wrong, in one line: `TREE01 had to be evaluated and was not: ...`.
+    pub fn words(&self) -> String {
+        let what = if self.is_share() {
+            "too few checks were made".to_owned()
+        } else {
+            format!("{} {} had to be evaluated and was not", self.rule, self.name)
+        };
+        format!("{what}: {}", self.reason())
+    }
+
+    /// Why it is not met, in one line.
     pub fn reason(&self) -> String {
         self.reasons().join("; ")
     }
@@ -299,13 +317,14 @@ impl Run {
         } else {
             VerdictWord::Clean
         };
+        let (judged, applicable) = judged_of_applicable(&self.verdict.rows);
         Summary {
             errors: self.verdict.count_findings(Severity::Error),
             warnings: self.verdict.count_findings(Severity::Warning),
             notes: self.verdict.count_findings(Severity::Note),
             hints: self.verdict.count_hints(),
-            applicable: self.verdict.rows.iter().filter(|row| row.applies()).count(),
-            judged: self.verdict.rows.iter().filter(|row| row.outcome.is_judged()).count(),
+            applicable,
+            judged,
             passed: self.verdict.count(Outcome::Pass),
             not_evaluated: self.verdict.count(Outcome::NotEvaluated),
             waived: self.verdict.count(Outcome::Waived),
@@ -354,7 +373,7 @@ impl Run {
         }
         let lacking: Vec<&str> = self.lacking().map(|unmet| unmet.rule.as_str()).collect();
         if !lacking.is_empty() {
-            return Some(format!("required and not evaluated: {}", lacking.join(", ")));
+            return Some(format!("required and not met: {}", lacking.join(", ")));
         }
         (!self.checked_anything()).then(|| "nothing could be checked".to_owned())
     }
@@ -375,7 +394,7 @@ impl Run {
             .filter(|source| source.required && source.status != ReadStatus::Read)
     }
 
-    /// Rules that had to judge and did not, and nobody accepts that.
+    /// Requirements that are not met, and nobody accepts that.
     pub fn lacking(&self) -> impl Iterator<Item = &Unmet> {
         self.unmet.iter().filter(|unmet| unmet.waived.is_none())
     }

@@ -139,6 +139,16 @@ impl Row {
     }
 }
 
+/// How many of these rows were judged, and how many apply.
+pub fn judged_of_applicable<'r>(rows: impl IntoIterator<Item = &'r Row>) -> (usize, usize) {
+    rows.into_iter().fold((0, 0), |(judged, applicable), row| {
+        (
+            judged + usize::from(row.outcome.is_judged()),
+            applicable + usize::from(row.applies()),
+        )
+    })
+}
+
 /// A plane that a rule saw in a cloud: the points p with `normal . p = offset_m`, in the axes of the cloud.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SeenPlane {

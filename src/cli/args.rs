@@ -20,7 +20,7 @@ Exit codes:
    0  clean: something was checked, and no finding counts
    1  a finding at or above --fail-on; hints never count
    2  the call or the configuration is wrong
-   3  incomplete: an input could not be read in full, a required rule was not evaluated, or nothing was checked at all
+   3  incomplete: an input could not be read in full, a requirement is not met, or nothing was checked at all
   70  a fault of frames-lint";
 
 /// A linter and acceptance gate for the coordinate frames of robots: reads URDF, xacro, calibration files and recordings

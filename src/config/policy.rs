@@ -4,7 +4,7 @@
 
 use globset::GlobMatcher;
 
-use crate::policy::{Exception, Level, Requirement, Scope, Weight};
+use crate::policy::{Exception, Force, Level, RequiredShare, Requirement, Scope, Weight};
 use crate::read::calibration::document::Node;
 use crate::run::FailOn;
 use crate::source::{Place, SourceId, Span};
@@ -26,6 +26,7 @@ pub(super) struct Asked {
     pub(super) limits: Vec<LimitOverride>,
     waivers: Vec<Waived>,
     pub(super) required: Vec<Requirement>,
+    pub(super) share: Option<RequiredShare>,
 }
 
 /// A limit that is not that of the rule's page.
@@ -145,9 +146,18 @@ impl Reader<'_> {
             let waived = self.waiver(item, &mut asked.named)?;
             asked.waivers.push(waived);
         }
-        for item in self.list_of(root, "require", "`- TREE01`, or `- {rule: AXES03, subject: '*/imu*'}`")? {
-            let requirement = self.requirement(item, &mut asked.named)?;
-            asked.required.push(requirement);
+        for item in self.list_of(
+            root,
+            "require",
+            "`- TREE01`, `- {rule: AXES03, subject: '*/imu*'}`, `- {share: 0.8}`",
+        )? {
+            if let Some(share) = item.get("share") {
+                self.keys(item, &["share"])?;
+                asked.share = Some(self.share(share)?);
+            } else {
+                let requirement = self.requirement(item, &mut asked.named)?;
+                asked.required.push(requirement);
+            }
         }
         Ok(asked)
     }
@@ -299,6 +309,16 @@ impl Reader<'_> {
         })
     }
 
+    /// The share of the checks that apply which must have been made.
+    fn share(&self, node: &Node) -> Result<RequiredShare, ConfigError> {
+        let share = node.text().and_then(|text| text.trim().parse().ok());
+        let share = share.filter(|share| (0.0..=1.0).contains(share));
+        Ok(RequiredShare {
+            share: share.ok_or_else(|| self.error(node.span.start, "`share` is a number from 0 to 1: `share: 0.8`"))?,
+            origin: self.origin(node, false),
+        })
+    }
+
     fn requirement(&self, item: &Node, named: &mut Vec<(String, String)>) -> Result<Requirement, ConfigError> {
         let origin = self.origin(item, false);
         if !item.is_mapping() {
@@ -306,14 +326,31 @@ impl Reader<'_> {
             return Ok(Requirement {
                 rule,
                 subject: None,
+                force: Force::Always,
                 origin,
             });
         }
-        self.keys(item, &["rule", "subject"])?;
+        self.keys(item, &["rule", "subject", "if", "lifted"])?;
         let rule = self.rule_of(item, named)?;
+        let force = match (
+            item.get("lifted"),
+            self.word(item, "if", &[("applicable", Force::IfApplicable)])?,
+        ) {
+            (None, force) => force.unwrap_or(Force::Always),
+            (Some(_), None) => Force::Lifted(self.required_text(
+                item,
+                "lifted",
+                "why it is not required, for whoever reads the report",
+            )?),
+            (Some(_), Some(_)) => {
+                let what = "`if` and `lifted` do not go together: what is lifted is not required at all";
+                return Err(self.error(item.span.start, what));
+            }
+        };
         Ok(Requirement {
             rule,
             subject: self.glob(item, "subject")?,
+            force,
             origin,
         })
     }
@@ -404,6 +441,16 @@ mod tests {
         assert!(fault("limits: {X: 3}\n").contains("`limits` has rules for keys"));
         assert!(fault("paths: [{file: a}]\n").contains("this changes nothing"));
         assert!(fault("require: [{subject: a}]\n").contains("`rule` is missing"));
+        assert!(fault("require: [{rule: a, if: maybe}]\n").contains("`if` is one of applicable"));
+        assert!(fault("require: [{rule: a, lifted: ''}]\n").contains("`lifted` is why"));
+        assert!(fault("require: [{rule: a, if: applicable, lifted: b}]\n").contains("do not go together"));
+        for share in ["80", "-0.1", "most", "nan"] {
+            let fault = fault(&format!("require: [{{share: {share}}}]\n"));
+            assert_eq!(
+                fault, "c.yaml:1:19: `share` is a number from 0 to 1: `share: 0.8`",
+                "{share}"
+            );
+        }
         assert!(fault("rules: {selct: [a]}\n").contains("did you mean `select`?"));
     }
 }

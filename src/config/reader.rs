@@ -85,11 +85,11 @@ impl<'t> Reader<'t> {
         Ok(Some(glob.compile_matcher()))
     }
 
-    pub(super) fn word<T: Copy>(&self, item: &Node, key: &str, words: &[(&str, T)]) -> Result<Option<T>, ConfigError> {
+    pub(super) fn word<T: Clone>(&self, item: &Node, key: &str, words: &[(&str, T)]) -> Result<Option<T>, ConfigError> {
         let Some(value) = item.get(key) else { return Ok(None) };
         let text = value.text().unwrap_or_default();
         let known = words.iter().find(|(word, _)| word.eq_ignore_ascii_case(text));
-        known.map(|(_, value)| Some(*value)).ok_or_else(|| {
+        known.map(|(_, value)| Some(value.clone())).ok_or_else(|| {
             let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
             let what = format!("`{key}` is one of {}, not `{text}`", words.join(", "));
             self.error(value.span.start, &what)

@@ -8,6 +8,7 @@ use std::sync::Arc;
 use globset::GlobMatcher;
 
 use crate::config::{self, Config};
+use crate::policy::Force;
 use crate::read::discover::Inputs;
 use crate::read::input::Input;
 use crate::run::FailOn;
@@ -241,7 +242,22 @@ pub fn settings_of(options: &Options, file: &Path) -> Result<Vec<(&'static str, 
     said.extend(policy.required.iter().map(|required| {
         let subject = required.subject.as_ref().map(|glob| format!(" of `{}`", glob.glob()));
         let subject = subject.unwrap_or_default();
-        ("require", format!("{}{subject} ({})", required.rule, required.origin))
+        let force = match &required.force {
+            Force::Always => String::new(),
+            Force::IfApplicable => ", if applicable".to_owned(),
+            Force::Lifted(reason) => format!(" is lifted: {reason}"),
+        };
+        (
+            "require",
+            format!("{}{subject}{force} ({})", required.rule, required.origin),
+        )
+    }));
+    said.extend(policy.share.map(|required| {
+        let percent = 100.0 * required.share;
+        (
+            "require",
+            format!("{percent} % of the checks that apply ({})", required.origin),
+        )
     }));
     said.extend(config.fail_on().map(|fail_on| ("fail-on", fail_on.word().to_owned())));
     Ok(said)

@@ -110,7 +110,7 @@ impl<'a> RunPolicy<'a> {
             if let Some(demanded) = demanded {
                 let rows = (verdict.rows.as_slice(), demanded.beside);
                 self.with(&[], platforms, &governing.asked, |context| {
-                    laid.demand(rows, &governing.policy.required, demanded.recording, context);
+                    laid.demand(rows, &governing.policy, demanded.recording, context);
                 });
             }
             all.join(laid);

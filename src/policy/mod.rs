@@ -78,13 +78,35 @@ pub enum Scope {
     Known(Box<Accepted>),
 }
 
-/// A rule that must have come to a judgement.
+/// A rule that must have come to a judgement, or must not any more.
 #[derive(Clone, Debug)]
 pub struct Requirement {
     /// Code, name or family; of a family, every rule.
     pub rule: String,
     /// Subjects, without the name of the platform; any where `None`.
     pub subject: Option<GlobMatcher>,
+    /// How far it goes.
+    pub force: Force,
+    /// Where that stands, in words.
+    pub origin: String,
+}
+
+/// How far a requirement goes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Force {
+    /// The rule must have come to a judgement.
+    Always,
+    /// So it must where there is anything that the rule is about.
+    IfApplicable,
+    /// What stands before it is required no more, for this reason.
+    Lifted(String),
+}
+
+/// The share of the checks that apply which must have been made.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RequiredShare {
+    /// From 0 to 1.
+    pub share: f64,
     /// Where that stands, in words.
     pub origin: String,
 }
@@ -96,8 +118,10 @@ pub struct Policy {
     pub weights: Vec<Weight>,
     /// Acceptances of the configuration and of a baseline.
     pub exceptions: Vec<Exception>,
-    /// What must have been judged.
+    /// What must have been judged; what stands later lifts what stands before.
     pub required: Vec<Requirement>,
+    /// How much must have been judged.
+    pub share: Option<RequiredShare>,
 }
 
 /// What is known of a run when its verdict is held against the policy.
@@ -164,11 +188,12 @@ impl Laid {
     pub fn demand(
         &mut self,
         (rows, beside): (&[Row], &[Row]),
-        required: &[Requirement],
+        policy: &Policy,
         recording: Option<&str>,
         context: &Context,
     ) {
-        let mut unmet = require::unmet((rows, beside), required, &mut self.applied, context);
+        let mut unmet = require::unmet((rows, beside), &policy.required, &mut self.applied, context);
+        unmet.extend(policy.share.as_ref().and_then(|share| require::too_few(rows, share)));
         for one in &mut unmet {
             one.recordings.extend(recording.map(str::to_owned));
         }

@@ -1,18 +1,18 @@
 //! What must have been judged, and was not: with the reason, and what would have to be there.
 
 use crate::page::names_rule;
-use crate::run::{RuleInfo, Unmet};
-use crate::verdict::Row;
-use crate::verdict::waiver::{Applied, plain_subject};
+use crate::run::{RuleInfo, SHARE, Unmet};
+use crate::verdict::waiver::{Applied, FAMILY, Waived, plain_subject};
+use crate::verdict::{Row, judged_of_applicable};
 
-use super::{Context, Requirement, Scope};
+use super::{Context, Force, RequiredShare, Requirement, Scope};
 
 /// So many reasons are told of one rule.
 const MAX_REASONS: usize = 3;
 
 /// The requirements that outcomes do not meet, in the order in which they stand; a rule that is required twice is told once.
 ///
-/// A waiver for the whole rule, or for the same subjects, accepts that it was not judged.
+/// A waiver for the whole rule, or for the same subjects, accepts that it was not judged; so does what lifts the requirement behind it.
 pub(super) fn unmet(
     rows: (&[Row], &[Row]),
     required: &[Requirement],
@@ -20,7 +20,10 @@ pub(super) fn unmet(
     context: &Context,
 ) -> Vec<Unmet> {
     let mut unmet: Vec<Unmet> = Vec::new();
-    for requirement in required {
+    for (at, requirement) in required.iter().enumerate() {
+        if matches!(requirement.force, Force::Lifted(_)) {
+            continue;
+        }
         let rules = context
             .rules
             .iter()
@@ -41,13 +44,60 @@ pub(super) fn unmet(
                     one.waived.get_or_insert_with(|| waiver.waiver.waived());
                 }
             }
-            let is_known = |other: &Unmet| other.rule == one.rule && other.subject == one.subject;
-            if !unmet.iter().any(is_known) {
-                unmet.push(one);
+            let behind = required.get(at + 1..).unwrap_or_default();
+            if let Some(lifted) = behind.iter().find_map(|later| later.lifts(requirement, rule)) {
+                one.waived.get_or_insert(lifted);
+            }
+            let is_known = |other: &&mut Unmet| other.rule == one.rule && other.subject == one.subject;
+            match unmet.iter_mut().find(is_known) {
+                // It was lifted, and is required again.
+                Some(known) if one.waived.is_none() => *known = one,
+                Some(_) => {}
+                None => unmet.push(one),
             }
         }
     }
     unmet
+}
+
+/// Where fewer of the checks that apply were made than must be.
+pub(super) fn too_few(rows: &[Row], required: &RequiredShare) -> Option<Unmet> {
+    let (judged, applicable) = judged_of_applicable(rows.iter().filter(|row| !row.rule.starts_with(FAMILY)));
+    if judged as f64 >= required.share * applicable as f64 {
+        return None;
+    }
+    Some(Unmet {
+        rule: SHARE.to_owned(),
+        name: "of the checks that apply".to_owned(),
+        subject: None,
+        why: vec![format!(
+            "{judged} of {applicable} checks that apply were made, {:.0} %, and {} % are required",
+            // Rounded down: what is not enough does not look like it.
+            (100.0 * judged as f64 / applicable as f64).floor(),
+            100.0 * required.share
+        )],
+        record: None,
+        recordings: Vec::new(),
+        origin: required.origin.clone(),
+        waived: None,
+    })
+}
+
+impl Requirement {
+    /// That it lifts a requirement of a rule that stands before it, where it does.
+    fn lifts(&self, before: &Self, rule: &RuleInfo) -> Option<Waived> {
+        let Force::Lifted(reason) = &self.force else {
+            return None;
+        };
+        let glob = |one: &Self| one.subject.as_ref().map(|glob| glob.glob().glob().to_owned());
+        let is_meant = self.subject.is_none() || glob(self) == glob(before);
+        (is_meant && names_rule(&self.rule, &rule.code, &rule.name)).then(|| Waived {
+            reason: reason.clone(),
+            by: None,
+            until: None,
+            origin: self.origin.clone(),
+        })
+    }
 }
 
 fn missing(
@@ -64,6 +114,10 @@ fn missing(
     let beside = beside.iter().filter(|row| row.rule == rule.code);
     let mut known = rows.iter().copied().chain(beside);
     if known.any(|row| row.outcome.is_judged() && meant(&row.subject)) {
+        return None;
+    }
+    let applies = |row: &&Row| row.applies() && meant(&row.subject);
+    if requirement.force == Force::IfApplicable && !rows.is_empty() && !rows.iter().copied().any(|row| applies(&row)) {
         return None;
     }
     let mut why: Vec<String> = Vec::new();

@@ -11,7 +11,7 @@ use crate::verdict::{Finding, Severity};
 use super::place::Locator;
 use super::text::clean;
 
-/// A command for each finding and each required rule that was not evaluated, and a last line for the log.
+/// A command for each finding and each requirement that is not met, and a last line for the log.
 pub(super) fn render(run: &Run, fail_on: FailOn) -> String {
     let locator = Locator::new(&run.sources);
     let mut out = String::new();
@@ -19,14 +19,13 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> String {
         annotation(finding, &locator, &mut out);
     }
     for unmet in run.lacking() {
-        let mut words = format!("{} had to be evaluated ({}) and was not: ", unmet.name, unmet.origin);
-        words.push_str(&unmet.reason());
+        let mut words = format!("{} ({})", unmet.words(), unmet.origin);
         if let Some(record) = &unmet.record {
             let _ = write!(words, "\nneeded: {record}");
         }
         command(
             "error",
-            &[("title", &format!("{} not evaluated", unmet.rule))],
+            &[("title", &format!("required: {} {}", unmet.rule, unmet.name))],
             &words,
             &mut out,
         );

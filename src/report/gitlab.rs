@@ -40,7 +40,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::E
     for unmet in run.lacking() {
         let (path, line) = unmet.origin.split_once(':').unwrap_or((&unmet.origin, "1"));
         issues.push(Issue {
-            description: format!("{} had to be evaluated and was not: {}", unmet.name, unmet.reason()),
+            description: unmet.words(),
             check_name: unmet.rule.clone(),
             fingerprint: format!(
                 "required-{}-{}",

@@ -33,7 +33,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, ReportError> 
     }
     let mut report = Report::new("frames-lint");
     report.add_test_suites(suites.into_values());
-    let mut required = TestSuite::new("required rules");
+    let mut required = TestSuite::new("requirements");
     for unmet in &run.unmet {
         let words = match (&unmet.waived, &unmet.record) {
             (Some(waived), _) => format!("waived: {}", waived.words()),
@@ -42,7 +42,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, ReportError> 
         };
         let status = match unmet.waived {
             Some(_) => skipped(&words),
-            None => failed(NonSuccessKind::Error, "not evaluated", &unmet.reason(), &words),
+            None => failed(NonSuccessKind::Error, "not met", &unmet.reason(), &words),
         };
         let subject = unmet.subject.as_deref().unwrap_or("any subject");
         let mut case = TestCase::new(subject, status);

@@ -126,7 +126,7 @@ fn unmet(run: &Run, out: &mut String) {
     if run.unmet.is_empty() {
         return;
     }
-    out.push_str("\n### Required, and not evaluated\n\n");
+    out.push_str("\n### Required, and not met\n\n");
     for unmet in &run.unmet {
         let mut words = escaped(&unmet.reason());
         match (&unmet.waived, &unmet.record) {

@@ -176,17 +176,20 @@ fn notifications(run: &Run, numbers: &BTreeMap<&str, usize>) -> Vec<Value> {
         }));
     }
     for unmet in &run.unmet {
-        let mut text = format!("{} had to be evaluated and was not: {}", unmet.rule, unmet.reason());
+        let mut text = unmet.words();
         if let Some(waived) = &unmet.waived {
             text = format!("{text} (waived: {})", waived.words());
         } else if let Some(record) = &unmet.record {
             text = format!("{text}; needed: {record}");
         }
-        notifications.push(json!({
+        let mut notification = json!({
             "level": if unmet.waived.is_some() { "note" } else { "error" },
             "message": {"text": text},
-            "associatedRule": about(&unmet.rule),
-        }));
+        });
+        if let (Some(keys), false) = (notification.as_object_mut(), unmet.is_share()) {
+            keys.insert("associatedRule".to_owned(), about(&unmet.rule));
+        }
+        notifications.push(notification);
     }
     for source in run.unread() {
         let detail = source.shortfall();

@@ -332,7 +332,7 @@ rules: {select: [tree, CROSS02], ignore: NAME01, severity: {NAME02: error, TREE:
 limits: {CROSS02: {exact_deg: 0.02 deg}}
 paths: [{file: sim/**, ignore: [urdf], severity: {TREE01: note}}]
 waivers: [{rule: CROSS02, subject: '*lidar*', file: a.yaml, reason: remounted, until: '2027-01-31', by: J. Doe}]
-require: [TREE01, {rule: AXES03, subject: '*imu*'}]
+require: [TREE01, {rule: AXES03, subject: '*imu*', if: applicable}, {rule: GEO01, lifted: indoors}, {share: 0.8}]
 conventions:
   - {topic: /imu, frame: imu, file: a.mcap, world: NED, body: frd, quaternion: {order: wxyz, algebra: JPL}, time: gps, fields: confirmed}
 dataset: KITTI
@@ -385,6 +385,10 @@ fn the_schema_and_the_reader_take_and_refuse_the_same() {
         "waivers: {rule: TREE01, reason: a}\n",
         "require: TREE01\n",
         "require: [{subject: a}]\n",
+        "require: [{rule: TREE01, if: maybe}]\n",
+        "require: [{rule: TREE01, if: applicable, lifted: a}]\n",
+        "require: [{share: 80}]\n",
+        "require: [{share: 0.8, rule: TREE01}]\n",
         "conventions: [{world: NED}]\n",
         "transforms: [{file: a}]\n",
         "projections: [{topic: a}]\n",

@@ -315,7 +315,7 @@ fn a_required_rule_that_could_not_judge_makes_the_run_incomplete_and_says_what_t
     );
     let human = run(folder.path(), ["check", "."]);
     assert!(
-        human.text().contains("Required, and not evaluated (1 rule)")
+        human.text().contains("Required, and not met (1 requirement)")
             && human.text().contains("needed: an inertial sensor")
     );
     // The profiles of the tool ask for it as well.
@@ -325,7 +325,7 @@ fn a_required_rule_that_could_not_judge_makes_the_run_incomplete_and_says_what_t
         [
             "check",
             "--profile",
-            "dataset-acceptance",
+            "pre-survey",
             "--format",
             "json",
             "--fail-on",
@@ -342,6 +342,95 @@ fn a_required_rule_that_could_not_judge_makes_the_run_incomplete_and_says_what_t
         .map(|one| one["rule"].as_str().unwrap())
         .collect();
     assert!(rules.contains(&"AXES01") && !rules.contains(&"TIME03"), "{rules:?}");
+}
+
+/// The verdict on a recipe under a profile or a configuration, and the requirements that are not met: rule, and whether it is accepted.
+fn required(recipe: &str, config: &str) -> (i32, Vec<(String, bool)>) {
+    let folder = tempfile::tempdir().unwrap();
+    support::write(recipe, &folder.path().join("drive.mcap"));
+    fs::write(folder.path().join("frames-lint.yaml"), config).unwrap();
+    let ran = check(folder.path(), &["."]);
+    let report = ran.report();
+    let unmet = report["required"].as_array().unwrap().iter();
+    let unmet = unmet.map(|one| (one["rule"].as_str().unwrap().to_owned(), !one["waived"].is_null()));
+    (ran.code, unmet.collect())
+}
+
+/// A recording with one tree, whose odometry and clocks are sound.
+const PLAIN: &str = "\
+duration_s: 20
+drive: {vehicle: car, motion: turning, seed: 3}
+topics:
+  - {topic: /odom, from_drive: odometry, rate_hz: 20, frame_id: odom, child_frame_id: base_link}
+  - topic: /tf
+    rate_hz: 20
+    transforms: [{parent: odom, child: base_link, from_drive: odometry}]
+";
+
+#[test]
+fn a_dataset_of_a_recording_alone_can_be_accepted() {
+    let (code, unmet) = required(PLAIN, "extends: dataset-acceptance\n");
+    assert_eq!((code, unmet), (0, vec![]));
+    // Satellites without a fix: there is a receiver, so it must be judged, unless that is lifted with a reason.
+    let fixless = format!(
+        "{PLAIN}  - {{topic: /fix, type: sensor_msgs/msg/NavSatFix, rate_hz: 5, frame_id: base_link, status: -1}}\n"
+    );
+    let (code, unmet) = required(&fixless, "extends: dataset-acceptance\n");
+    assert!(
+        code == 3 && unmet.contains(&("GEO01".to_owned(), false)),
+        "{code} {unmet:?}"
+    );
+    let lifted =
+        "extends: dataset-acceptance\nrequire: [{rule: GEO, lifted: indoors}, {rule: AXES, lifted: indoors}]\n";
+    let (code, unmet) = required(&fixless, lifted);
+    assert!(
+        code == 0 && unmet.contains(&("GEO01".to_owned(), true)),
+        "{code} {unmet:?}"
+    );
+    // Required again behind what lifted it.
+    let again =
+        "extends: dataset-acceptance\nrequire: [{rule: GEO, lifted: indoors}, {rule: AXES, lifted: indoors}, GEO01]\n";
+    let (code, unmet) = required(&fixless, again);
+    assert!(
+        code == 3 && unmet.contains(&("GEO01".to_owned(), false)),
+        "{code} {unmet:?}"
+    );
+}
+
+#[test]
+fn what_does_not_apply_is_required_only_where_nothing_else_is_said() {
+    let config = |force: &str| format!("fail-on: never\nrequire: [{{rule: AXES02{force}}}]\n");
+    assert_eq!(required(PLAIN, &config("")), (3, vec![("AXES02".to_owned(), false)]));
+    assert_eq!(required(PLAIN, &config(", if: applicable")), (0, vec![]));
+    // A rule that was left out was not made, whether it applies or not.
+    let left_out = config(", if: applicable") + "rules: {ignore: [AXES02]}\n";
+    assert_eq!(required(PLAIN, &left_out).0, 3);
+}
+
+#[test]
+fn too_few_checks_are_not_accepted() {
+    let (code, unmet) = required(PLAIN, "fail-on: never\nrequire: [{share: 1}]\n");
+    assert_eq!((code, unmet), (3, vec![("share".to_owned(), false)]));
+    // What stands last counts.
+    assert_eq!(
+        required(PLAIN, "fail-on: never\nrequire: [{share: 1}, {share: 0.1}]\n"),
+        (0, vec![])
+    );
+    let folder = folder(&[
+        ("robot.urdf", ROBOT),
+        ("frames-lint.yaml", "fail-on: never\nrequire: [{share: 1}]\n"),
+    ]);
+    let ran = run(folder.path(), ["check", "."]);
+    let text = ran.text();
+    assert!(
+        text.contains("share of the checks that apply (frames-lint.yaml:2)"),
+        "{text}"
+    );
+    assert!(
+        text.contains("checks that apply were made, ") && text.contains("and 100 % are required"),
+        "{text}"
+    );
+    assert!(text.contains("Incomplete: 1 requirement is not met."), "{text}");
 }
 
 #[test]

@@ -82,7 +82,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn, call: &Call) -> String {
     let shown = shown::Shown::new(run);
     let drawn = plots::Drawn::new(&page, &shown);
     let parts = [
-        ("required", "Required, and not evaluated", summary::required(&page)),
+        ("required", "Required, and not met", summary::required(&page)),
         ("recordings", "Recordings", summary::recordings(&page)),
         ("findings", "Findings", Some(findings::open(&page, &shown, &drawn))),
         ("waived", "Waived findings", findings::waived(&page, &shown, &drawn)),

@@ -141,7 +141,7 @@ fn signed(verdict: VerdictWord) -> (&'static str, &'static str, &'static str) {
     }
 }
 
-/// Rules that had to judge and did not: the dataset may not be accepted by what nobody looked at.
+/// Requirements that are not met: the dataset may not be accepted by what nobody looked at.
 pub(super) fn required(page: &Page) -> Option<Markup> {
     let unmet = &page.run.unmet;
     if unmet.is_empty() {
@@ -163,7 +163,8 @@ fn row(unmet: &Unmet) -> Markup {
     html! {
         tr {
             th scope="row" {
-                a href={ "#rule-" (unmet.rule) } { (unmet.rule) } " " (unmet.name)
+                @if unmet.is_share() { (unmet.rule) } @else { a href={ "#rule-" (unmet.rule) } { (unmet.rule) } }
+                " " (unmet.name)
                 @if let Some(subject) = &unmet.subject { " of " code { (plain(subject)) } }
                 p class="small" { "required in " (plain(&unmet.origin)) }
             }

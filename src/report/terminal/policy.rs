@@ -1,4 +1,4 @@
-//! What the user accepts, and what had to be judged and was not.
+//! What the user accepts, and what is required and not met.
 
 use std::fmt::Write;
 
@@ -45,11 +45,11 @@ pub(super) fn waived(run: &Run, options: &Options, locator: &Locator, out: &mut 
     out.push('\n');
 }
 
-/// Rules that had to judge and did not: why, and what would have to be there.
+/// Requirements that are not met: why, and what would have to be there.
 pub(super) fn unmet(run: &Run, style: Style, out: &mut String) {
     let lacking: Vec<&Unmet> = run.lacking().collect();
     if !lacking.is_empty() {
-        heading(style, "Required, and not evaluated", lacking.len(), "rule", out);
+        heading(style, "Required, and not met", lacking.len(), "requirement", out);
         for unmet in lacking {
             told(unmet, style, out);
             if let Some(record) = &unmet.record {
@@ -59,6 +59,11 @@ pub(super) fn unmet(run: &Run, style: Style, out: &mut String) {
                     wrap(&one_line(record), style.width, "    needed: ", "            ")
                 );
             }
+        }
+        if let Some(rule) = run.lacking().find(|unmet| !unmet.is_share()).map(|unmet| &unmet.rule) {
+            let words =
+                format!("What cannot be met is lifted in frames-lint.yaml: `require: [{{rule: {rule}, lifted: why}}]`");
+            let _ = writeln!(out, "{}", wrap(&words, style.width, "  ", "  "));
         }
         out.push('\n');
     }
@@ -70,9 +75,9 @@ pub(super) fn unmet(run: &Run, style: Style, out: &mut String) {
     if accepted().next().is_some() {
         heading(
             style,
-            "Required, not evaluated, and waived",
+            "Required, not met, and waived",
             accepted().count(),
-            "rule",
+            "requirement",
             out,
         );
         for (unmet, waived) in accepted() {
@@ -96,14 +101,14 @@ fn told(unmet: &Unmet, style: Style, out: &mut String) {
     }
 }
 
-/// `2 required rules were not evaluated`.
+/// `2 requirements are not met`.
 pub(super) fn unmet_words(run: &Run) -> Option<String> {
     let count = run.lacking().count();
-    let verb = if count == 1 { "was" } else { "were" };
-    (count > 0).then(|| format!("{} {verb} not evaluated.", plural(count, "required rule")))
+    let verb = if count == 1 { "is" } else { "are" };
+    (count > 0).then(|| format!("{} {verb} not met.", plural(count, "requirement")))
 }
 
-/// Waived findings and required rules that were not evaluated, a line each.
+/// Waived findings and requirements that are not met, a line each.
 pub(super) fn concise(run: &Run, locator: &Locator, style: Style, out: &mut String) {
     for one in run.verdict.waived() {
         let words = one.waived.as_ref().map(Waived::words).unwrap_or_default();
@@ -113,12 +118,6 @@ pub(super) fn concise(run: &Run, locator: &Locator, style: Style, out: &mut Stri
         let _ = writeln!(out, " [{}]", one_line(&words));
     }
     for unmet in run.lacking() {
-        let why = one_line(&unmet.reason());
-        let _ = writeln!(
-            out,
-            "{}: required {} was not evaluated: {why}",
-            one_line(&unmet.origin),
-            unmet.rule
-        );
+        let _ = writeln!(out, "{}: {}", one_line(&unmet.origin), one_line(&unmet.words()));
     }
 }
