@@ -8,8 +8,8 @@ use std::fs;
 
 use crate::support;
 use frames_lint::run::{FailOn, Run};
-use frames_lint::source::{At, ReadStatus};
-use frames_lint::verdict::{Finding, Outcome};
+use frames_lint::source::{At, Confidence, ReadStatus};
+use frames_lint::verdict::{Finding, Outcome, Severity};
 
 /// A car that drives a wide left turn: dynamic TF at 50 Hz, an IMU at 100 Hz, GNSS at 1 Hz, a lidar at 10 Hz.
 const HEALTHY: &str = "\
@@ -387,6 +387,43 @@ fn every_fault_is_found_by_its_rule_and_by_no_other() {
         }
     }
     assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
+/// The worst that is said of stamps that run by so much: a finding by its severity and its confidence.
+fn worst_of_offset(offset_s: f64) -> Option<(Severity, Confidence)> {
+    let recipe = format!(
+        "topics:\n  - {{topic: /imu, type: sensor_msgs/msg/Imu, rate_hz: 50, frame_id: imu}}\n  \
+         - {{topic: /points, type: sensor_msgs/msg/PointCloud2, rate_hz: 10, frame_id: lidar, stamp_offset_s: {offset_s}}}\n"
+    );
+    let (_folder, run) = check(&recipe, false);
+    let of_clocks = run.verdict.open().filter(|finding| finding.rule.starts_with("TIME0"));
+    of_clocks
+        .filter(|finding| finding.subject.contains("/points") && finding.rule != "TIME05")
+        .map(|finding| (finding.severity, finding.confidence))
+        .max()
+}
+
+#[test]
+fn a_name_for_an_offset_never_makes_it_weigh_less() {
+    // Beside each: an offset of about that size that nothing explains.
+    let offsets = [
+        (7200.0, 7100.0),
+        (3600.0, 3500.0),
+        (19_800.0, 19_500.0),
+        (86_400.0, 85_000.0),
+        (604_800.0, 604_000.0),
+        (18.0, 14.3),
+        (37.0, 33.6),
+        (1.0, 1.4),
+    ];
+    for (named, unnamed) in offsets.into_iter().flat_map(|(a, b)| [(a, b), (-a, -b)]) {
+        let (with_name, without) = (worst_of_offset(named), worst_of_offset(unnamed));
+        assert!(without.is_some(), "{unnamed} s");
+        assert!(
+            with_name >= without,
+            "{named} s: {with_name:?}, {unnamed} s: {without:?}"
+        );
+    }
 }
 
 #[test]
