@@ -356,7 +356,8 @@ Exit codes:
    0  no change
    1  changes
    2  the call or the configuration is wrong
-   3  an input could not be read in full, or the two have nothing in common";
+   3  the two have nothing in common, or no change was found and an input could not be read in full
+  70  a rule broke: a fault of frames-lint";
 
 #[derive(Debug, Args)]
 #[command(after_help = DIFF_EXIT_CODES)]

@@ -3,12 +3,14 @@
 use crate::compare::compare;
 use crate::engine;
 use crate::report::{Style, diff, terminal};
-use crate::run::{EXIT_CLEAN, EXIT_FINDINGS, EXIT_INCOMPLETE};
+use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_FINDINGS, EXIT_INCOMPLETE};
+use crate::verdict::Outcome;
 
 use super::args::{Diff, DiffFormat};
 use super::{Answer, Failure, Surroundings};
 
-/// Compares two platforms. 0: no change; 1: changes; 3: an input could not be read in full, or they have nothing in common.
+/// Compares two platforms. 0: no change; 1: changes; 3: they have nothing in common, or no change was found and an input could not be
+/// read in full; 70: a rule broke.
 pub(super) fn run(asked: &Diff, surroundings: Surroundings) -> Result<Answer, Failure> {
     let read = |path: &std::path::Path| {
         engine::check(&engine::Options {
@@ -28,7 +30,8 @@ pub(super) fn run(asked: &Diff, surroundings: Surroundings) -> Result<Answer, Fa
         color: false,
         ..surroundings.style
     };
-    let incomplete = comparison.is_empty() || a.unread().chain(b.unread()).next().is_some();
+    let has_crashed = [&a, &b].iter().any(|run| run.verdict.count(Outcome::Crashed) > 0);
+    let is_unread = a.unread().chain(b.unread()).next().is_some();
     Ok(Answer {
         out: match asked.format {
             DiffFormat::Text => diff::text(&comparison, names, surroundings.style),
@@ -36,8 +39,10 @@ pub(super) fn run(asked: &Diff, surroundings: Surroundings) -> Result<Answer, Fa
         },
         err: terminal::render_unread(&a, style) + &terminal::render_unread(&b, style),
         code: match () {
+            () if has_crashed => EXIT_CRASHED,
+            () if comparison.is_empty() => EXIT_INCOMPLETE,
             () if !comparison.changes.is_empty() => EXIT_FINDINGS,
-            () if incomplete => EXIT_INCOMPLETE,
+            () if is_unread => EXIT_INCOMPLETE,
             () => EXIT_CLEAN,
         },
         ..Answer::default()

@@ -1,10 +1,10 @@
-//! What the rules say of two platforms: which checks came out otherwise.
+//! What the rules say of two platforms: which checks came out otherwise, and which findings only one has.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::run::Run;
 use crate::verdict::waiver::{FAMILY, plain_subject};
-use crate::verdict::{Outcome, Row};
+use crate::verdict::{Finding, Outcome, Row, Severity};
 
 use super::{Change, Comparison, Kind};
 
@@ -13,44 +13,63 @@ type Key = (String, String);
 
 pub(super) fn compare(a: &Run, b: &Run, out: &mut Comparison) {
     let (before, after) = (rows(a), rows(b));
-    for (key, first) in &before {
-        let Some(second) = after.get(key) else { continue };
-        let (was_judged, is_judged) = (judged(first), judged(second));
+    let keys: BTreeSet<&Key> = before.keys().chain(after.keys()).collect();
+    for key in keys {
+        let (first, second) = (before.get(key).copied(), after.get(key).copied());
+        let (was_judged, is_judged) = (first.is_some_and(judged), second.is_some_and(judged));
         if was_judged && is_judged {
             out.checks += 1;
         }
-        if first.outcome == second.outcome || !(was_judged || is_judged) {
+        let (was, is) = (findings(a, first), findings(b, second));
+        let outcomes = [first, second].map(|row| row.map(|row| row.outcome));
+        let is_otherwise = match outcomes {
+            // Of what only one has, findings alone count.
+            [Some(_), Some(_)] => (was_judged || is_judged) && outcomes[0] != outcomes[1],
+            _ => false,
+        };
+        if !is_otherwise && kinds(&was) == kinds(&is) {
             continue;
         }
+        let Some(row) = second.or(first) else { continue };
+        let word = |outcome: Option<Outcome>| outcome.map_or("not there", Outcome::word);
+        let words = match outcomes {
+            [was, is] if was == is => format!("{} otherwise than before", word(is)),
+            [was, is] => format!("{}, and was {}", word(is), word(was)),
+        };
         let mut change = Change::new(
             Kind::Check,
-            format!("{} {}", first.rule, first.name),
-            format!(
-                "{} on {}: {}, and was {}",
-                first.rule,
-                key.1,
-                second.outcome.word(),
-                first.outcome.word()
-            ),
+            format!("{} {}", row.rule, row.name),
+            format!("{} on {}: {words}", row.rule, key.1),
         );
-        let fails = [(b, second, Outcome::Fail), (a, first, Outcome::Fail)];
-        let said = fails
-            .iter()
-            .find(|(_, row, outcome)| row.outcome == *outcome)
-            .and_then(|(run, row, _)| {
-                let found = run
-                    .verdict
-                    .findings
-                    .iter()
-                    .find(|finding| finding.rule == row.rule && finding.subject == row.subject)?;
-                Some(found.message.clone())
-            });
+        // What came, else what went.
+        let came: Vec<&&Finding> = is.iter().filter(|one| !kinds(&was).contains(&kind(one))).collect();
+        let said = came.first().copied().or_else(|| is.first()).or_else(|| was.first());
         change.explanation = said
-            .or_else(|| [second, first].iter().find_map(|row| row.reason.clone()))
+            .map(|finding| finding.message.clone())
+            .or_else(|| [second, first].iter().find_map(|row| row.as_ref()?.reason.clone()))
             .unwrap_or_default();
-        change.measured.clone_from(&second.measured);
+        change.measured.clone_from(&row.measured);
         out.changes.push(change);
     }
+}
+
+/// The open findings of a row.
+fn findings<'r>(run: &'r Run, row: Option<&Row>) -> Vec<&'r Finding> {
+    let of = |finding: &&Finding| row.is_some_and(|row| finding.rule == row.rule && finding.subject == row.subject);
+    run.verdict.open().filter(of).collect()
+}
+
+/// What makes a finding another one: how much it counts, and the relation that it names.
+type FindingKind<'f> = (Severity, Option<&'f str>);
+
+fn kind<'f>(finding: &'f Finding) -> FindingKind<'f> {
+    (finding.severity, finding.relation.as_deref())
+}
+
+fn kinds<'f>(findings: &[&'f Finding]) -> Vec<FindingKind<'f>> {
+    let mut kinds: Vec<FindingKind> = findings.iter().copied().map(kind).collect();
+    kinds.sort_unstable();
+    kinds
 }
 
 fn judged(row: &Row) -> bool {

@@ -1,12 +1,14 @@
 //! Transforms of two platforms: which are gone, which are new, which are otherwise, and whether one frame moved or all that hang on another.
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
 use crate::math::geodesy::Geodetic;
 use crate::math::relation::{Classification, Relation, Tolerance, classify};
 use crate::run::Run;
+use crate::source::Place;
 use crate::verdict::Measured;
 use crate::world::graph::{Edge, EdgeOrigin};
 use crate::world::{ClaimKind, EarthOrigin, FrameId, World};
@@ -24,41 +26,117 @@ const MAPS: [&str; 6] = ["map", "world", "earth", "utm", "enu", "local_enu"];
 type Pair = (FrameId, FrameId);
 
 /// A rigid transform that somebody states.
+#[derive(Clone)]
 struct Stated {
-    /// `parent_from_child`.
+    /// Joint, topic or key: what it is known by in the other platform.
+    label: String,
+    /// `parent_from_child`; the identity in what is not stated.
     pose: Isometry3<f64>,
-    who: Vec<String>,
+    /// Whether a rotation and a translation are stated.
+    has: [bool; 2],
+    /// Where it stands, in words.
+    who: String,
+}
+
+/// One transform before and after, and who states it.
+struct Held {
+    before: Isometry3<f64>,
+    after: Isometry3<f64>,
+    /// Whether a relation may explain the difference: both state all of it.
+    is_whole: bool,
+    who: [Vec<String>; 2],
+}
+
+impl Held {
+    fn found(&self) -> Classification {
+        classify(&self.before, &self.after, &Tolerance::default())
+    }
+
+    fn is_changed(&self) -> bool {
+        !is_same(&self.before, &self.after)
+    }
+}
+
+/// What is stated of one pair of frames before and after: statements with one label are held against each other, else the first ones.
+/// Those that say the same are one.
+fn held(before: &[Stated], after: &[Stated]) -> Vec<Held> {
+    let labels: BTreeSet<&str> = before.iter().chain(after).map(|one| one.label.as_str()).collect();
+    let of = |all: &'_ [Stated], label: &str| all.iter().position(|one| one.label == label).unwrap_or(0);
+    let mut held: Vec<Held> = Vec::new();
+    for label in labels {
+        let (Some(a), Some(b)) = (before.get(of(before, label)), after.get(of(after, label))) else {
+            continue;
+        };
+        let has = [a.has[0] && b.has[0], a.has[1] && b.has[1]];
+        if has == [false, false] {
+            continue;
+        }
+        let part = |pose: &Isometry3<f64>| {
+            let rotation = if has[0] {
+                pose.rotation
+            } else {
+                UnitQuaternion::identity()
+            };
+            let translation = if has[1] {
+                pose.translation
+            } else {
+                Translation3::identity()
+            };
+            Isometry3::from_parts(translation, rotation)
+        };
+        let (before, after) = (part(&a.pose), part(&b.pose));
+        let is_whole = has == [true, true];
+        let like =
+            |one: &&mut Held| one.is_whole == is_whole && is_same(&one.before, &before) && is_same(&one.after, &after);
+        if let Some(known) = held.iter_mut().find(like) {
+            for (known, who) in known.who.iter_mut().zip([&a.who, &b.who]) {
+                if !known.contains(who) {
+                    known.push(who.clone());
+                }
+            }
+        } else {
+            held.push(Held {
+                before,
+                after,
+                is_whole,
+                who: [vec![a.who.clone()], vec![b.who.clone()]],
+            });
+        }
+    }
+    held
+}
+
+fn is_same(a: &Isometry3<f64>, b: &Isometry3<f64>) -> bool {
+    (a.rotation.inverse() * b.rotation).angle() <= SAME_RAD
+        && (a.translation.vector - b.translation.vector).norm() <= SAME_M
 }
 
 pub(super) fn compare(a: &Run, b: &Run, out: &mut Comparison) {
     let (tree_a, tree_b) = (Tree::of(a), Tree::of(b));
     frames(&tree_a, &tree_b, out);
-    let mut moved: BTreeMap<FrameId, Vec<(Pair, Classification, Isometry3<f64>)>> = BTreeMap::new();
-    for (pair, stated) in &tree_a.rigid {
-        let Some(pose) = tree_b.pose(pair) else { continue };
+    let mut moved: BTreeMap<&FrameId, Vec<(&Pair, Held)>> = BTreeMap::new();
+    let mut known: BTreeMap<&FrameId, usize> = BTreeMap::new();
+    for (pair, before) in &tree_a.rigid {
+        let Some(after) = tree_b.stated(pair) else { continue };
         out.transforms += 1;
-        let found = classify(&stated.pose, &pose, &Tolerance::default());
-        if found.angle_rad > SAME_RAD || found.distance_m > SAME_M {
-            let by = pose * stated.pose.inverse();
-            moved.entry(pair.0.clone()).or_default().push((pair.clone(), found, by));
+        *known.entry(&pair.0).or_default() += 1;
+        let changed = held(before, &after).into_iter().filter(Held::is_changed);
+        let changed: Vec<_> = changed.map(|one| (pair, one)).collect();
+        if !changed.is_empty() {
+            moved.entry(&pair.0).or_default().extend(changed);
         }
     }
     for (parent, children) in moved {
-        let all = tree_a
-            .rigid
-            .keys()
-            .filter(|(above, below)| *above == parent && tree_b.pose(&(above.clone(), below.clone())).is_some());
-        let is_whole = children.len() == all.count() && children.len() > 1;
-        let first = children.first().map(|(_, _, by)| *by);
-        let alike = first.filter(|first| is_whole && children.iter().all(|(_, _, by)| is_near(first, by)));
+        let by = |held: &Held| held.after * held.before.inverse();
+        let is_whole = known.get(parent) == Some(&children.len()) && children.len() > 1;
+        let first = children.first().map(|(_, held)| by(held));
+        let alike = first.filter(|first| is_whole && children.iter().all(|(_, held)| is_near(first, &by(held))));
         if let Some(by) = alike {
-            out.changes
-                .push(parent_moved(&parent, &children, &by, &tree_a, &tree_b));
+            out.changes.push(parent_moved(parent, children, &by));
             continue;
         }
-        for (pair, found, _) in children {
-            out.changes.push(child_moved(&pair, &found, &tree_a, &tree_b));
-        }
+        out.changes
+            .extend(children.into_iter().map(|(pair, held)| child_moved(pair, held)));
     }
     files(a, b, out);
     origins(a, b, out);
@@ -81,22 +159,18 @@ fn measured(angle_rad: f64, distance_m: f64) -> Vec<Measured> {
 }
 
 fn amount(angle_rad: f64, distance_m: f64) -> String {
-    format!(
-        "turned by {:.3} deg and moved by {distance_m:.4} m",
-        angle_rad.to_degrees()
-    )
+    let turned = format!("turned by {:.3} deg", angle_rad.to_degrees());
+    match (angle_rad > SAME_RAD, distance_m > SAME_M) {
+        (true, true) => format!("{turned} and moved by {distance_m:.4} m"),
+        (true, false) => turned,
+        (false, _) => format!("moved by {distance_m:.4} m"),
+    }
 }
 
 /// All that hangs on a frame moved alike: it is that frame which is otherwise.
-fn parent_moved(
-    parent: &FrameId,
-    children: &[(Pair, Classification, Isometry3<f64>)],
-    by: &Isometry3<f64>,
-    a: &Tree,
-    b: &Tree,
-) -> Change {
+fn parent_moved(parent: &FrameId, children: Vec<(&Pair, Held)>, by: &Isometry3<f64>) -> Change {
     let (angle, distance) = (by.rotation.angle(), by.translation.vector.norm());
-    let names: Vec<String> = children.iter().map(|((_, child), ..)| format!("`{child}`")).collect();
+    let names: Vec<String> = children.iter().map(|((_, child), _)| format!("`{child}`")).collect();
     let what = if is_map(parent) {
         "the map origin"
     } else {
@@ -113,21 +187,24 @@ fn parent_moved(
     );
     change.explanation = format!("{what} moved, and not {}", names.join(", "));
     change.measured = measured(angle, distance);
-    let who = |tree: &Tree| children.iter().flat_map(|(pair, ..)| tree.who(pair)).collect();
-    change.stated = [who(a), who(b)];
+    for (_, held) in children {
+        for (all, who) in change.stated.iter_mut().zip(held.who) {
+            all.extend(who);
+        }
+    }
     change
 }
 
-fn child_moved((parent, child): &Pair, found: &Classification, a: &Tree, b: &Tree) -> Change {
+fn child_moved((parent, child): &Pair, held: Held) -> Change {
+    let found = held.found();
     let mut change = Change::new(
         Kind::Transform,
         format!("`{parent}` from `{child}`"),
         format!("`{child}` is {}", amount(found.angle_rad, found.distance_m)),
     );
     change.measured = measured(found.angle_rad, found.distance_m);
-    let pair = (parent.clone(), child.clone());
-    change.stated = [a.who(&pair), b.who(&pair)];
-    explain(&mut change, found, || {
+    change.stated = held.who;
+    explain(&mut change, &found, || {
         if is_map(parent) {
             format!("the map origin moved, or `{child}` on it")
         } else {
@@ -202,53 +279,72 @@ fn frames(a: &Tree, b: &Tree, out: &mut Comparison) {
     }
 }
 
-/// What files beside the tree state: the same pair of frames in both.
+/// What files beside the tree state: what is otherwise, and what only one has.
 fn files(a: &Run, b: &Run, out: &mut Comparison) {
     let (before, after) = (statements(a), statements(b));
-    for (pair, first) in &before {
-        let turned = (pair.1.clone(), pair.0.clone());
-        let second = after.get(pair).map(|stated| (stated, stated.pose));
-        let second = second.or_else(|| after.get(&turned).map(|stated| (stated, stated.pose.inverse())));
-        let Some((second, pose)) = second else { continue };
-        out.transforms += 1;
-        let found = classify(&first.pose, &pose, &Tolerance::default());
-        if found.angle_rad <= SAME_RAD && found.distance_m <= SAME_M {
-            continue;
+    for (first, second, is_gone) in [(&before, &after, true), (&after, &before, false)] {
+        for (subject, stated) in first.iter().filter(|(subject, _)| !second.contains_key(*subject)) {
+            let what = if is_gone { "gone from" } else { "new in" };
+            let mut change = Change::new(
+                Kind::Transform,
+                format!("{subject} in files"),
+                format!("{subject} is {what} the files"),
+            );
+            let who = stated.iter().map(|one| one.who.clone()).collect();
+            change.stated = if is_gone { [who, Vec::new()] } else { [Vec::new(), who] };
+            out.changes.push(change);
         }
-        let mut change = Change::new(
-            Kind::Transform,
-            format!("`{}` from `{}` in files", pair.0, pair.1),
-            format!("the calibration is {}", amount(found.angle_rad, found.distance_m)),
-        );
-        change.measured = measured(found.angle_rad, found.distance_m);
-        change.stated = [first.who.clone(), second.who.clone()];
-        explain(&mut change, &found, || {
-            "calibrated again, or mounted otherwise: no convention error explains it".to_owned()
-        });
-        out.changes.push(change);
+    }
+    for (subject, first) in &before {
+        let Some(second) = after.get(subject) else { continue };
+        out.transforms += 1;
+        for held in held(first, second).into_iter().filter(Held::is_changed) {
+            let found = held.found();
+            let mut change = Change::new(
+                Kind::Transform,
+                format!("{subject} in files"),
+                format!("{subject} in files is {}", amount(found.angle_rad, found.distance_m)),
+            );
+            change.measured = measured(found.angle_rad, found.distance_m);
+            let otherwise = || "calibrated again, or mounted otherwise: no convention error explains it".to_owned();
+            if held.is_whole {
+                explain(&mut change, &found, otherwise);
+            }
+            change.stated = held.who;
+            out.changes.push(change);
+        }
     }
 }
 
-/// Whole transforms of files, by their frames; of several about one pair the first.
-fn statements(run: &Run) -> BTreeMap<Pair, Stated> {
-    let mut found: BTreeMap<Pair, Stated> = BTreeMap::new();
+/// What files state, by the frames that it is about, in words; where a file does not say, by the key.
+fn statements(run: &Run) -> BTreeMap<String, Vec<Stated>> {
+    let mut found: BTreeMap<String, Vec<Stated>> = BTreeMap::new();
+    let mut told: BTreeSet<&Place> = BTreeSet::new();
     for claim in run.worlds.iter().flat_map(|world| &world.claims) {
-        let (ClaimKind::File { .. }, Some(pose), Some((target, source))) = (&claim.kind, &claim.pose, &claim.frames)
-        else {
+        // A file may be judged with several robots.
+        let (ClaimKind::File { .. }, Some(pose), true) = (&claim.kind, &claim.pose, told.insert(&claim.place)) else {
             continue;
         };
-        if !(claim.has_rotation && claim.has_translation) {
-            continue;
-        }
-        let who = format!("`{}`, {}", claim.label, place_words(run, &claim.place));
-        let stated = found.entry((target.canonical(), source.canonical()));
-        stated
-            .or_insert_with(|| Stated {
-                pose: pose.isometry(),
-                who: Vec::new(),
-            })
-            .who
-            .push(who);
+        let has = [claim.has_rotation, claim.has_translation];
+        let mut pose = pose.isometry();
+        let subject = match &claim.frames {
+            None => format!("`{}`", claim.label),
+            Some((target, source)) => {
+                let mut pair = [target.canonical(), source.canonical()];
+                // Either may be stated as the inverse of the other; a part of one has no inverse.
+                if pair[0] > pair[1] && has == [true, true] {
+                    pair.reverse();
+                    pose = pose.inverse();
+                }
+                format!("`{}` from `{}`", pair[0], pair[1])
+            }
+        };
+        found.entry(subject).or_default().push(Stated {
+            label: claim.label.clone(),
+            pose,
+            has,
+            who: format!("`{}`, {}", claim.label, place_words(run, &claim.place)),
+        });
     }
     found
 }
@@ -304,7 +400,7 @@ struct Tree<'r> {
     parents: BTreeMap<FrameId, BTreeSet<FrameId>>,
     /// Children of edges that move.
     moving: BTreeSet<FrameId>,
-    rigid: BTreeMap<Pair, Stated>,
+    rigid: BTreeMap<Pair, Vec<Stated>>,
 }
 
 impl<'r> Tree<'r> {
@@ -332,55 +428,52 @@ impl<'r> Tree<'r> {
             .entry(edge.child.clone())
             .or_default()
             .insert(edge.parent.clone());
-        let who = match edge.origin {
-            EdgeOrigin::Joint(index) | EdgeOrigin::Published(index) => world.claims.get(index).map(|claim| {
-                let joint = match &claim.kind {
-                    ClaimKind::Joint { joint, .. } => joint.as_str(),
-                    ClaimKind::File { .. } => claim.label.as_str(),
-                };
-                format!("joint `{joint}`, {}", place_words(run, &claim.place))
-            }),
-            EdgeOrigin::Tf(bag, index) => world.bags.get(bag).and_then(|bag| {
-                let edge = bag.tf.get(index)?;
-                let path = run
-                    .sources
-                    .get(bag.source.0 as usize)
-                    .map_or("?", |source| source.path.as_str());
-                Some(format!("{}, {path}", edge.topic))
-            }),
-        };
         if !edge.is_rigid {
             self.moving.insert(edge.child.clone());
             return;
         }
         let Some(pose) = edge.pose else { return };
-        let stated = self
-            .rigid
-            .entry(pair)
-            .or_insert_with(|| Stated { pose, who: Vec::new() });
-        if let Some(who) = who.filter(|who| !stated.who.contains(who)) {
-            stated.who.push(who);
+        let told = match edge.origin {
+            EdgeOrigin::Joint(index) | EdgeOrigin::Published(index) => world.claims.get(index).map(|claim| {
+                let label = match &claim.kind {
+                    ClaimKind::Joint { joint, .. } => format!("joint `{joint}`"),
+                    ClaimKind::File { .. } => claim.label.clone(),
+                };
+                (label, place_words(run, &claim.place))
+            }),
+            EdgeOrigin::Tf(bag, index) => world.bags.get(bag).and_then(|bag| {
+                let source = run.sources.get(bag.source.0 as usize);
+                let path = source.map_or("?", |source| source.path.as_str());
+                Some((bag.tf.get(index)?.topic.clone(), path.to_owned()))
+            }),
+        };
+        let Some((label, place)) = told else { return };
+        let stated = self.rigid.entry(pair).or_default();
+        if !stated.iter().any(|known| known.label == label) {
+            stated.push(Stated {
+                who: format!("{label}, {place}"),
+                label,
+                pose,
+                has: [true, true],
+            });
         }
     }
 
-    /// `parent_from_child`, over any chain of rigid transforms.
-    fn pose(&self, (parent, child): &Pair) -> Option<Isometry3<f64>> {
-        let direct = self
-            .rigid
-            .get(&(parent.clone(), child.clone()))
-            .map(|stated| stated.pose);
-        direct.or_else(|| {
-            self.worlds
-                .iter()
-                .find_map(|world| world.graph().chain(parent, child, |edge| edge.is_rigid))
-                .map(|(pose, _)| pose)
-        })
-    }
-
-    fn who(&self, pair: &Pair) -> Vec<String> {
-        self.rigid
-            .get(pair)
-            .map(|stated| stated.who.clone())
-            .unwrap_or_default()
+    /// What is stated of a pair, or follows from a chain of rigid transforms.
+    fn stated(&self, (parent, child): &Pair) -> Option<Cow<'_, [Stated]>> {
+        if let Some(stated) = self.rigid.get(&(parent.clone(), child.clone())) {
+            return Some(Cow::Borrowed(stated));
+        }
+        let chained = self
+            .worlds
+            .iter()
+            .find_map(|world| world.graph().chain(parent, child, |edge| edge.is_rigid));
+        let (pose, _) = chained?;
+        Some(Cow::Owned(vec![Stated {
+            label: String::new(),
+            pose,
+            has: [true, true],
+            who: "a chain of transforms".to_owned(),
+        }]))
     }
 }

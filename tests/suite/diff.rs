@@ -197,6 +197,105 @@ fn calibration_files_are_held_against_each_other() {
     );
 }
 
+/// The messages of all changes between two folders with these files.
+fn between(before: &[(&str, &str)], after: &[(&str, &str)]) -> (i32, Vec<String>) {
+    let folder = tempfile::tempdir().unwrap();
+    for (side, files) in [("a", before), ("b", after)] {
+        fs::create_dir(folder.path().join(side)).unwrap();
+        for (name, text) in files {
+            let path = folder.path().join(side).join(name);
+            if name.ends_with(".mcap") {
+                support::write(text, &path);
+            } else {
+                fs::write(path, text).unwrap();
+            }
+        }
+    }
+    let (code, document) = document(&run(folder.path(), ["diff", "--format", "json", "a", "b"]));
+    let changes = document["changes"].as_array().unwrap().iter();
+    let messages = changes.map(|change| change["message"].as_str().unwrap().to_owned());
+    (code, messages.collect())
+}
+
+#[test]
+fn what_a_file_states_of_a_sensor_that_nothing_else_knows_is_compared() {
+    let robot = urdf(CAR);
+    let calibration = "base_link:\n  lidar: {x: 1.2, y: 0.1, z: 1.8, roll: 0.01, pitch: 0.02, yaw: 0.35}\n";
+    let more = format!("{calibration}  radar: {{x: 3.5, y: 0, z: 0.5, roll: 0, pitch: 0, yaw: 0}}\n");
+    let moved = more.replace("x: 3.5", "x: 3.2");
+    let with = |calibration: &str| {
+        [
+            ("robot.urdf", robot.clone()),
+            ("calibration.yaml", calibration.to_owned()),
+        ]
+    };
+    let between = |before: &str, after: &str| {
+        let (before, after) = (with(before), with(after));
+        let [before, after] =
+            [&before, &after].map(|files| files.each_ref().map(|(name, text)| (*name, text.as_str())));
+        self::between(&before, &after)
+    };
+    assert_eq!(between(&more, &more), (0, vec![]));
+    let new = vec!["`base_link` from `radar` is new in the files".to_owned()];
+    assert_eq!(between(calibration, &more), (1, new));
+    let (code, gone) = between(&more, calibration);
+    assert_eq!(
+        (code, gone[0].as_str()),
+        (1, "`base_link` from `radar` is gone from the files")
+    );
+    let (code, messages) = between(&more, &moved);
+    assert_eq!(
+        (code, messages[0].as_str()),
+        (1, "`base_link` from `radar` in files is moved by 0.3000 m")
+    );
+}
+
+#[test]
+fn a_sensor_that_moved_in_tf_alone_is_told_beside_a_robot_that_stays() {
+    let drive = |x: f64, again: &str| {
+        format!(
+            "topics:\n  - topic: /tf_static\n    transforms: [{{parent: base_link, child: lidar, xyz: [{x}, 0.1, 1.8], rpy_deg: [0, 0, 20]}}]\n{again}"
+        )
+    };
+    let robot = urdf(&[("base_link", "lidar", "1.2 0.1 1.8", "0 0 0.3490658503988659")]);
+    let again = "  - topic: /tf_static\n    at_s: 5\n    transforms: [{parent: base_link, child: lidar, xyz: [1.5, 0.1, 1.8], rpy_deg: [0, 0, 20]}]\n";
+    let before = drive(1.2, "");
+    let (_, messages) = between(
+        &[("robot.urdf", &robot), ("drive.mcap", &before)],
+        &[("robot.urdf", &robot), ("drive.mcap", &drive(1.5, ""))],
+    );
+    assert!(
+        messages.contains(&"`lidar` is moved by 0.3000 m".to_owned()),
+        "{messages:#?}"
+    );
+    // Moved during the second drive: that is a finding on a subject that the first does not have.
+    let (code, messages) = between(&[("drive.mcap", &before)], &[("drive.mcap", &drive(1.2, again))]);
+    assert!(
+        code == 1
+            && messages
+                .iter()
+                .any(|message| message.starts_with("TREE11 on ") && message.contains("fail, and was not there")),
+        "{messages:#?}"
+    );
+}
+
+#[test]
+fn findings_on_what_only_one_has_came_or_went() {
+    let robot = urdf(CAR);
+    let loose = robot.replace("</robot>", "  <link name=\"radar\"/>\n</robot>");
+    let (code, came) = between(&[("robot.urdf", &robot)], &[("robot.urdf", &loose)]);
+    assert_eq!(code, 1);
+    assert!(came.contains(&"`radar` is new".to_owned()), "{came:#?}");
+    let tree = |messages: &[String]| {
+        messages
+            .iter()
+            .any(|one| one.starts_with("TREE01 on ") && one.contains("radar"))
+    };
+    assert!(tree(&came), "{came:#?}");
+    let (_, went) = between(&[("robot.urdf", &loose)], &[("robot.urdf", &robot)]);
+    assert!(tree(&went) && went.contains(&"`radar` is gone".to_owned()), "{went:#?}");
+}
+
 fn recordings(before: &str, after: &str) -> (i32, Value) {
     let folder = tempfile::tempdir().unwrap();
     support::write(before, &folder.path().join("a.mcap"));
@@ -250,6 +349,8 @@ fn nothing_in_common_is_no_agreement_and_what_cannot_be_read_is_said() {
     fs::write(folder.path().join("broken.urdf"), "<robot name=\"r\"><link").unwrap();
     let apart = run(folder.path(), ["diff", "--format", "json", "b.yaml", "b.yaml"]);
     assert_eq!(apart.code, 3, "{}", apart.text());
+    let other = run(folder.path(), ["diff", "--format", "json", "a.urdf", "b.yaml"]);
+    assert_eq!(other.code, 3, "{}", other.text());
     let broken = run(folder.path(), ["diff", "a.urdf", "broken.urdf"]);
     assert!(
         broken.code != 0 && broken.err.contains("broken.urdf"),
