@@ -5,6 +5,7 @@
 use std::fs;
 use std::path::Path;
 
+use crate::support;
 use crate::support::program::run;
 
 const ROBOT: &str = r#"<robot name="car">
@@ -61,6 +62,48 @@ fn angles_in_the_order_of_a_description_are_put_in_that_of_the_publisher() {
         "0.95 0.12 1.85 0.004 0.021 0.35 base_link lidar",
         &["yaw pitch roll parent child"],
         "0.95 0.12 1.85 0.35 0.021 0.004 base_link lidar",
+    );
+}
+
+#[test]
+fn a_chain_goes_over_joints_recorded_tf_and_what_launch_files_publish() {
+    let folder = platform("0 0 0.1 0 0 0 lidar lidar_optics");
+    let drive = "topics:\n  - topic: /tf\n    rate_hz: 20\n    transforms: [{parent: odom, child: base_link, xyz: [5, 0, 0]}]\n";
+    support::write(drive, &folder.path().join("drive.mcap"));
+    let chain = || run(folder.path(), ["tree", "--chain", "odom", "lidar_optics", "."]);
+    let ran = chain();
+    assert_eq!(ran.code, 0, "{}", ran.text());
+    let text = ran.text();
+    let product = "odom_from_lidar_optics = odom_from_base_link * base_link_from_lidar * lidar_from_lidar_optics";
+    for words in [
+        product,
+        "drive.mcap /tf",
+        "joint lidar_joint (fixed)",
+        "bringup.launch:2 lidar_tf (published), static",
+    ] {
+        assert!(text.contains(words), "{words}: {text}");
+    }
+    assert!(!text.contains("say otherwise"), "{text}");
+    // A joint and recorded TF go before what is published; of two launch files, one is started.
+    fs::write(
+        folder.path().join("other.launch"),
+        launch("0 0 0.4 0 0 0 lidar lidar_optics"),
+    )
+    .unwrap();
+    let text = chain().text();
+    assert!(
+        text.contains("of `lidar_optics`, launch files publish 1 more, which say otherwise"),
+        "{text}"
+    );
+    fs::write(
+        folder.path().join("other.launch"),
+        launch("0 0 9 0 0 0 base_link lidar"),
+    )
+    .unwrap();
+    let text = chain().text();
+    assert!(
+        text.contains("joint lidar_joint (fixed)") && !text.contains("say otherwise"),
+        "{text}"
     );
 }
 

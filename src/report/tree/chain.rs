@@ -11,7 +11,7 @@ use super::super::Style;
 use super::super::place::Locator;
 use super::super::style::Ink;
 use super::super::text::{one_line, stamp};
-use super::origin::{age, rooms, seconds, thinned, who};
+use super::origin::{age, rivals, rooms, seconds, thinned, who};
 use super::{Names, pose_words, shown, title};
 
 /// Likeness from which a known name is suggested.
@@ -54,6 +54,14 @@ pub fn render(run: &Run, target: &str, source: &str, at_ns: Option<i64>, style: 
                         let note = format!(
                             "of `{parent}` from `{child}`, {kept} transforms were kept of {of}, evenly: what lies between two \
                              of them is interpolated"
+                        );
+                        let _ = writeln!(out, "{}", style.paint(Ink::Faint, &note));
+                    }
+                    let rivals = rivals(world, &origins, factor);
+                    if rivals > 0 {
+                        let note = format!(
+                            "of `{}`, launch files publish {rivals} more, which say otherwise: it depends on what is started",
+                            shown(factor.child.as_str())
                         );
                         let _ = writeln!(out, "{}", style.paint(Ink::Faint, &note));
                     }

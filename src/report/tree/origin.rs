@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use crate::run::Run;
 use crate::world::graph::EdgeOrigin;
 use crate::world::tf2::{Factor, MadeFrom, namespaces};
-use crate::world::{ClaimKind, World};
+use crate::world::{Claim, ClaimKind, World};
 
 use super::super::text::{one_line, trimmed};
 use super::Names;
@@ -36,7 +36,7 @@ pub(super) fn who(world: &World, origins: &[EdgeOrigin], factor: &Factor, names:
                     let kind = if *fixed { "fixed" } else { "at zero" };
                     format!("{} joint {joint} ({kind})", names.line(&claim.place))
                 }
-                ClaimKind::File { .. } => names.line(&claim.place),
+                ClaimKind::File { .. } => format!("{} {} (published)", names.line(&claim.place), claim.label),
             })
         }
         None => None,
@@ -54,6 +54,22 @@ pub(super) fn thinned(world: &World, origins: &[EdgeOrigin], factor: &Factor) ->
     };
     let edge = world.bags.get(*bag)?.tf.get(*edge)?;
     (edge.count > edge.samples.len() as u64).then_some((edge.samples.len(), edge.count))
+}
+
+/// How many other statements of launch files put the child of a published edge elsewhere: one of them is started, and which is not known.
+pub(super) fn rivals(world: &World, origins: &[EdgeOrigin], factor: &Factor) -> usize {
+    let Some(EdgeOrigin::Published(index)) = origins.get(factor.tags.0) else {
+        return 0;
+    };
+    let child = |claim: &Claim| Some(claim.frames.as_ref()?.1.canonical());
+    let Some(used) = world.claims.get(*index) else { return 0 };
+    let others = world
+        .claims
+        .iter()
+        .filter(|claim| claim.is_published() && child(claim) == child(used));
+    others
+        .filter(|claim| (&claim.frames, &claim.pose) != (&used.frames, &used.pose))
+        .count()
 }
 
 /// `static`, `0.02 s old`, `0.01 s after a sample, 0.01 s before the next`.

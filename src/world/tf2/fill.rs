@@ -1,10 +1,10 @@
-//! Buffers filled from what is known of a platform: recorded TF, and the joints of its URDF.
+//! Buffers filled from what is known of a platform: recorded TF, the joints of its URDF, and what launch files publish.
 
 use std::collections::BTreeSet;
 
 use crate::world::World;
 use crate::world::bag::{BagEvidence, TfEdge, TfSample};
-use crate::world::claim::ClaimKind;
+use crate::world::claim::{Claim, ClaimKind};
 use crate::world::frame::FrameId;
 use crate::world::graph::EdgeOrigin;
 
@@ -66,9 +66,10 @@ fn heard<'a>(bag: &'a BagEvidence, of: &str) -> Vec<(usize, &'a TfEdge, &'a TfSa
 }
 
 impl World {
-    /// An unlimited buffer of a whole platform, as after `robot_state_publisher` and all recordings were played back:
-    /// the joints of URDFs whose child no recording names (moving ones at their zero position), then the TF of one
-    /// namespace of every recording. Tags are indices into the list of origins.
+    /// An unlimited buffer of a whole platform, as after `robot_state_publisher`, the static publishers of launch files and all
+    /// recordings were played back: the joints of URDFs whose child no recording names (moving ones at their zero position), what is
+    /// published of other frames (the first statement of each), then the TF of one namespace of every recording. Tags are indices
+    /// into the list of origins.
     pub fn tf2(&self, namespace: &str) -> (Buffer, Vec<EdgeOrigin>) {
         let mut buffer = Buffer::new(None);
         let mut origins: Vec<EdgeOrigin> = Vec::new();
@@ -79,16 +80,21 @@ impl World {
             .filter(|edge| super::namespace(&edge.topic) == namespace)
             .map(|edge| edge.child.canonical())
             .collect();
-        for (index, claim) in self.claims.iter().enumerate() {
-            let (ClaimKind::Joint { .. }, Some((parent, child)), Some(pose)) =
-                (&claim.kind, &claim.frames, &claim.pose)
-            else {
+        let joints = |claim: &Claim| matches!(claim.kind, ClaimKind::Joint { .. });
+        let all = || self.claims.iter().enumerate();
+        let stated = all()
+            .filter(|(_, claim)| joints(claim))
+            .chain(all().filter(|(_, claim)| claim.is_published()));
+        for (index, claim) in stated {
+            let (Some((parent, child)), Some(pose)) = (&claim.frames, &claim.pose) else {
                 continue;
             };
-            if recorded.contains(&child.canonical()) {
+            let is_published = claim.is_published();
+            let is_known = is_published && !buffer.parents_ever(&child.canonical()).is_empty();
+            if is_known || recorded.contains(&child.canonical()) {
                 continue;
             }
-            let joint = Incoming {
+            let stated = Incoming {
                 parent: parent.as_str(),
                 child: child.as_str(),
                 stamp_ns: 0,
@@ -97,8 +103,12 @@ impl World {
                 is_static: true,
                 tag: origins.len(),
             };
-            if buffer.insert(&joint).is_ok() {
-                origins.push(EdgeOrigin::Joint(index));
+            if buffer.insert(&stated).is_ok() {
+                origins.push(if is_published {
+                    EdgeOrigin::Published(index)
+                } else {
+                    EdgeOrigin::Joint(index)
+                });
             }
         }
         for (number, bag) in self.bags.iter().enumerate() {
