@@ -124,7 +124,7 @@ impl Unmet {
         let what = if self.is_share() {
             "too few checks were made".to_owned()
         } else {
-            format!("{} {} had to be evaluated and was not", self.rule, self.name)
+            format!("{} had to be evaluated and was not", self.rule)
         };
         format!("{what}: {}", self.reason())
     }

@@ -25,7 +25,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> String {
         }
         command(
             "error",
-            &[("title", &format!("required: {} {}", unmet.rule, unmet.name))],
+            &[("title", &format!("{} not met", unmet.rule))],
             &words,
             &mut out,
         );
