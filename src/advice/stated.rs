@@ -1,8 +1,11 @@
-//! Who states the two sides of a finding on a pair of statements.
+//! Who states the two sides of a finding on a pair of statements, and what the user can say to make a guess of it certain.
 
-use crate::analysis::cross::pair::{Pair, Statement};
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::analysis::cross::pair::{Direction, Pair, Statement};
 use crate::source::Confidence;
 use crate::verdict::Finding;
+use crate::world::FrameId;
 
 impl Pair {
     /// Says of a finding at the other statement who states it and how sure the reading is, and points at the reference
@@ -22,6 +25,61 @@ impl Pair {
             let side = if *with_other { &self.other } else { &self.reference };
             finding = finding.related(place.clone(), format!("{who} agrees with {}", side.who));
         }
-        finding
+        let sides = [&self.reference, &self.other];
+        // The platform's own names, where one of the two uses them.
+        let own = sides.iter().find(|one| !one.is_guess()).map(|one| &one.called);
+        settled_by_user(finding, sides.map(|one| (one, own)))
     }
+}
+
+/// A frame to be told by, and the frame that takes points from it.
+type Names = (FrameId, FrameId);
+
+/// A finding that is a hint says what in the configuration would make it certain: whose frames the names of a program's sensors are,
+/// where there is a better name for them than that, and which way a guessed statement goes.
+pub(crate) fn settled_by_user<'s>(
+    mut finding: Finding,
+    statements: impl IntoIterator<Item = (&'s Statement, Option<&'s Names>)>,
+) -> Finding {
+    if finding.confidence > Confidence::Hint {
+        return finding;
+    }
+    let mut aliases: BTreeMap<&FrameId, BTreeSet<&FrameId>> = BTreeMap::new();
+    let mut transforms: BTreeSet<String> = BTreeSet::new();
+    for (one, own) in statements {
+        if one.is_guess() {
+            let (target, source) = own.map_or((&one.target, &one.source_frame), |own| (&own.0, &own.1));
+            aliases.entry(target).or_default().insert(&one.called.0);
+            aliases.entry(source).or_default().insert(&one.called.1);
+        }
+        if one.reading == Confidence::Hint {
+            let (target, source) = match one.direction {
+                Direction::AsStated => (&one.called.0, &one.called.1),
+                Direction::TurnedRound => (&one.called.1, &one.called.0),
+            };
+            transforms.insert(format!("{{key: '{}', is: {target} from {source}}}", one.label));
+        }
+    }
+    let aliases: Vec<String> = aliases
+        .into_iter()
+        .map(|(frame, names)| {
+            let names: Vec<&str> = names.into_iter().map(FrameId::as_str).collect();
+            format!("{frame}: [{}]", names.join(", "))
+        })
+        .collect();
+    let transforms: Vec<String> = transforms.into_iter().collect();
+    let keys = [
+        (!aliases.is_empty()).then(|| format!("`aliases: {{{}}}`", aliases.join(", "))),
+        (!transforms.is_empty()).then(|| format!("`transforms: [{}]`", transforms.join(", "))),
+    ];
+    let keys: Vec<String> = keys.into_iter().flatten().collect();
+    if !keys.is_empty() {
+        let end = if finding.help.ends_with(['.', ' ']) { "" } else { "." };
+        let keys = keys.join(" and ");
+        finding.help = format!(
+            "{}{end} If these are the frames, {keys} in frames-lint.yaml makes it more than a hint",
+            finding.help.trim_end()
+        );
+    }
+    finding
 }

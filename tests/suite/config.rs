@@ -424,3 +424,40 @@ fn the_schema_and_the_reader_take_and_refuse_the_same() {
         assert!(by_reader(&text).is_some(), "the reader takes\n{text}");
     }
 }
+
+#[test]
+fn a_hint_that_rests_on_names_says_which_alias_makes_it_more() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    fs::create_dir(folder.path().join("car")).unwrap();
+    write(
+        "car/robot.urdf",
+        "<robot name='r'><link name='imu'/><link name='lidar'/><joint name='j' type='fixed'><parent link='imu'/><child link='lidar'/>\
+         <origin xyz='0.3 0.2 0.1' rpy='0.1 0.2 0.3'/></joint></robot>\n",
+    );
+    write(
+        "car/fast_livo.yaml",
+        "preprocess: {lidar_type: 1}\nmapping:\n  extrinsic_T: [0.05, 0.02, 0.03]\n  extrinsic_R: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n",
+    );
+    let found = || {
+        let report = run(folder.path(), ["check", "--format", "json", "car"]).report();
+        let all = report["findings"].as_array().unwrap().iter();
+        let cross = all.filter(|finding| finding["rule"] == "CROSS01").map(|finding| {
+            let text = |key: &str| finding[key].as_str().unwrap().to_owned();
+            (text("confidence"), text("help"))
+        });
+        cross.collect::<Vec<_>>()
+    };
+    let hint = found();
+    let entry = "aliases: {imu: [imu], lidar: [lidar]}";
+    assert!(
+        hint[0].0 == "hint" && hint[0].1.contains(&format!("`{entry}`")),
+        "{hint:?}"
+    );
+    write("car/frames-lint.yaml", &format!("{entry}\n"));
+    let confirmed = found();
+    assert!(
+        confirmed[0].0 == "likely" && !confirmed[0].1.contains("aliases"),
+        "{confirmed:?}"
+    );
+}

@@ -52,7 +52,7 @@ pub(crate) struct Statement {
     pub(super) rank: Rank,
     pub(super) bare_quaternion: bool,
     /// What the source itself calls the two frames.
-    pub(super) called: (FrameId, FrameId),
+    pub(crate) called: (FrameId, FrameId),
     /// The dialect whose names for its sensors (`lidar`, `imu`) its frames are; `None` where they are names of the platform's frames.
     pub(super) roles: Option<String>,
 }

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Isometry3;
 
+use crate::advice::stated::settled_by_user;
 use crate::analysis::cross::pair::Statement;
 use crate::analysis::cross::statements::{are_of_one_platform, described, statements};
 use crate::math::relation::{Relation, Tolerance, classify};
@@ -219,6 +220,7 @@ impl Loop<'_> {
         if let Some(relation) = relation {
             finding = finding.relation(relation);
         }
+        finding = settled_by_user(finding, self.edges.iter().map(|(_, one)| (*one, None)));
         for (_, statement) in &self.edges {
             finding = finding.related(statement.place.clone(), statement.who.clone());
         }
