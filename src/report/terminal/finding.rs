@@ -162,6 +162,24 @@ pub(in crate::report) struct Spelled {
     pub(in crate::report) spread: Option<String>,
 }
 
+/// What is less than this in its unit, or than a millionth of its limit, is what computing leaves of nothing.
+fn least(measured: &Measured) -> f64 {
+    let of_unit = match measured.unit.as_str() {
+        "deg" | "deg/s" => 1e-6,
+        "rad" | "rad/s" => 1e-8,
+        "m" | "m/s" => 1e-7,
+        "mm" => 1e-4,
+        "s" => 1e-9,
+        _ => 1e-15,
+    };
+    match measured.limit {
+        // It must be told from its limit.
+        Some(limit) if limit.abs() <= of_unit => 0.0,
+        Some(limit) => f64::max(of_unit, limit.abs() * 1e-6),
+        None => of_unit,
+    }
+}
+
 impl Spelled {
     pub(in crate::report) fn new(measured: &Measured) -> Self {
         let unit = match measured.unit.as_str() {
@@ -178,10 +196,12 @@ impl Spelled {
             })
             .unwrap_or(17);
         let spell = |value: f64, digits: usize| format!("{}{unit}", number(value, digits));
+        let least = least(measured);
+        let rounded = |value: f64| if value.abs() < least { 0.0 } else { value };
         Self {
-            value: spell(measured.value, digits),
+            value: spell(rounded(measured.value), digits),
             limit: measured.limit.map(|limit| spell(limit, digits)),
-            spread: measured.spread.map(|spread| spell(spread, 4)),
+            spread: measured.spread.map(|spread| spell(rounded(spread), 4)),
         }
     }
 }

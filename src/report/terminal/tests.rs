@@ -258,6 +258,10 @@ fn numbers_are_told_apart_from_their_limit() {
     assert_eq!(words(1.000_04, 1.0), "x 1.00004 deg, limit 1 deg");
     assert_eq!(words(1.0, 1.0), "x 1 deg, limit 1 deg");
     assert_eq!(words(f64::NAN, 1.0), "x NaN deg, limit 1 deg");
+    // What computing leaves of nothing is nothing, unless the limit is as small.
+    assert_eq!(words(3.976e-16, 0.05), "x 0 deg, limit 0.05 deg");
+    assert_eq!(words(2.5e-8, 1e-8), "x 2.5e-8 deg, limit 1e-8 deg");
+    assert_eq!(words(1e-9, 0.0), "x 1e-9 deg, limit 0 deg");
 }
 
 #[test]

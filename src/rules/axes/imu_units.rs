@@ -102,7 +102,7 @@ fn judge_acceleration(imu: &Imu, limits: &Limits, out: &mut Judge) {
         return out.too_little(subject, why);
     };
     let message = format!(
-        "the acceleration of `{}` is {force:.3} long in the median of {seconds:.0} s, {what}, where m/s2 with gravity are 9.81",
+        "the acceleration of `{}` has a length of {force:.2} in the median of {seconds:.0} s, {what}, where m/s2 with gravity are 9.81",
         imu.stream.topic
     );
     let place = imu.stream.place();
