@@ -60,12 +60,17 @@ fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut 
         Some((_, times)) => format!("have one time each scan (`{}`)", times.field),
         None => "have no time".to_owned(),
     };
+    let severity = if most.is_none() && !spins(clouds) {
+        Severity::Note
+    } else {
+        Severity::Error
+    };
     let Some(fastest) = Fastest::of(motion, limits) else {
         let message = format!(
             "the points on `{}` {what}: where the platform moves, a scan of {period_s:.2} s is smeared and cannot be put right",
             clouds.topic.topic
         );
-        let finding = Finding::warning(subject, message, clouds.place()).hint();
+        let finding = Finding::new(severity.min(Severity::Warning), subject, message, clouds.place()).hint();
         return out.fail(named(finding, most.is_some()));
     };
     let smear_m = fastest.speed_m_s * period_s + limits.at_m * fastest.rate_rad_s * period_s;
@@ -87,11 +92,6 @@ fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut 
         fastest.rate_rad_s.to_degrees(),
         limits.at_m
     );
-    let severity = if most.is_none() && !spins(clouds) {
-        Severity::Note
-    } else {
-        Severity::Error
-    };
     let finding = Finding::new(severity, subject, message, clouds.place()).likely();
     out.fail(named(finding, most.is_some()).measured(measured));
 }
