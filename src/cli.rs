@@ -80,15 +80,28 @@ impl Surroundings {
             style: Style {
                 color: is_terminal && !set("NO_COLOR") && !dumb,
                 unicode: !is_terminal || supports_unicode::supports_unicode(),
-                width: if is_terminal {
-                    terminal_size::terminal_size().map(|(width, _)| usize::from(width.0))
-                } else {
-                    None
-                },
+                width: is_terminal.then(width).flatten(),
+                pages: PAGES.filter(|_| supports_hyperlinks::on(supports_hyperlinks::Stream::Stdout)),
             },
             progress: std::io::stderr().is_terminal(),
         }
     }
+}
+
+/// Where the pages of the rules are to be had: in the repository, where the manifest names one.
+const PAGES: Option<&str> = if env!("CARGO_PKG_REPOSITORY").is_empty() {
+    None
+} else {
+    Some(concat!(env!("CARGO_PKG_REPOSITORY"), "/blob/main/rules"))
+};
+
+/// Columns of the terminal: what `COLUMNS` says, else its size.
+fn width() -> Option<usize> {
+    let told = std::env::var("COLUMNS")
+        .ok()
+        .and_then(|columns| columns.trim().parse().ok());
+    let told = told.filter(|columns| *columns > 0);
+    told.or_else(|| terminal_size::terminal_size().map(|(width, _)| usize::from(width.0)))
 }
 
 /// Why there is no answer.

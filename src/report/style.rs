@@ -9,6 +9,8 @@ pub struct Style {
     pub unicode: bool,
     /// Columns of the terminal; `None` where lines may be as long as they like.
     pub width: Option<usize>,
+    /// Where the pages of the rules are to be had, where links (OSC 8) can be shown.
+    pub pages: Option<&'static str>,
 }
 
 /// A meaning that is shown by colour.
@@ -28,6 +30,7 @@ impl Style {
         color: false,
         unicode: true,
         width: None,
+        pages: None,
     };
 
     /// The text in the colour of `ink`, or as it is.
@@ -44,6 +47,15 @@ impl Style {
             Ink::Faint => "2",
         };
         format!("\u{1b}[{code}m{text}\u{1b}[0m")
+    }
+
+    /// The code of a rule as a link to its page, where that can be shown.
+    pub(super) fn link(self, code: &str, name: &str) -> String {
+        let Some(pages) = self.pages else {
+            return code.to_owned();
+        };
+        let family = code.trim_end_matches(|c: char| c.is_ascii_digit()).to_lowercase();
+        format!("\u{1b}]8;;{pages}/{family}/{name}.md\u{1b}\\{code}\u{1b}]8;;\u{1b}\\")
     }
 
     /// One of two spellings of a drawing.

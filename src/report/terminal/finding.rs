@@ -69,7 +69,8 @@ fn head(finding: &Finding, style: Style) -> String {
         Severity::Note => Ink::Note,
     };
     let word = finding.word();
-    let head = style.paint(ink, &one_line(&format!("{word}[{} {}]", finding.rule, finding.name)));
+    let (rule, name) = (one_line(&finding.rule), one_line(&finding.name));
+    let head = style.paint(ink, &format!("{word}[{} {name}]", style.link(&rule, &name)));
     match finding.confidence {
         Confidence::Likely => format!("{head} (likely)"),
         Confidence::Certain | Confidence::Hint => head,

@@ -21,7 +21,7 @@ use crate::source::{At, ReadStatus};
 use super::Style;
 use super::place::Locator;
 use super::style::Ink;
-use super::text::{one_line, plural};
+use super::text::{one_line, plural, wrap};
 use snippet::Painter;
 
 pub(super) use finding::{Spelled, measured_words, message_words};
@@ -88,8 +88,22 @@ pub fn render(run: &Run, options: &Options) -> String {
     rows::not_evaluated(run, options, &mut out);
     rows::crashed(run, options.style, &mut out);
     recordings::table(run, options.style, &mut out);
+    explain(run, options.style, &mut out);
     ending::ending(run, options, &mut out);
     out
+}
+
+/// Where more is to be read of what was found.
+fn explain(run: &Run, style: Style, out: &mut String) {
+    let Some(first) = run.verdict.open().next() else { return };
+    let words = format!(
+        "`frames-lint explain {}` tells how the rule decides, why it matters and how to fix it",
+        one_line(&first.rule)
+    );
+    for line in wrap(&words, style.width, "", "  ").lines() {
+        let _ = writeln!(out, "{}", style.paint(Ink::Faint, line));
+    }
+    out.push('\n');
 }
 
 /// Where the only input cannot be read: that, in one line.

@@ -4,12 +4,15 @@
 //! there. It is given a line index of ours, spans that fit, texts without control characters, and windows of long lines.
 
 use std::cell::OnceCell;
+use std::collections::BTreeSet;
 use std::fmt;
+use std::slice::from_ref;
 
 use miette::{
     Diagnostic, GraphicalReportHandler, GraphicalTheme, LabeledSpan, MietteError, MietteSpanContents, SourceCode,
     SourceSpan, SpanContents, ThemeCharacters, ThemeStyles,
 };
+use textwrap::core::display_width;
 
 use crate::source::{LineIndex, SourceId, Span};
 
@@ -40,6 +43,7 @@ pub(super) struct Mark {
 pub(super) struct Painter<'a> {
     locator: &'a Locator<'a>,
     handler: GraphicalReportHandler,
+    style: Style,
     cleaned: Vec<(SourceId, OnceCell<Option<String>>)>,
 }
 
@@ -59,6 +63,7 @@ impl<'a> Painter<'a> {
         };
         Self {
             locator,
+            style,
             handler: GraphicalReportHandler::new_themed(theme)
                 .with_links(false)
                 .with_urls(false)
@@ -92,7 +97,20 @@ impl<'a> Painter<'a> {
         let mut drawn = String::new();
         self.handler.render_report(&mut drawn, &shown).ok()?;
         // The first line is miette's own headline; ours stands above.
-        drawn.split_once('\n').map(|(_, snippet)| snippet.to_owned())
+        let (_, snippet) = drawn.split_once('\n')?;
+        let Some(width) = self.style.width else {
+            return Some(snippet.to_owned());
+        };
+        match (cropped(snippet, width, self.style), marks) {
+            ((cropped, true), _) | ((cropped, false), [_]) => Some(cropped),
+            // Where not all notes fit beside each other, each mark is shown by itself.
+            ((_, false), marks) => Some(
+                marks
+                    .iter()
+                    .filter_map(|mark| self.snippet(id, from_ref(mark)))
+                    .collect(),
+            ),
+        }
     }
 
     fn text(&self, id: SourceId) -> Option<&str> {
@@ -124,6 +142,116 @@ fn label(text: &str, mark: &Mark) -> Option<LabeledSpan> {
     } else {
         LabeledSpan::new_with_span(note, start..end)
     })
+}
+
+/// Columns that are left before a note, or a mark without one, where the start of its line is cropped.
+const BEFORE_NOTE: usize = 6;
+/// Fewer columns of a line say nothing.
+const LEAST_WIDTH: usize = 20;
+
+/// A snippet in so many columns: of each line what surrounds its marks, with `…` where it is cropped, and whether all marks and notes are
+/// there. The line that names the file stays.
+fn cropped(snippet: &str, width: usize, style: Style) -> (String, bool) {
+    let (mut out, mut is_whole) = (String::new(), true);
+    let mut lines = snippet.lines().map(Line::new).peekable();
+    while let Some(first) = lines.next() {
+        let mut block = vec![first];
+        while let Some(marks) = lines.next_if(|line| line.is_of_marks) {
+            block.push(marks);
+        }
+        let gutter = block.iter().map(|line| line.gutter).max().unwrap_or(0);
+        let room = width.saturating_sub(gutter).max(LEAST_WIDTH);
+        let marks = || block.iter().filter(|line| line.is_of_marks);
+        let first = |is_wanted: fn(char) -> bool| marks().filter_map(|line| line.position(is_wanted)).min();
+        let note = first(|c| matches!(c, '╰' | '`'))
+            .or_else(|| first(|c| c != ' '))
+            .unwrap_or(0);
+        let end = marks().map(|line| line.columns).max().unwrap_or(0);
+        // As far as the notes need, and not beyond the first of them.
+        let from = end.saturating_sub(room).min(note.saturating_sub(BEFORE_NOTE));
+        is_whole &= end <= from + room;
+        for line in block {
+            line.push_cropped(from, room, style, &mut out);
+        }
+    }
+    (out, is_whole)
+}
+
+/// A line of a snippet: number and rule in the gutter, and a source line or marks behind.
+struct Line<'s> {
+    text: &'s str,
+    /// Columns of the gutter; 0 where there is none.
+    gutter: usize,
+    /// Columns behind it.
+    columns: usize,
+    is_of_marks: bool,
+}
+
+impl<'s> Line<'s> {
+    fn new(text: &'s str) -> Self {
+        let mut line = Self {
+            text,
+            gutter: 0,
+            columns: 0,
+            is_of_marks: false,
+        };
+        let rule = line
+            .shown()
+            .enumerate()
+            .find(|(_, (_, c))| !c.is_ascii_digit() && *c != ' ');
+        if let Some((at, (_, c @ ('│' | '|' | '·' | ':')))) = rule {
+            line.gutter = at + 2;
+            line.is_of_marks = matches!(c, '·' | ':');
+        }
+        line.columns = display_width(text).saturating_sub(line.gutter);
+        line
+    }
+
+    /// Its characters with their offsets, without what only colours them.
+    fn shown(&self) -> impl Iterator<Item = (usize, char)> {
+        let mut is_code = false;
+        self.text.char_indices().filter(move |(_, c)| {
+            let was_code = is_code;
+            is_code = *c == '\u{1b}' || is_code && *c != 'm';
+            !(was_code || is_code)
+        })
+    }
+
+    /// The first column behind the gutter with such a character.
+    fn position(&self, is_wanted: fn(char) -> bool) -> Option<usize> {
+        self.shown().skip(self.gutter).position(|(_, c)| is_wanted(c))
+    }
+
+    /// Adds the gutter and `room` columns behind it, from `from` on.
+    fn push_cropped(&self, from: usize, room: usize, style: Style, out: &mut String) {
+        if self.gutter == 0 || from == 0 && self.columns <= room {
+            out.push_str(self.text);
+            out.push('\n');
+            return;
+        }
+        let shown: BTreeSet<usize> = self.shown().map(|(at, _)| at).collect();
+        let (start, end) = (self.gutter + from, self.gutter + from + room);
+        let is_cut = self.gutter + self.columns > end;
+        let cut = style.pick("…", "~");
+        let mut column = 0;
+        for (at, c) in self.text.char_indices() {
+            if !shown.contains(&at) {
+                out.push(c);
+                continue;
+            }
+            let wide = display_width(c.encode_utf8(&mut [0; 4]));
+            match column {
+                _ if column < self.gutter => out.push(c),
+                _ if column < start || column + wide > end => {}
+                _ if column == start && from > 0 && !self.is_of_marks => out.push_str(cut),
+                _ if column + wide == end && is_cut => out.push_str(cut),
+                _ => out.push(c),
+            }
+            column += wide;
+        }
+        out.truncate(out.trim_end_matches(' ').len());
+        out.push('\n');
+    }
 }
 
 fn floor(text: &str, offset: usize) -> usize {
@@ -253,6 +381,10 @@ mod tests {
     use crate::source::{Source, SourceKind};
 
     fn draw(text: &str, spans: &[(usize, usize)]) -> String {
+        draw_in(text, spans, Style::PLAIN)
+    }
+
+    fn draw_in(text: &str, spans: &[(usize, usize)], style: Style) -> String {
         let mut source = Source::new(SourceId(0), "a.json", SourceKind::Json);
         source.text = text.to_owned();
         let sources = [source];
@@ -265,7 +397,7 @@ mod tests {
                 primary: true,
             })
             .collect();
-        Painter::new(&locator, Style::PLAIN)
+        Painter::new(&locator, style)
             .snippet(SourceId(0), &marks)
             .unwrap_or_default()
     }
@@ -277,6 +409,57 @@ mod tests {
             drawn,
             "   ╭─[a.json:3:1]\n 2 │ two\n 3 │ three\n   · ──┬──\n   ·   ╰── here\n 4 │ four\n   ╰────\n"
         );
+    }
+
+    #[test]
+    fn lines_are_cropped_around_their_marks_at_the_width_of_the_terminal() {
+        let before = "x".repeat(100);
+        let text = format!("short\n{before} é value {before}\n{before}\n");
+        let at = text.find("value").unwrap_or(0);
+        for (width, color) in [(80, false), (60, false), (60, true), (30, true)] {
+            let style = Style {
+                color,
+                width: Some(width),
+                ..Style::PLAIN
+            };
+            let drawn = draw_in(&text, &[(at, at + 5)], style);
+            let plain: String = Line::new(&drawn).shown().map(|(_, c)| c).collect();
+            assert!(plain.lines().all(|line| line.chars().count() <= width), "{plain}");
+            let line = plain.lines().find(|line| line.contains("value")).unwrap_or_default();
+            let column = |line: &str, what: &str| {
+                line.find(what)
+                    .map(|at| line.get(..at).map(|before| before.chars().count()))
+            };
+            assert!(line.starts_with(" 2 │ …x") && line.ends_with("x…"), "{plain}");
+            // The mark is under what it marks.
+            let mark = plain.lines().find(|line| line.contains("┬")).unwrap_or_default();
+            assert_eq!(column(line, "value"), column(mark, "──┬──"), "{plain}");
+            assert!(
+                plain.contains("╰── here") && plain.contains("[a.json:2:104]"),
+                "{plain}"
+            );
+            // A line without a mark is shown from its start.
+            assert!(
+                plain
+                    .lines()
+                    .any(|line| line.starts_with(" 3 │ xxx") && line.ends_with('…')),
+                "{plain}"
+            );
+            assert!(drawn.contains('\u{1b}') == color);
+        }
+        let wide = Style {
+            width: Some(400),
+            ..Style::PLAIN
+        };
+        assert_eq!(draw_in(&text, &[(at, at + 5)], wide), draw(&text, &[(at, at + 5)]));
+        // Two marks that do not fit are shown one by one, each with its note.
+        let style = Style {
+            width: Some(40),
+            ..Style::PLAIN
+        };
+        let both = draw_in(&text, &[(6, 16), (at, at + 5)], style);
+        assert!(both.lines().all(|line| line.chars().count() <= 40), "{both}");
+        assert_eq!(both.matches("╰── here").count(), 2, "{both}");
     }
 
     #[test]

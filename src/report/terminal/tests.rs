@@ -57,6 +57,8 @@ error[CONV02 quarter-turn] (likely) `lidar` is turned by 89.954 deg, a quarter t
   measured: distance from 90 deg 0.04563 deg, limit 0.01 deg, n=1
   help: write ${pi/2} or 1.5707963
 
+`frames-lint explain CONV02` tells how the rule decides, why it matters and how to fix it
+
 1 error, 0 warnings, 0 notes · 1 check passed · 0 not evaluated · 1 of 1 input read
 Not clean: 1 error.
 "
@@ -105,6 +107,8 @@ error[CALIB01 sources-differ] two sources differ by 90 deg
             translation difference 0 m, limit 0.05 m
   relation: rz-90
 
+`frames-lint explain CALIB01` tells how the rule decides, why it matters and how to fix it
+
 1 error, 0 warnings, 0 notes · 0 checks passed · 0 not evaluated · 2 of 2 inputs read
 Not clean: 1 error.
 "
@@ -142,6 +146,8 @@ hint[TF03 parent-switch] `odom` changes its parent
 
 Examined in part (1 recording)
   drive.mcap: 25 MB of 2 GB (1.2 %), 1200 messages
+
+`frames-lint explain TF03` tells how the rule decides, why it matters and how to fix it
 
 0 errors, 0 warnings, 0 notes, 1 hint · 0 checks passed · 0 not evaluated · 1 of 1 input read
 Clean: no finding counts. 1 hint does not count.
@@ -287,6 +293,7 @@ fn colour_and_width_are_only_for_terminals() {
         color: true,
         unicode: false,
         width: Some(72),
+        pages: None,
     };
     let run = everything();
     let text = with(&run, false, false, style);
@@ -298,6 +305,13 @@ fn colour_and_width_are_only_for_terminals() {
     assert!(!plain(&run).contains('\u{1b}'));
     // The same run gives the same bytes.
     assert_eq!(text, with(&run, false, false, style));
+    // Codes are links to their pages, where there are any; that makes no line longer.
+    let pages = Some("https://example.org/rules");
+    let linked = with(&run, false, false, Style { pages, ..style });
+    let link =
+        "[\u{1b}]8;;https://example.org/rules/conv/quarter-turn.md\u{1b}\\CONV02\u{1b}]8;;\u{1b}\\ quarter-turn]";
+    assert!(linked.contains(link), "{linked}");
+    assert_eq!(linked.lines().count(), text.lines().count());
 }
 
 #[test]
