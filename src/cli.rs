@@ -6,6 +6,7 @@
 mod args;
 mod call;
 mod check;
+mod completions;
 mod convert;
 mod diff;
 mod fixes;
@@ -112,6 +113,20 @@ enum Failure {
     Ours(String),
 }
 
+impl From<Failure> for Answer {
+    fn from(failure: Failure) -> Self {
+        let (err, code) = match failure {
+            Failure::Usage(message) => (format!("error: {message}\n"), EXIT_USAGE),
+            Failure::Ours(message) => (format!("frames-lint: internal error: {message}\n"), EXIT_CRASHED),
+        };
+        Self {
+            err,
+            code,
+            ..Self::default()
+        }
+    }
+}
+
 impl From<UsageError> for Failure {
     fn from(error: UsageError) -> Self {
         Self::Usage(error.to_string())
@@ -152,6 +167,9 @@ pub fn run_to(
     surroundings: Surroundings,
 ) -> Answer {
     let arguments: Vec<OsString> = arguments.into_iter().collect();
+    if let Some(words) = completions::asked(&arguments) {
+        return words.unwrap_or_else(Answer::from);
+    }
     let cli = match Cli::try_parse_from(&arguments) {
         Ok(cli) => cli,
         Err(error) => return refuse(&error, &arguments, surroundings),
@@ -167,21 +185,12 @@ pub fn run_to(
         Verb::View(view) => view::run(view, stdin, surroundings),
         Verb::Explain { rule } => run_explain(&rule, surroundings.style),
         Verb::Rules { format } => run_rules(format, surroundings.style),
-        Verb::Completions { shell } => Ok(completions(shell)),
+        Verb::Completions { shell } => {
+            completions::script(shell, arguments.first().map_or("".as_ref(), OsString::as_os_str))
+        }
         Verb::Man { verb } => man(verb.as_deref()),
     };
-    answer.unwrap_or_else(|failure| match failure {
-        Failure::Usage(message) => Answer {
-            err: format!("error: {message}\n"),
-            code: EXIT_USAGE,
-            ..Answer::default()
-        },
-        Failure::Ours(message) => Answer {
-            err: format!("frames-lint: internal error: {message}\n"),
-            code: EXIT_CRASHED,
-            ..Answer::default()
-        },
-    })
+    answer.unwrap_or_else(Answer::from)
 }
 
 /// Help and version are answers; anything else is a fault in the call. A path without a verb gets a hint.
@@ -285,15 +294,6 @@ fn run_rules(format: RulesFormat, style: Style) -> Result<Answer, Failure> {
         out,
         ..Answer::default()
     })
-}
-
-fn completions(shell: clap_complete::Shell) -> Answer {
-    let mut text = Vec::new();
-    clap_complete::generate(shell, &mut Cli::command(), "frames-lint", &mut text);
-    Answer {
-        out: String::from_utf8_lossy(&text).into_owned(),
-        ..Answer::default()
-    }
 }
 
 fn man(verb: Option<&str>) -> Result<Answer, Failure> {

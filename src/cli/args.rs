@@ -6,6 +6,7 @@ use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Args, Parser, Subcommand, ValueEnum, ValueHint};
+use clap_complete::{ArgValueCandidates, ArgValueCompleter};
 
 use crate::config::PROFILES;
 use crate::engine::{self, Extent};
@@ -13,7 +14,7 @@ use crate::report::Format;
 use crate::report::terminal::Parts;
 use crate::run::{FailOn, Run};
 
-use values::{Targets, by_ending, is, output, size, xacro_arg};
+use values::{Targets, by_ending, is, output, outputs, rules, selectors, size, verbs, xacro_arg};
 
 const EXIT_CODES: &str = "\
 Exit codes:
@@ -43,6 +44,7 @@ pub(super) enum Verb {
     /// Explain a rule: what it checks, why, how it decides, how to fix
     Explain {
         /// Code or name of the rule (TREE01, orphan-subtree)
+        #[arg(add = ArgValueCandidates::new(rules))]
         rule: String,
     },
     /// List the rules
@@ -70,6 +72,7 @@ pub(super) enum Verb {
     /// Write a manual page
     Man {
         /// The verb whose page is wanted; the program's own page without it
+        #[arg(add = ArgValueCandidates::new(verbs))]
         verb: Option<String>,
     },
 }
@@ -177,10 +180,10 @@ pub(super) struct Check {
     #[command(flatten)]
     pub(super) reading: Reading,
     /// Rules to run: codes, names or families, with commas between; all without it
-    #[arg(long, value_name = "RULES", value_delimiter = ',')]
+    #[arg(long, value_name = "RULES", value_delimiter = ',', add = ArgValueCandidates::new(selectors))]
     pub(super) select: Vec<String>,
     /// Rules to leave out: codes, names or families, with commas between
-    #[arg(long, value_name = "RULES", value_delimiter = ',')]
+    #[arg(long, value_name = "RULES", value_delimiter = ',', add = ArgValueCandidates::new(selectors))]
     pub(super) ignore: Vec<String>,
     #[command(flatten)]
     pub(super) reporting: Reporting,
@@ -279,7 +282,7 @@ pub(super) struct Reporting {
     /// Write the report to a file, in the form that its name ends in (.sarif, .html, .json, .jsonl, .xml, .md) unless --format says
     /// another; the counts and the verdict go to standard error. With a format before the file, a report of that format besides
     /// (`--output sarif=frames.sarif --output junit=frames.xml`); may be repeated
-    #[arg(short, long, value_name = "[FORMAT=]FILE", value_parser = output, value_hint = ValueHint::FilePath)]
+    #[arg(short, long, value_name = "[FORMAT=]FILE", value_parser = output, add = ArgValueCompleter::new(outputs))]
     pub(super) output: Vec<Output>,
 }
 

@@ -64,7 +64,7 @@ fn help_version_pages_and_scripts_are_answers() {
         (&["rules"], "TREE01    orphan-subtree"),
         (&["rules", "--format", "json"], "\"code\": \"TREE01\""),
         (&["rules", "--format", "markdown"], "<!-- rules:begin -->"),
-        (&["completions", "bash"], "complete -F _frames__lint"),
+        (&["completions", "bash"], "-F _frames_lint frames-lint"),
         (&["man"], ".TH frames-lint 1"),
         (&["man", "check"], "fail"),
     ] {

@@ -15,6 +15,7 @@ mod bag_sampling;
 mod bag_strange;
 mod bag_tf;
 mod cases;
+mod completions;
 mod config;
 mod convert;
 mod dialects;

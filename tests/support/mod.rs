@@ -42,6 +42,8 @@ pub mod rosbag1_drive;
 pub mod rosbag2;
 pub mod scans;
 pub mod schemas;
+#[cfg(unix)]
+pub mod terminal;
 pub mod topic;
 
 use std::path::{Path, PathBuf};

@@ -1,15 +1,69 @@
 //! How the values of arguments are read.
 
+use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
-use clap::{Arg, Command, ValueEnum};
+use clap::{Arg, Command, CommandFactory, ValueEnum};
+use clap_complete::CompletionCandidate;
+use clap_complete::engine::{PathCompleter, ValueCompleter, complete_possible_values};
 
+use crate::page::Front;
 use crate::report::Format;
+use crate::rules::RULES;
 use crate::run::FailOn;
 
-use super::Output;
+use super::{Cli, Output};
+
+/// The codes of rules, for completion; their names where no code fits.
+pub(super) fn rules() -> Vec<CompletionCandidate> {
+    let fronts = RULES.iter().filter_map(|entry| Front::parse(entry.page).ok());
+    fronts
+        .flat_map(|front| {
+            let summary = Some(front.summary.into());
+            [(front.code, false), (front.name, true)]
+                .map(|(word, hide)| CompletionCandidate::new(word).help(summary.clone()).hide(hide))
+        })
+        .collect()
+}
+
+/// The same, and the families.
+pub(super) fn selectors() -> Vec<CompletionCandidate> {
+    let fronts = RULES.iter().filter_map(|entry| Front::parse(entry.page).ok());
+    let families: BTreeSet<String> = fronts.map(|front| front.family().to_owned()).collect();
+    families
+        .into_iter()
+        .map(CompletionCandidate::new)
+        .chain(rules())
+        .collect()
+}
+
+/// The verbs, for completion.
+pub(super) fn verbs() -> Vec<CompletionCandidate> {
+    let command = Cli::command();
+    command
+        .get_subcommands()
+        .map(|verb| CompletionCandidate::new(verb.get_name()).help(verb.get_about().cloned()))
+        .collect()
+}
+
+/// Files, and forms before a `=` and a file, for completion.
+pub(super) fn outputs(current: &OsStr) -> Vec<CompletionCandidate> {
+    let files = |begun: &OsStr| PathCompleter::file().complete(begun);
+    let formed = current.to_str().and_then(|text| text.split_once('='));
+    if let Some((word, file)) = formed.filter(|(word, _)| Format::from_str(word, false).is_ok()) {
+        let files = files(OsStr::new(file)).into_iter();
+        return files.map(|file| file.add_prefix(format!("{word}="))).collect();
+    }
+    let forms = Format::value_variants().iter().filter_map(ValueEnum::to_possible_value);
+    let mut known: Vec<CompletionCandidate> = complete_possible_values(current, forms)
+        .into_iter()
+        .map(|form| CompletionCandidate::new(format!("{}=", form.get_value().display())).help(form.get_help().cloned()))
+        .collect();
+    known.extend(files(current));
+    known
+}
 
 /// `FILE` or `FORMAT=FILE`. A file whose name has a `=` behind another word is a file.
 #[allow(clippy::unnecessary_wraps)] // clap asks for a result
