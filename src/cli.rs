@@ -69,6 +69,8 @@ pub struct Surroundings {
     pub style: Style,
     /// Whether standard error is a terminal.
     pub progress: bool,
+    /// Whether this process is the program, which can be called again, and not another one that uses the library.
+    pub is_program: bool,
 }
 
 impl Surroundings {
@@ -85,6 +87,14 @@ impl Surroundings {
                 pages: PAGES.filter(|_| supports_hyperlinks::on(supports_hyperlinks::Stream::Stdout)),
             },
             progress: std::io::stderr().is_terminal(),
+            is_program: true,
+        }
+    }
+
+    fn xacro(self, args: Vec<String>) -> engine::XacroMeans {
+        engine::XacroMeans {
+            own: self.is_program.then(std::env::current_exe).and_then(Result::ok),
+            args,
         }
     }
 }
@@ -188,6 +198,17 @@ pub fn run_to(
         Verb::Completions { shell } => {
             completions::script(shell, arguments.first().map_or("".as_ref(), OsString::as_os_str))
         }
+        Verb::ExpandXacro { file, args } => Ok(match engine::expand_xacro(&file, &args) {
+            Ok(out) => Answer {
+                out,
+                ..Answer::default()
+            },
+            Err(said) => Answer {
+                err: format!("{said}\n"),
+                code: EXIT_USAGE,
+                ..Answer::default()
+            },
+        }),
         Verb::Man { verb } => man(verb.as_deref()),
     };
     answer.unwrap_or_else(Answer::from)
@@ -226,7 +247,7 @@ fn save(file: &Path, made: impl AsRef<[u8]>) -> Result<(), Failure> {
 
 fn run_collect(collect: Collect, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
     let paths = paths(collect.input.paths, stdin)?;
-    let run = engine::collect(&collect.input.reading.options(paths, surroundings.progress))?;
+    let run = engine::collect(&collect.input.reading.options(paths, surroundings))?;
     let mut out = evidence::write(&run)?;
     if let Some(file) = collect.output {
         save(&file, std::mem::take(&mut out))?;

@@ -279,6 +279,17 @@ pub enum Derived {
     Message(MessageRef),
     /// The expansion of a macro file: spans count in the expanded text.
     Expansion,
+    /// A file that another one includes, and that is no input itself.
+    Included,
+}
+
+/// Where a part of an expansion is written.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Written {
+    /// The part.
+    pub span: Span,
+    /// Where it is written: in a macro, perhaps in another file.
+    pub place: Place,
 }
 
 /// One input: its identity, kind and read status.
@@ -317,6 +328,9 @@ pub struct Source {
     /// Where the meshes are here that it names, by what they are called there: those that were found.
     #[serde(skip)]
     pub meshes: BTreeMap<String, MeshFile>,
+    /// Of an expansion: where its parts are written.
+    #[serde(skip)]
+    pub written: Vec<Written>,
     /// SHA-256 of its file in hexadecimal digits; of several files a line for each, as `sha256sum` writes them. Only where a report
     /// asks for it.
     #[serde(skip)]
@@ -355,8 +369,21 @@ impl Source {
             required: true,
             files: Vec::new(),
             meshes: BTreeMap::new(),
+            written: Vec::new(),
             sha256: None,
         }
+    }
+
+    /// Where a part of an expansion is written: the smallest element, start tag or attribute around it that is known; `None` in any other
+    /// text, and where nothing is known.
+    pub fn written(&self, place: &Place) -> Option<Place> {
+        let span = place.span()?;
+        let around = self
+            .written
+            .iter()
+            .filter(|written| written.span.start <= span.start && span.end <= written.span.end);
+        let smallest = around.min_by_key(|written| written.span.end - written.span.start)?;
+        Some(smallest.place.clone())
     }
 
     /// Records a fault at a place and lowers the status to `status` if that is worse.

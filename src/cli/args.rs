@@ -14,6 +14,8 @@ use crate::report::Format;
 use crate::report::terminal::Parts;
 use crate::run::{FailOn, Run};
 
+use super::Surroundings;
+
 use values::{Targets, by_ending, is, output, outputs, rules, selectors, size, verbs, xacro_arg};
 
 const EXIT_CODES: &str = "\
@@ -63,6 +65,15 @@ pub(super) enum Verb {
     Chain(Chain),
     /// Write a transform in another dialect or form, with the chain that leads to it
     Convert(Convert),
+    /// Write the expansion of a xacro file: what reading calls for each of them, in a process of its own
+    #[command(name = engine::EXPAND_XACRO, hide = true)]
+    ExpandXacro {
+        /// The file
+        file: PathBuf,
+        /// Arguments for it
+        #[arg(value_name = "NAME:=VALUE", value_parser = xacro_arg)]
+        args: Vec<String>,
+    },
     /// Write a completion script for a shell
     Completions {
         /// The shell
@@ -107,13 +118,13 @@ pub(super) struct Reading {
 
 impl Reading {
     /// What the engine is asked for with these paths.
-    pub(super) fn options(self, paths: Vec<PathBuf>, progress: bool) -> engine::Options {
+    pub(super) fn options(self, paths: Vec<PathBuf>, surroundings: Surroundings) -> engine::Options {
         engine::Options {
             extent: self.extent(),
             paths,
-            xacro_args: self.xacro_args,
+            xacro: surroundings.xacro(self.xacro_args),
             msg_paths: self.msg_paths,
-            progress,
+            progress: surroundings.progress,
             ..engine::Options::default()
         }
     }

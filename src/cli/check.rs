@@ -49,7 +49,7 @@ pub(super) fn run(
         wanted: engine::Wanted::Facts,
         select: check.select,
         ignore: check.ignore,
-        xacro_args: check.reading.xacro_args,
+        xacro: surroundings.xacro(check.reading.xacro_args),
         msg_paths: check.reading.msg_paths,
         progress: surroundings.progress,
     };

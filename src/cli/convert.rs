@@ -17,7 +17,7 @@ pub(super) fn run(asked: Convert, stdin: &mut dyn Read, surroundings: Surroundin
         ..asked
             .input
             .reading
-            .options(paths(asked.input.paths, stdin)?, surroundings.progress)
+            .options(paths(asked.input.paths, stdin)?, surroundings)
     })?;
     let mut frames = asked.frames.into_iter();
     let wish = Wish {

@@ -16,10 +16,7 @@ pub(super) fn run(asked: &Diff, surroundings: Surroundings) -> Result<Answer, Fa
         engine::check(&engine::Options {
             config: asked.config.clone(),
             verdicts: engine::Verdicts::One,
-            ..asked
-                .reading
-                .clone()
-                .options(vec![path.to_path_buf()], surroundings.progress)
+            ..asked.reading.clone().options(vec![path.to_path_buf()], surroundings)
         })
     };
     let (a, b) = (read(&asked.before)?, read(&asked.after)?);

@@ -29,7 +29,7 @@ pub(super) fn run(init: Init, stdin: &mut dyn Read, surroundings: Surroundings) 
     let run = engine::check(&engine::Options {
         without_config: true,
         verdicts: engine::Verdicts::One,
-        ..init.input.reading.options(inputs, surroundings.progress)
+        ..init.input.reading.options(inputs, surroundings)
     })?;
     let text = init::configuration(&run);
     let mut answer = Answer::of_reading(&run, surroundings);

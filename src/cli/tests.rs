@@ -17,6 +17,7 @@ fn answer(arguments: &[&str]) -> Answer {
     let surroundings = Surroundings {
         style: Style::PLAIN,
         progress: false,
+        is_program: false,
     };
     run(arguments, &mut std::io::empty(), surroundings)
 }

@@ -23,7 +23,7 @@ pub(super) fn run(tree: Tree, stdin: &mut dyn Read, surroundings: Surroundings) 
         ..tree
             .input
             .reading
-            .options(paths(tree.input.paths, stdin)?, surroundings.progress)
+            .options(paths(tree.input.paths, stdin)?, surroundings)
     })?;
     // The drawing may be piped into a tool: what could not be read is said beside it.
     let style = Style {

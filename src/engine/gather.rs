@@ -2,6 +2,7 @@
 //!
 //! Owns the order of sources. Must not judge, and must not decide which sources belong to one platform.
 
+use std::collections::BTreeMap;
 use std::fs;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -13,8 +14,9 @@ use crate::read::calibration;
 use crate::read::discover::Inputs;
 use crate::read::input::Input;
 use crate::read::urdf::MeshLookup;
+use crate::read::xacro::Template;
 use crate::read::{code, feather, launch, text, urdf, xacro, xacro_parts};
-use crate::source::{Derived, Examined, MessageRef, Place, ReadStatus, Source, SourceId, SourceKind};
+use crate::source::{Derived, Examined, MessageRef, Place, ReadStatus, Source, SourceId, SourceKind, Written};
 use crate::tables::Tables;
 use crate::world::Facts;
 
@@ -39,6 +41,9 @@ struct Emerged {
     path: String,
     kind: SourceKind,
     derived: Derived,
+    /// Of an expansion: where it is written. Ids of sources are numbers of templates until all of them have one.
+    written: Vec<Written>,
+    templates: Vec<Template>,
     input: usize,
 }
 
@@ -48,7 +53,7 @@ pub(super) fn gather(
     inputs: &Inputs,
     which: &[usize],
     emerged_from: usize,
-    xacro_args: &[String],
+    means: &xacro::Means,
     how: &How,
     tables: &(dyn Fn(usize) -> Arc<Tables> + Sync),
     progress: &Progress,
@@ -60,7 +65,7 @@ pub(super) fn gather(
     let included = included_xacros(&which);
     let reader = Reader {
         inputs,
-        xacro_args,
+        means,
         how,
         tables,
         progress,
@@ -73,11 +78,47 @@ pub(super) fn gather(
         readings.push(reading);
         emerged.extend(texts);
     }
+    number(&mut emerged, inputs, emerged_from);
     readings.extend(parallel::map(
         emerged.into_iter().enumerate().collect(),
         |(offset, text)| read_emerged(text, source_id(emerged_from + offset), inputs, tables),
     ));
     readings
+}
+
+/// Gives the places of expansions the ids of the files that they are in. A file that is no input is put behind the others.
+fn number(emerged: &mut Vec<Emerged>, inputs: &Inputs, emerged_from: usize) {
+    let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let files = inputs.files.iter().enumerate();
+    let mut ids: BTreeMap<PathBuf, SourceId> = files
+        .map(|(index, input)| (absolute(&input.path), source_id(index)))
+        .collect();
+    let mut behind = Vec::new();
+    let first = emerged_from + emerged.len();
+    for expansion in emerged.iter_mut() {
+        let mut of_templates = Vec::new();
+        for Template { path, text } in std::mem::take(&mut expansion.templates) {
+            let id = *ids.entry(path.clone()).or_insert_with(|| {
+                behind.push(Emerged {
+                    text,
+                    path: path.display().to_string(),
+                    kind: SourceKind::Xacro,
+                    derived: Derived::Included,
+                    written: Vec::new(),
+                    templates: Vec::new(),
+                    input: expansion.input,
+                });
+                source_id(first + behind.len() - 1)
+            });
+            of_templates.push(id);
+        }
+        for written in &mut expansion.written {
+            if let Some(id) = of_templates.get(written.place.source.0 as usize) {
+                written.place.source = *id;
+            }
+        }
+    }
+    emerged.append(&mut behind);
 }
 
 /// The id of the source with this number.
@@ -101,6 +142,13 @@ fn read_emerged(emerged: Emerged, id: SourceId, inputs: &Inputs, tables: &dyn Fn
         ..Examined::default()
     };
     source.text = emerged.text;
+    if source.derived == Some(Derived::Included) {
+        return Reading {
+            source,
+            facts: Facts::default(),
+            input: emerged.input,
+        };
+    }
     if source.kind == SourceKind::SensorMetadata {
         let facts = calibration::read_json(&mut source, tables(emerged.input).dialects());
         // A text that is cut off is no fault of the recording, nor of the call.
@@ -117,6 +165,15 @@ fn read_emerged(emerged: Emerged, id: SourceId, inputs: &Inputs, tables: &dyn Fn
         .map_or_else(MeshLookup::default, |input| meshes(input, inputs));
     let facts = urdf::read(&mut source, &lookup);
     source.taken = facts.words();
+    source.written = emerged.written;
+    for at in 0..source.problems.len() {
+        if let Some(problem) = source.problems.get(at)
+            && let Some(place) = source.written(&problem.place)
+            && let Some(problem) = source.problems.get_mut(at)
+        {
+            problem.place = place;
+        }
+    }
     Reading {
         source,
         facts,
@@ -139,7 +196,7 @@ fn included_xacros(inputs: &[(usize, &Input)]) -> Vec<String> {
 
 struct Reader<'a> {
     inputs: &'a Inputs,
-    xacro_args: &'a [String],
+    means: &'a xacro::Means,
     how: &'a How,
     tables: &'a (dyn Fn(usize) -> Arc<Tables> + Sync),
     progress: &'a Progress,
@@ -226,6 +283,8 @@ impl Reader<'_> {
                 path: input.display.clone(),
                 kind,
                 derived: Derived::Message(message),
+                written: Vec::new(),
+                templates: Vec::new(),
                 input: index,
             };
             emerged.extend(texts.into_iter().map(emerging));
@@ -247,11 +306,13 @@ impl Reader<'_> {
             source.kind = SourceKind::Urdf;
             return urdf::read(source, &lookup);
         }
-        match xacro::expand(&input.path, self.xacro_args) {
-            Ok(text) => {
+        match xacro::expand(&input.path, self.means, &self.inputs.packages) {
+            Ok(expanded) => {
                 source.detail = Some("expanded; judged in its expansion".to_owned());
                 emerged.push(Emerged {
-                    text,
+                    text: expanded.text,
+                    written: expanded.written,
+                    templates: expanded.templates,
                     path: input.display.clone(),
                     kind: SourceKind::Urdf,
                     derived: Derived::Expansion,

@@ -52,6 +52,14 @@ pub(super) fn judge<'r>(
     }
     deference::match_up(&mut verdict.findings);
     deference::settle(&mut verdict);
+    // What stands in an expansion is shown where it is written.
+    let findings = verdict.findings.iter_mut().chain(&mut verdict.explained);
+    for label in findings.flat_map(|finding| &mut finding.places) {
+        let source = world.source(label.place.source);
+        if let Some(place) = source.and_then(|source| source.written(&label.place)) {
+            label.place = place;
+        }
+    }
     // What speaks of the findings comes when all are there.
     for rule in rules {
         if let Kind::Review(asked) = rule.entry.kind {

@@ -40,6 +40,8 @@ use policy::{Demanded, RunPolicy};
 use renumber::Renumber;
 
 pub use crate::read::discover::Wanted;
+pub use crate::read::xacro::own::expand as expand_xacro;
+pub use crate::read::xacro::{Means as XacroMeans, VERB as EXPAND_XACRO};
 pub use governed::settings_of;
 pub use hash::hash;
 pub use options::{Options, Sights, UsageError, Verdicts};
@@ -384,7 +386,7 @@ impl<'a> Reading<'a> {
             self.inputs,
             which,
             emerged_from,
-            &self.setup.options.xacro_args,
+            &self.setup.options.xacro,
             &how,
             &|input| governed.tables(input),
             self.progress,

@@ -5,6 +5,7 @@ use std::path::PathBuf;
 
 use crate::config::ConfigError;
 use crate::read::discover::Wanted;
+use crate::read::xacro::Means;
 use crate::run::FailOn;
 use crate::verdict::waiver::Day;
 
@@ -23,8 +24,8 @@ pub struct Options {
     pub select: Vec<String>,
     /// Codes, names and families of the rules to leave out.
     pub ignore: Vec<String>,
-    /// Arguments handed to xacro (`name:=value`).
-    pub xacro_args: Vec<String>,
+    /// How xacro files are expanded.
+    pub xacro: Means,
     /// The configuration that [`check`](super::check) uses; the nearest above the inputs where `None`.
     pub config: Option<PathBuf>,
     /// Whether no configuration is looked for.

@@ -1,17 +1,25 @@
-//! Xacro: macro files expanded by the `xacro` program where it is installed, or read as far as they are written out.
+//! Xacro: macro files expanded by this program in a process of its own, else by the `xacro` program where it is installed, or read as far
+//! as they are written out.
 //!
-//! Owns running the program within bounds, and the words for what it could not do. Must not know how URDF is read.
+//! Owns running either within bounds, and the words for what they could not do. Must not know how URDF is read.
 
+mod marked;
+pub mod own;
+
+use std::collections::BTreeMap;
 use std::io::{ErrorKind, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
-use crate::source::{LineIndex, Place, ReadStatus, Source, Span};
+use crate::source::{LineIndex, Place, ReadStatus, Source, Span, Written};
 use crate::world::Facts;
 
 use super::urdf::{self, MeshLookup};
+
+use self::marked::Copies;
+pub use self::marked::Template;
 
 /// How long the program may run.
 const TIMEOUT: Duration = Duration::from_secs(30);
@@ -19,13 +27,16 @@ const TIMEOUT: Duration = Duration::from_secs(30);
 /// How much it may write, bytes. The largest expansion seen in real files has half a megabyte.
 const LARGEST: usize = 64 * 1024 * 1024;
 
+/// Entries of a folder that are looked at for packages.
+const MOST_BESIDE: usize = 10_000;
+
 /// Lines of its complaints that are kept.
 const LAST_LINES: usize = 6;
 
 /// Why a file was not expanded.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Expansion {
-    /// There is no `xacro` on the path.
+    /// There is nothing that could expand it.
     NotInstalled,
     /// It ran and failed.
     Failed {
@@ -40,33 +51,102 @@ pub enum Expansion {
     TooLarge,
 }
 
-/// Expands a xacro file with `args` of the form `name:=value`. No shell is involved.
+/// The verb with which this program expands one file.
+pub const VERB: &str = "expand-xacro";
+
+/// How xacro files are expanded.
+#[derive(Clone, Debug, Default)]
+pub struct Means {
+    /// This program, which expands a file when it is called with [`VERB`]; without it there is only the `xacro` program.
+    pub own: Option<PathBuf>,
+    /// Arguments of the form `name:=value`.
+    pub args: Vec<String>,
+}
+
+/// Expands a xacro file; packages that it names are looked for among `packages` and around the file. No shell is involved.
 ///
 /// # Errors
 ///
 /// [`Expansion`] says why there is no expansion; [`Expansion::report`] says it to the user.
-pub fn expand(path: &Path, args: &[String]) -> Result<String, Expansion> {
-    let failed = |stderr: String| Expansion::Failed { stderr, line: None };
-    if let Some(odd) = args.iter().find(|arg| arg.starts_with('-') || !arg.contains(":=")) {
+pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) -> Result<Expanded, Expansion> {
+    let is_argument = |arg: &&String| !arg.starts_with('-') && arg.contains(":=");
+    if let Some(odd) = means.args.iter().find(|arg| !is_argument(arg)) {
         // Anything else would be an option of the program, which can write files.
-        return Err(failed(format!("`{odd}` is no argument of the form name:=value")));
+        return Err(Expansion::failed(format!(
+            "`{odd}` is no argument of the form name:=value"
+        )));
     }
-    let mut command = Command::new("xacro");
     // A path that begins with a dash is a path all the same.
-    let is_option = path.to_string_lossy().starts_with('-');
-    let path_argument = if is_option {
-        Path::new(".").join(path)
-    } else {
-        path.to_owned()
+    let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let packages = around(&path, packages);
+    let copies = Copies::new(&path, &packages);
+    let top = copies.as_ref().map(Copies::top);
+    let top = top.as_deref().unwrap_or(&path);
+    let own = means.own.as_ref().map(|program| {
+        let mut command = Command::new(program);
+        command.arg(VERB).env("RUST_XACRO_PACKAGE_MAP", listed(&packages));
+        if let Some(folder) = path.parent() {
+            command.current_dir(folder);
+        }
+        expand_by(command, top, &means.args)
+    });
+    let by_program = |path: &Path| expand_by(Command::new("xacro"), path, &means.args);
+    let expanded = match own.unwrap_or(Err(Expansion::NotInstalled)) {
+        Err(failure @ (Expansion::NotInstalled | Expansion::Failed { .. })) => match by_program(top) {
+            Err(Expansion::NotInstalled) => Err(failure),
+            // What it loads by a path from its own folder is not beside the copy.
+            Err(_) if top != path => return by_program(&path).map(Expanded::plain),
+            expanded => expanded,
+        },
+        expanded => expanded,
     };
-    command.arg(&path_argument).args(args).env("PYTHONIOENCODING", "utf-8");
+    match (expanded, copies) {
+        (Ok(marked), Some(copies)) => {
+            let (text, written, templates) = copies.unmarked(&marked);
+            Ok(Expanded {
+                text,
+                written,
+                templates,
+            })
+        }
+        (Ok(text), None) => Ok(Expanded::plain(text)),
+        (Err(Expansion::Failed { stderr, line }), Some(copies)) => Err(Expansion::Failed {
+            stderr: copies.with_files(stderr),
+            line,
+        }),
+        (Err(failure), _) => Err(failure),
+    }
+}
+
+/// The expansion of a xacro file.
+#[derive(Clone, Debug, Default)]
+pub struct Expanded {
+    /// The URDF.
+    pub text: String,
+    /// Where its parts are written; ids of sources are numbers of templates. Empty where that is not known.
+    pub written: Vec<Written>,
+    /// The file itself, and those that it includes.
+    pub templates: Vec<Template>,
+}
+
+impl Expanded {
+    fn plain(text: String) -> Self {
+        Self {
+            text,
+            ..Self::default()
+        }
+    }
+}
+
+fn expand_by(mut command: Command, path: &Path, args: &[String]) -> Result<String, Expansion> {
+    command.arg(path).args(args).env("PYTHONIOENCODING", "utf-8");
     match run(command, TIMEOUT, LARGEST)? {
         Output {
             success: true, stdout, ..
-        } => String::from_utf8(stdout).map_err(|_| failed("the expansion is not UTF-8".to_owned())),
+        } => String::from_utf8(stdout).map_err(|_| Expansion::failed("the expansion is not UTF-8".to_owned())),
         Output { stderr, .. } => {
             let stderr = String::from_utf8_lossy(&stderr).into_owned();
-            let line = line_of(&stderr, &path_argument);
+            let line = line_of(&stderr, path);
             let kept: Vec<&str> = stderr.lines().filter(|line| !line.trim().is_empty()).collect();
             let last = kept.get(kept.len().saturating_sub(LAST_LINES)..).unwrap_or_default();
             Err(Expansion::Failed {
@@ -77,6 +157,39 @@ pub fn expand(path: &Path, args: &[String]) -> Result<String, Expansion> {
     }
 }
 
+/// Folders of packages by name: those of the input, the one that the file belongs to, and those beside it.
+fn around(path: &Path, packages: &BTreeMap<String, PathBuf>) -> BTreeMap<String, PathBuf> {
+    let is_package = |folder: &Path| folder.join("package.xml").is_file();
+    let mut found = BTreeMap::new();
+    if let Some(package) = path.ancestors().skip(1).find(|folder| is_package(folder)) {
+        let beside = package.parent().and_then(|folder| folder.read_dir().ok());
+        let beside = beside.into_iter().flatten().take(MOST_BESIDE).flatten();
+        let folders = beside.map(|entry| entry.path()).filter(|folder| is_package(folder));
+        found.extend(folders.filter_map(|folder| Some((named(&folder)?, folder))));
+        found.extend(named(package).map(|name| (name, package.to_owned())));
+        let manifest = std::fs::read_to_string(package.join("package.xml")).unwrap_or_default();
+        let said = manifest
+            .split_once("<name>")
+            .and_then(|(_, rest)| rest.split_once("</name>"));
+        found.extend(said.map(|(name, _)| (name.trim().to_owned(), package.to_owned())));
+    }
+    let absolute = |folder: &PathBuf| std::path::absolute(folder).unwrap_or_else(|_| folder.clone());
+    found.extend(packages.iter().map(|(name, folder)| (name.clone(), absolute(folder))));
+    found
+}
+
+fn named(folder: &Path) -> Option<String> {
+    Some(folder.file_name()?.to_string_lossy().into_owned())
+}
+
+/// The packages as the environment hands them on: `name=folder`, one behind the other.
+fn listed(packages: &BTreeMap<String, PathBuf>) -> String {
+    let entries = packages
+        .iter()
+        .map(|(name, folder)| format!("{name}={}", folder.display()));
+    entries.collect::<Vec<_>>().join(if cfg!(windows) { ";" } else { ":" })
+}
+
 /// Reads what is written out in a xacro file, without expanding it: links and joints with literal names, outside of
 /// macros and inside, and claims of joints whose numbers are literal. The robot is a fragment.
 pub fn read_unexpanded(source: &mut Source, meshes: &MeshLookup) -> Facts {
@@ -84,16 +197,20 @@ pub fn read_unexpanded(source: &mut Source, meshes: &MeshLookup) -> Facts {
 }
 
 impl Expansion {
+    fn failed(stderr: String) -> Self {
+        Self::Failed { stderr, line: None }
+    }
+
     /// Records on the source that it was not expanded, why, and what to do. What is written out can still be read.
     pub fn report(&self, source: &mut Source) {
         let (message, help) = match self {
             Self::NotInstalled => (
-                "the xacro was not expanded: there is no `xacro` program on the path".to_owned(),
-                "install it (`pip install xacro`, or from ROS), or check the expanded URDF".to_owned(),
+                "the xacro was not expanded: there is nothing here to expand it with".to_owned(),
+                "check it with the program `frames-lint`, install `xacro`, or check the expanded URDF".to_owned(),
             ),
             Self::TimedOut => (
                 format!(
-                    "the xacro was not expanded: `xacro` did not end within {} s",
+                    "the xacro was not expanded: that did not end within {} s",
                     TIMEOUT.as_secs()
                 ),
                 "expand it by hand, and check the expanded URDF".to_owned(),
@@ -133,8 +250,11 @@ impl Expansion {
 
 /// The failure in plain words, and what to do.
 fn failure(stderr: &str, text: &str) -> (String, String) {
-    let packages = packages(text);
     if lacks_packages(stderr) {
+        let named = stderr
+            .split_once("package '")
+            .and_then(|(_, rest)| rest.split('\'').next());
+        let packages = named.map_or_else(|| packages(text), |name| vec![name]);
         let message = match packages.as_slice() {
             [] => format!(
                 "the xacro was not expanded: a package was not found ({})",
@@ -142,7 +262,7 @@ fn failure(stderr: &str, text: &str) -> (String, String) {
             ),
             names => format!("the xacro was not expanded: it needs {}", list(names)),
         };
-        let help = "install what it needs and run within that ROS workspace, or expand it there and check the expanded \
+        let help = "check the folder that holds these packages too, or expand it in its ROS workspace and check the expanded \
                     URDF; a path that is an argument can be given with --xacro-arg name:=value";
         return (message, help.to_owned());
     }
@@ -251,6 +371,11 @@ fn run(mut command: Command, timeout: Duration, largest: usize) -> Result<Output
         let stderr = collect(stderr, deadline)?;
         loop {
             match child.try_wait() {
+                Ok(Some(status)) if status.code().is_none() => {
+                    return Err(Expansion::failed(
+                        "error: it was broken off: it nests too deep, or takes too much memory".to_owned(),
+                    ));
+                }
                 Ok(Some(status)) => {
                     return Ok(Output {
                         success: status.success(),

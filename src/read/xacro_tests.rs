@@ -1,9 +1,11 @@
 //! Tests of running the program: with programs that are everywhere, and with `xacro` where it is installed.
 
+use std::collections::BTreeMap;
+use std::path::Path;
 use std::process::Command;
 use std::time::Duration;
 
-use super::{Expansion, Output, expand, run};
+use super::{Expansion, Means, Output, around, expand, run};
 use crate::read::at_hand::left_out;
 use crate::source::{ReadStatus, Source, SourceId, SourceKind};
 
@@ -54,7 +56,11 @@ fn output_and_success_come_back() {
 #[test]
 fn only_arguments_reach_the_program() {
     for odd in ["-o", "--version", "-o:=x", "prefix"] {
-        let error = expand(std::path::Path::new("r.xacro"), &[odd.to_owned()]).unwrap_err();
+        let means = Means {
+            args: vec![odd.to_owned()],
+            ..Means::default()
+        };
+        let error = expand(Path::new("r.xacro"), &means, &BTreeMap::new()).unwrap_err();
         assert!(matches!(error, Expansion::Failed { stderr, .. } if stderr.contains(odd)));
     }
 }
@@ -90,6 +96,36 @@ fn an_undefined_argument_is_asked_for() {
     assert_eq!(problem.help.as_deref(), Some("pass --xacro-arg sim_mode:=<value>"));
 }
 
+fn by_xacro(args: &[&str]) -> Means {
+    Means {
+        own: None,
+        args: args.iter().map(|arg| (*arg).to_owned()).collect(),
+    }
+}
+
+#[test]
+fn packages_of_the_input_around_the_file_and_beside_it_are_at_hand() {
+    let folder = tempfile::tempdir().unwrap();
+    for (package, name) in [("arm", "arm_description"), ("gripper", "gripper")] {
+        let package = folder.path().join(package);
+        std::fs::create_dir_all(package.join("urdf")).unwrap();
+        std::fs::write(
+            package.join("package.xml"),
+            format!("<package><name>{name}</name></package>"),
+        )
+        .unwrap();
+    }
+    let given = BTreeMap::from([("gripper".to_owned(), folder.path().join("elsewhere"))]);
+    let found = around(&folder.path().join("arm/urdf/arm.xacro"), &given);
+    assert_eq!(found.keys().collect::<Vec<_>>(), ["arm", "arm_description", "gripper"]);
+    assert_eq!(found["arm_description"], folder.path().join("arm"));
+    assert_eq!(
+        found["gripper"],
+        folder.path().join("elsewhere"),
+        "the input comes first"
+    );
+}
+
 #[test]
 fn xacro_expands_where_it_is_installed() {
     let folder = tempfile::tempdir().unwrap();
@@ -104,12 +140,12 @@ fn xacro_expands_where_it_is_installed() {
         "good.xacro",
         &format!("{head}<link name=\"$(arg x)_${{1+1}}\"/>\n</robot>"),
     );
-    let expanded = match expand(&good, &["x:=b".to_owned()]) {
+    let expanded = match expand(&good, &by_xacro(&["x:=b"]), &BTreeMap::new()) {
         Err(Expansion::NotInstalled) => return left_out("no xacro"),
-        expanded => expanded.unwrap(),
+        expanded => expanded.unwrap().text,
     };
     assert!(expanded.contains("<link name=\"b_2\"/>"), "{expanded}");
     let bad = write("bad.xacro", &format!("{head}<link name=\"a>\n</robot>"));
-    let error = expand(&bad, &[]).unwrap_err();
+    let error = expand(&bad, &by_xacro(&[]), &BTreeMap::new()).unwrap_err();
     assert!(matches!(error, Expansion::Failed { line: Some(4), .. }), "{error:?}");
 }

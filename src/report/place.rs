@@ -130,6 +130,7 @@ impl<'a> Locator<'a> {
             None => "?".to_owned(),
             Some(source) => match &source.derived {
                 None => self.path(source).to_owned(),
+                Some(Derived::Included) => format!("{} (included)", self.path(source)),
                 Some(Derived::Expansion) => format!("{} (expanded)", self.path(source)),
                 Some(Derived::Message(message)) => {
                     format!("{} {}[{}]", self.path(source), message.topic, message.index)

@@ -53,3 +53,4 @@ mod tf2_reference;
 mod tree_moment;
 mod urdf_faults;
 mod views;
+mod xacro;

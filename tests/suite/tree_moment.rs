@@ -53,6 +53,7 @@ fn tree(folder: &Path, options: &[&str]) -> Answer {
     let surroundings = Surroundings {
         style: Style::PLAIN,
         progress: false,
+        is_program: false,
     };
     run(arguments, &mut std::io::empty(), surroundings)
 }

@@ -20,7 +20,7 @@ pub(in crate::cli) fn run(view: View, stdin: &mut dyn Read, surroundings: Surrou
         ..view
             .input
             .reading
-            .options(paths(view.input.paths, stdin)?, surroundings.progress)
+            .options(paths(view.input.paths, stdin)?, surroundings)
     })?;
     let mut answer = Answer::of_reading(&run, surroundings);
     if let Some(file) = &view.output {

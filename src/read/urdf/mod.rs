@@ -25,6 +25,7 @@ use self::repair::Repaired;
 use self::xml::{Element, Text, Top};
 
 pub use self::mesh::MeshLookup;
+pub(super) use self::xml::parse_strict;
 
 /// Reads the URDF in `source.text`. Fills status and problems of the source.
 pub fn read(source: &mut Source, meshes: &MeshLookup) -> Facts {

@@ -111,7 +111,7 @@ pub(super) struct Fault {
 const LONGEST_TAG: usize = 8192;
 
 /// Parses a text that needs no repair; `None` where a strict parser objects, or could be kept busy.
-pub(super) fn parse_strict(text: &str) -> Option<Document<'_>> {
+pub(in crate::read) fn parse_strict(text: &str) -> Option<Document<'_>> {
     let (mut pieces, mut start) = (0, 0);
     for end in memchr::memchr_iter(b'>', text.as_bytes()).chain([text.len()]) {
         pieces += 1;

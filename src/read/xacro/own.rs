@@ -1,0 +1,172 @@
+//! Expansion of one xacro file by this program itself, in a process that was started for it.
+//!
+//! Owns the bounds of that process and the expressions that are not evaluated as `xacro` does. Whatever a file does to this process (endless
+//! recursion, more memory than there is), the process that asked for it goes on.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use xacro_rs::extensions::{CwdExtension, EnvExtension, ExtensionHandler, FindExtension, OptEnvExtension};
+use xacro_rs::{XacroError, XacroProcessor};
+
+/// How deep elements and macro calls may lie inside each other.
+const DEEPEST: usize = 1000;
+
+/// Stack for that depth, bytes. It is taken only as far as it is used.
+const STACK: usize = 1 << 29;
+
+/// Memory that this process may take, bytes.
+#[cfg(unix)]
+const MEMORY: u64 = 2 << 30;
+
+/// Expands `file` with `args` of the form `name:=value`. Limits the memory of the whole process: call it in one of its own.
+///
+/// # Errors
+///
+/// Why there is no expansion, in lines as the `xacro` program writes them.
+pub fn expand(file: &Path, args: &[String]) -> Result<String, String> {
+    // Where the limit cannot be set, time and output are still bounded from outside.
+    #[cfg(unix)]
+    let _ = nix::sys::resource::setrlimit(nix::sys::resource::Resource::RLIMIT_AS, MEMORY, MEMORY);
+    let args: HashMap<String, String> = args
+        .iter()
+        .filter_map(|arg| arg.split_once(":="))
+        .map(|(name, value)| (name.to_owned(), value.to_owned()))
+        .collect();
+    std::thread::scope(|scope| {
+        std::thread::Builder::new()
+            .stack_size(STACK)
+            .spawn_scoped(scope, || expand_here(file, args))
+            .map_err(|error| format!("error: no thread could be started: {error}"))?
+            .join()
+            .unwrap_or_else(|_| Err("error: the expansion broke off".to_owned()))
+    })
+}
+
+fn expand_here(file: &Path, args: HashMap<String, String>) -> Result<String, String> {
+    // What is installed here does not count: packages are those that the caller names.
+    let extensions: [Box<dyn ExtensionHandler>; 4] = [
+        Box::new(CwdExtension),
+        Box::new(EnvExtension),
+        Box::new(OptEnvExtension::new()),
+        Box::new(FindExtension::with_search_paths(Vec::new())),
+    ];
+    let builder = XacroProcessor::builder()
+        .with_args(args)
+        .with_compat_all()
+        .with_max_depth(DEEPEST)
+        .with_ros_yaml_units()
+        .clear_extensions();
+    let processor = extensions
+        .into_iter()
+        .fold(builder, xacro_rs::XacroBuilder::with_extension)
+        .build();
+    let (text, included) = processor.run_with_deps(file).map_err(|error| words(&error))?;
+    for path in included.iter().map(std::path::PathBuf::as_path).chain([file]) {
+        let written = std::fs::read_to_string(path).unwrap_or_default();
+        if let Some(expression) = expressions(&written).find(|expression| is_evaluated_otherwise(expression)) {
+            return Err(format!(
+                "error: `${{{expression}}}` is evaluated by the `xacro` program only\nwhen processing file: {}",
+                path.display()
+            ));
+        }
+    }
+    Ok(text)
+}
+
+/// What stands in `${...}`, in the order of the text.
+fn expressions(text: &str) -> impl Iterator<Item = &str> {
+    text.split("${")
+        .skip(1)
+        .map(|rest| rest.split('}').next().unwrap_or_default())
+}
+
+/// Whether an expression is one of the few that get another value here than in Python: the remainder of a negative number, a minus before
+/// a power, and `None`, which counts as zero here.
+fn is_evaluated_otherwise(expression: &str) -> bool {
+    let is_word = |c: char| c.is_alphanumeric() || c == '_';
+    let powers = expression.match_indices("**").any(|(at, _)| {
+        let before = expression.get(..at).unwrap_or_default().trim_end();
+        let open = match before.strip_suffix(')') {
+            Some(inner) => opening(inner),
+            None => before,
+        };
+        let sign = open.trim_end_matches(|c| is_word(c) || c == '.').trim_end();
+        sign.strip_suffix('-').is_some_and(|left| {
+            let left = left.trim_end();
+            left.is_empty() || left.ends_with(|c: char| !is_word(c) && !matches!(c, ')' | ']' | '\'' | '.'))
+        })
+    });
+    powers || expression.contains('%') || expression.split(|c| !is_word(c)).any(|word| word == "None")
+}
+
+/// The text before the bracket that a closing one behind `inner` belongs to.
+fn opening(inner: &str) -> &str {
+    let mut depth = 1_usize;
+    for (at, c) in inner.char_indices().rev() {
+        match c {
+            ')' => depth += 1,
+            '(' => depth -= 1,
+            _ => {}
+        }
+        if depth == 0 {
+            return inner.get(..at).unwrap_or_default();
+        }
+    }
+    ""
+}
+
+/// The error in the words of the `xacro` program.
+fn words(error: &XacroError) -> String {
+    match error {
+        XacroError::WithContext { source, context } => {
+            let file = context.include_stack.last().or(context.file.as_ref());
+            let file = file.map_or_else(String::new, |file| {
+                format!("\nwhen processing file: {}", file.display())
+            });
+            words(source) + &file
+        }
+        XacroError::UndefinedArgument { name } => format!("error: Undefined substitution argument {name}"),
+        XacroError::InvalidExtension { reason, .. } if reason.starts_with("Package not found: ") => {
+            format!("error: {}", reason.replace("Package not found:", "package"))
+        }
+        XacroError::UnimplementedFeature(said) => {
+            let name = said
+                .split_once('<')
+                .and_then(|(_, rest)| rest.split('>').next())
+                .unwrap_or_default();
+            if matches!(name, "xacro:element" | "xacro:attribute") {
+                format!("error: `<{name}>` is expanded by the `xacro` program only")
+            } else {
+                format!("error: unknown macro name: {name}")
+            }
+        }
+        other => {
+            let said = other.to_string();
+            format!("error: {}", said.lines().next().unwrap_or_default())
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn expressions_that_are_evaluated_otherwise_are_known() {
+        for odd in ["-2**2", "a + (-b**2)", "-(a+b) ** 2", "i % 2", "x == None", "2*-a**2"] {
+            assert!(is_evaluated_otherwise(odd), "{odd}");
+        }
+        for usual in [
+            "a**2",
+            "m*(a**2 - b**2)",
+            "a-b**2",
+            "-a*2",
+            "(a) - (b)**2",
+            "NoneSuch",
+            "2 ** -1",
+        ] {
+            assert!(!is_evaluated_otherwise(usual), "{usual}");
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! Xacro through the real program: expanded as the `xacro` program does, with places in the macros, and within bounds whatever the file does.
+
+#![cfg(unix)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+use crate::support::program::{check, check_all, run, run_with};
+use crate::support::{corpus, left_out};
+
+const HEAD: &str = "<robot name=\"r\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\">\n";
+
+fn robot(inside: &str) -> String {
+    format!("{HEAD}{inside}</robot>\n")
+}
+
+fn write(folder: &Path, name: &str, text: &str) {
+    let path = folder.join(name);
+    fs::create_dir_all(path.parent().unwrap()).unwrap();
+    fs::write(path, text).unwrap();
+}
+
+/// Two packages beside each other: a car, and the wheels that it includes.
+fn workspace(parent: &str) -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for package in ["car", "parts"] {
+        write(
+            folder.path(),
+            &format!("{package}/package.xml"),
+            &format!("<package><name>{package}</name></package>"),
+        );
+    }
+    let wheel = format!(
+        "<xacro:property name=\"r\" value=\"0.3\"/>\n<xacro:macro name=\"wheel\" params=\"side y spin:=1 *at\">\n<link name=\"${{side}}_wheel\"/>\n\
+         <joint name=\"${{side}}_joint\" type=\"continuous\">\n<parent link=\"{parent}\"/>\n<child link=\"${{side}}_wheel\"/>\n\
+         <xacro:insert_block name=\"at\"/>\n<axis xyz=\"0 ${{spin}} 0\"/>\n</joint>\n</xacro:macro>\n"
+    );
+    write(folder.path(), "parts/urdf/wheel.xacro", &robot(&wheel));
+    let car = "<xacro:arg name=\"mast\" default=\"true\"/>\n<xacro:include filename=\"$(find parts)/urdf/wheel.xacro\"/>\n\
+               <xacro:include filename=\"mast.xacro\"/>\n<link name=\"chassis\"/>\n\
+               <xacro:wheel side=\"left\" y=\"0.5\"><origin xyz=\"0 ${0.5 + r/2} ${-r**2 + r}\" rpy=\"0 ${pi/2} 0\"/></xacro:wheel>\n\
+               <xacro:wheel side=\"right\" y=\"-0.5\" spin=\"-1\"><origin xyz=\"0 -0.65 0\" rpy=\"0 0 ${radians(180)}\"/></xacro:wheel>\n\
+               <xacro:if value=\"$(arg mast)\"><xacro:mast n=\"3\"/></xacro:if>\n";
+    // A minus before a power is evaluated by the `xacro` program only.
+    write(
+        folder.path(),
+        "car/urdf/car.urdf.xacro",
+        &robot(&car.replace("${-r**2 + r}", "${r - r**2}")),
+    );
+    let mast = "<xacro:macro name=\"mast\" params=\"n\"><xacro:if value=\"${n > 0}\"><link name=\"mast_${n}\"/>\n\
+                <joint name=\"mast_${n}_joint\" type=\"fixed\"><parent link=\"${'chassis' if n == 1 else 'mast_' + str(int(n-1))}\"/>\
+                <child link=\"mast_${n}\"/><origin xyz=\"0 0 ${0.1*n}\"/></joint><xacro:mast n=\"${n-1}\"/></xacro:if></xacro:macro>\n";
+    let mast = mast.replace("${'chassis' if n == 1 else 'mast_' + str(int(n-1))}", "chassis");
+    write(folder.path(), "car/urdf/mast.xacro", &robot(&mast));
+    folder
+}
+
+fn expanded(file: &Path, args: &[&str]) -> Result<String, String> {
+    let arguments = ["expand-xacro", file.to_str().unwrap()];
+    let ran = run(file.parent().unwrap(), arguments.iter().chain(args));
+    if ran.code == 0 { Ok(ran.text()) } else { Err(ran.err) }
+}
+
+fn by_xacro(file: &Path) -> Option<String> {
+    let ran = Command::new("xacro").arg(file).output().ok()?;
+    ran.status.success().then(|| String::from_utf8(ran.stdout).unwrap())
+}
+
+/// Elements with their attributes, in order: numbers by value.
+fn said(text: &str) -> Vec<String> {
+    let document = roxmltree::Document::parse(text).unwrap();
+    let word = |word: &str| {
+        word.parse::<f64>()
+            .map_or_else(|_| word.to_owned(), |number| format!("{number:.9e}"))
+    };
+    let value = |value: &str| value.split_whitespace().map(word).collect::<Vec<_>>().join(" ");
+    let elements = document.descendants().filter(roxmltree::Node::is_element);
+    elements
+        .map(|node| {
+            let mut attributes: Vec<String> = node
+                .attributes()
+                .map(|attribute| format!("{}={}", attribute.name(), value(attribute.value())))
+                .collect();
+            attributes.sort();
+            format!("{} {}", node.tag_name().name(), attributes.join(" "))
+        })
+        .collect()
+}
+
+#[test]
+fn includes_macros_conditions_and_arithmetic_need_no_program() {
+    let folder = workspace("chassis");
+    // Nothing is on the path.
+    let ran = run_with(folder.path(), ["check", "--format", "json", "car"], &[("PATH", "")]);
+    let report = ran.report();
+    let inputs = report["inputs"].as_array().unwrap();
+    let expanded = inputs
+        .iter()
+        .find(|input| input["taken"].to_string().contains("joint"))
+        .unwrap();
+    assert_eq!(expanded["status"], "read", "{report:#}");
+    assert!(expanded["taken"].to_string().contains('5'), "{}", expanded["taken"]);
+    assert!(report["inputs"].to_string().contains("wheel.xacro"), "{report:#}");
+}
+
+#[test]
+fn a_finding_points_to_the_macro() {
+    let folder = workspace("chasis");
+    let report = check_all(folder.path(), &["car", "parts"], 1, &[]);
+    let findings = report["findings"].as_array().unwrap();
+    let places: Vec<&Value> = findings
+        .iter()
+        .filter(|finding| finding["message"].to_string().contains("chasis"))
+        .flat_map(|finding| finding["places"].as_array().unwrap())
+        .collect();
+    let at_parent = |place: &&&Value| place["path"] == "parts/urdf/wheel.xacro" && place["line"] == 6;
+    assert!(places.iter().any(|place| at_parent(&place)), "{places:#?}");
+    let human = run(folder.path(), ["check", "car", "parts"]).text();
+    assert!(human.contains("parts/urdf/wheel.xacro:6"), "{human}");
+    assert!(human.contains("<parent link=\"chasis\"/>"), "{human}");
+}
+
+#[test]
+fn the_xacro_program_says_the_same() {
+    let folder = workspace("chassis");
+    let file = folder.path().join("car/urdf/car.urdf.xacro");
+    let text = fs::read_to_string(&file).unwrap();
+    let parts = folder.path().join("parts");
+    fs::write(&file, text.replace("$(find parts)", parts.to_str().unwrap())).unwrap();
+    let Some(other) = by_xacro(&file) else {
+        return left_out("no xacro");
+    };
+    assert_eq!(said(&expanded(&file, &[]).unwrap()), said(&other));
+    assert!(!expanded(&file, &["mast:=false"]).unwrap().contains("mast_1"));
+    let mut compared = 0;
+    let Some(corpus) = corpus() else { return };
+    let mut folders: Vec<PathBuf> = vec![corpus.join("xacro")];
+    while let Some(folder) = folders.pop() {
+        for entry in folder.read_dir().into_iter().flatten().flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|ending| ending == "xacro")
+                && let Some(other) = by_xacro(&path)
+                && let Ok(own) = expanded(&path, &[])
+            {
+                assert_eq!(said(&own), said(&other), "{}", path.display());
+                compared += 1;
+            }
+        }
+    }
+    assert!(compared > 50, "{compared}");
+}
+
+#[test]
+fn what_cannot_be_expanded_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    write(
+        folder.path(),
+        "cycle.xacro",
+        &robot("<link name=\"a\"/><xacro:include filename=\"other.xacro\"/>"),
+    );
+    write(
+        folder.path(),
+        "other.xacro",
+        &robot("<link name=\"b\"/><xacro:include filename=\"cycle.xacro\"/>"),
+    );
+    let said = expanded(&folder.path().join("cycle.xacro"), &[]).unwrap_err();
+    assert!(said.contains("Circular include"), "{said}");
+    for (inside, word) in [
+        ("<xacro:wheel/>", "unknown macro name: xacro:wheel"),
+        ("<link name=\"${nothing}\"/>", "nothing"),
+        ("<link name=\"$(arg side)\"/>", "Undefined substitution argument side"),
+        (
+            "<xacro:include filename=\"$(find no_such_parts)/a.xacro\"/>",
+            "the package `no_such_parts`",
+        ),
+        (
+            "<xacro:macro name=\"a\" params=\"\"><xacro:a/></xacro:macro><xacro:a/>",
+            "the xacro was not expanded",
+        ),
+        ("<xacro:include filename=\"/dev/null\"/>", "the xacro was not expanded"),
+    ] {
+        check(
+            "bad.xacro",
+            robot(&format!("<link name=\"base_link\"/>{inside}")),
+            3,
+            &["the xacro was not expanded", word],
+        );
+    }
+    for odd in ["-0.5**2", "i % 2", "None"] {
+        write(
+            folder.path(),
+            "odd.xacro",
+            &robot(&format!(
+                "<xacro:property name=\"i\" value=\"3\"/><a x=\"${{{odd}}}\"/>"
+            )),
+        );
+        let said = expanded(&folder.path().join("odd.xacro"), &[]).unwrap_err();
+        assert!(said.contains("by the `xacro` program only"), "{said}");
+    }
+}
+
+#[test]
+fn macros_without_end_are_broken_off() {
+    let doubled = (1..40).fold(
+        "<xacro:macro name=\"m0\"><link name=\"a\"/></xacro:macro>".to_owned(),
+        |text, level| {
+            let call = format!("<xacro:m{}/>", level - 1);
+            format!("{text}<xacro:macro name=\"m{level}\">{call}{call}</xacro:macro>")
+        },
+    );
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "laughs.xacro", &robot(&format!("{doubled}<xacro:m39/>")));
+    let ran = run(folder.path(), ["check", "laughs.xacro"]);
+    assert_eq!(ran.code, 3, "{}", ran.err);
+    assert!(ran.text().contains("the xacro was not expanded"), "{}", ran.text());
+}
