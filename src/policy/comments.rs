@@ -20,7 +20,9 @@ pub(super) fn all(context: &Context) -> (Vec<Exception>, Vec<Misspelt>) {
     let mut exceptions = Vec::new();
     let mut misspelt = Vec::new();
     for source in context.sources {
-        if source.kind == SourceKind::Configuration || !source.text.contains(MARK) {
+        // What stands in an expansion is read where it is written.
+        let is_elsewhere = !source.written.is_empty();
+        if is_elsewhere || source.kind == SourceKind::Configuration || !source.text.contains(MARK) {
             continue;
         }
         let lines = LineIndex::new(&source.text);

@@ -102,7 +102,7 @@ pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) 
     };
     match (expanded, copies) {
         (Ok(marked), Some(copies)) => {
-            let (text, written, templates) = copies.unmarked(&marked);
+            let (text, written, templates) = copies.unmarked(marked);
             Ok(Expanded {
                 text,
                 written,

@@ -2,6 +2,7 @@
 //!
 //! Builds one line index for each text, and only for texts that a report points into.
 
+use std::borrow::Cow;
 use std::cell::OnceCell;
 
 use crate::source::{At, Derived, LineColumn, LineIndex, MessageRef, Place, Source, SourceId};
@@ -92,8 +93,15 @@ impl<'a> Locator<'a> {
         Some(cell.get_or_init(|| LineIndex::new(&source.text)))
     }
 
+    /// A place in an expansion, where it is written; any other place.
+    fn written<'p>(&self, place: &'p Place) -> Cow<'p, Place> {
+        let written = self.source(place.source).and_then(|source| source.written(place));
+        written.map_or(Cow::Borrowed(place), Cow::Owned)
+    }
+
     /// Where a place is.
     pub(super) fn find(&self, place: &Place) -> Spot {
+        let place = &*self.written(place);
         let Some(source) = self.source(place.source) else {
             return Spot {
                 path: "?".to_owned(),
@@ -141,6 +149,7 @@ impl<'a> Locator<'a> {
 
     /// The place in a few words: `robot.urdf:12:5`, `drive.mcap /tf message 3`.
     pub(super) fn short(&self, place: &Place) -> String {
+        let place = &*self.written(place);
         let spot = self.find(place);
         match (&place.at, spot.start) {
             (At::Message(message), _) => format!("{} {} message {}", spot.path, message.topic, message.index),

@@ -122,6 +122,28 @@ fn a_finding_points_to_the_macro() {
     let human = run(folder.path(), ["check", "car", "parts"]).text();
     assert!(human.contains("parts/urdf/wheel.xacro:6"), "{human}");
     assert!(human.contains("<parent link=\"chasis\"/>"), "{human}");
+    let tree = run(folder.path(), ["tree", "car", "parts"]).text();
+    assert!(tree.contains("wheel.xacro:5"), "{tree}");
+}
+
+#[test]
+fn a_comment_in_a_macro_is_for_what_is_made_of_it() {
+    let folder = workspace("chasis");
+    let rule = |report: &Value| report["findings"][0]["rule"].as_str().unwrap().to_owned();
+    let report = check_all(folder.path(), &["car", "parts"], 1, &[]);
+    let wheel = folder.path().join("parts/urdf/wheel.xacro");
+    let comment = format!(
+        "<!-- frames-lint: allow {} the frame has another name here -->\n<joint",
+        rule(&report)
+    );
+    fs::write(&wheel, fs::read_to_string(&wheel).unwrap().replace("<joint", &comment)).unwrap();
+    let report = check_all(folder.path(), &["car", "parts"], 0, &[]);
+    let findings = report["findings"].as_array().unwrap();
+    assert!(
+        findings.iter().any(|finding| !finding["waived"].is_null()),
+        "{report:#}"
+    );
+    assert!(!report["findings"].to_string().contains("GATE"), "{report:#}");
 }
 
 #[test]
@@ -136,6 +158,19 @@ fn the_xacro_program_says_the_same() {
     };
     assert_eq!(said(&expanded(&file, &[]).unwrap()), said(&other));
     assert!(!expanded(&file, &["mast:=false"]).unwrap().contains("mast_1"));
+    write(
+        folder.path(),
+        "car/urdf/seat.yaml",
+        "seat: {x: 1.5, z: 2, yaw: !degrees 90}\n",
+    );
+    let seat = "<xacro:property name=\"at\" value=\"${xacro.load_yaml('seat.yaml')['seat']}\"/><link name=\"seat\"/>\
+                <a xyz=\"${at['x']} 0 ${at['z']}\" yaw=\"${at['yaw']}\"/>";
+    let seat_file = folder.path().join("car/urdf/seat.xacro");
+    fs::write(&seat_file, robot(seat)).unwrap();
+    assert_eq!(
+        said(&expanded(&seat_file, &[]).unwrap()),
+        said(&by_xacro(&seat_file).unwrap())
+    );
     let mut compared = 0;
     let Some(corpus) = corpus() else { return };
     let mut folders: Vec<PathBuf> = vec![corpus.join("xacro")];
@@ -154,6 +189,28 @@ fn the_xacro_program_says_the_same() {
         }
     }
     assert!(compared > 50, "{compared}");
+}
+
+#[test]
+fn the_xacro_program_is_the_second_choice_and_has_places_too() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "<xacro:element xacro:name=\"link\" name=\"a\"/>\n<joint name=\"j\" type=\"fixed\">\n<parent link=\"a\"/>\n<child link=\"${'lost'}\"/>\n</joint>\n";
+    write(folder.path(), "made.xacro", &robot(text));
+    let without = run_with(folder.path(), ["check", "made.xacro"], &[("PATH", "")]);
+    assert_eq!(without.code, 3);
+    assert!(
+        without
+            .text()
+            .contains("`<xacro:element>` is expanded by the `xacro` program only"),
+        "{}",
+        without.text()
+    );
+    if by_xacro(&folder.path().join("made.xacro")).is_none() {
+        return left_out("no xacro");
+    }
+    let human = run(folder.path(), ["check", "made.xacro"]).text();
+    assert!(human.contains("made.xacro:5"), "{human}");
+    assert!(human.contains("names `lost` as its child"), "{human}");
 }
 
 #[test]

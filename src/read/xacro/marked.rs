@@ -162,7 +162,8 @@ impl Copies {
     }
 
     /// The expansion without its marks, and where it is written: ids of sources are numbers of templates.
-    pub(super) fn unmarked(self, marked: &str) -> (String, Vec<Written>, Vec<Template>) {
+    pub(super) fn unmarked(self, marked: String) -> (String, Vec<Written>, Vec<Template>) {
+        let marked = self.with_files(marked);
         let open = format!(" {MARK}=\"");
         let mut text = String::with_capacity(marked.len());
         let mut marks = Vec::new();
@@ -175,7 +176,6 @@ impl Copies {
             marks.extend(mark.map(|mark: (usize, usize)| (text.len(), mark)));
             text.push_str(rest);
         }
-        let text = self.with_files(text);
         let written = written(&text, &marks, &self.templates).unwrap_or_default();
         (text, written, self.templates)
     }
@@ -252,8 +252,9 @@ fn written(text: &str, marks: &[(usize, (usize, usize))], templates: &[Template]
                 place: Place::text(source, at),
             });
         };
-        add(node.range().into(), origin.range().into());
-        add(here, tag(origin, &template.text));
+        let tag = tag(origin, &template.text);
+        add(node.range().into(), tag);
+        add(here, tag);
         for attribute in node.attributes() {
             let name = attribute.name();
             if let Some(own) = origin.attributes().find(|own| own.name() == name) {
