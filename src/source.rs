@@ -308,6 +308,9 @@ pub struct Source {
     /// What was taken from it, in words: `3 transforms, 1 origin on the Earth`; `None` where that is nothing.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub taken: Option<String>,
+    /// Parts that look like a transform, or half of one, and of which nothing was taken: the keys from the root, joined by `/`.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub not_understood: Vec<Placed<String>>,
     /// What else is to be said of it, a line each: what it was judged with.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub notes: Vec<String>,
@@ -346,7 +349,24 @@ pub struct MeshFile {
     pub bytes: u64,
 }
 
+/// Parts that were not understood that a line names.
+const MAX_NAMED: usize = 4;
+
 impl Source {
+    /// What was taken from it and what was not understood, in a line: `3 transforms; not understood: `extrinsics/lidar``.
+    pub fn understood(&self) -> Option<String> {
+        let (named, more) = self.not_understood.split_at(self.not_understood.len().min(MAX_NAMED));
+        let named: Vec<String> = named.iter().map(|part| format!("`{}`", part.value)).collect();
+        let more = if more.is_empty() {
+            String::new()
+        } else {
+            format!(" and {} more", more.len())
+        };
+        let open = (!named.is_empty()).then(|| format!("not understood: {}{more}", named.join(", ")));
+        let words: Vec<String> = self.taken.iter().cloned().chain(open).collect();
+        (!words.is_empty()).then(|| words.join("; "))
+    }
+
     /// What is missing of a source that was not read, or not in full.
     pub fn shortfall(&self) -> &str {
         self.detail.as_deref().unwrap_or("could not be read in full")
@@ -361,6 +381,7 @@ impl Source {
             status: ReadStatus::Read,
             detail: None,
             taken: None,
+            not_understood: Vec::new(),
             notes: Vec::new(),
             examined: Examined::default(),
             text: String::new(),

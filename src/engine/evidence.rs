@@ -176,10 +176,12 @@ fn fault(document: &Document) -> Option<String> {
     }
     let members = document.worlds.iter().flat_map(|world| &world.members);
     let places = document.sources.iter().flat_map(|source| &source.problems);
+    let parts = document.sources.iter().flat_map(|source| &source.not_understood);
     let bags = document.worlds.iter().flat_map(|world| &world.bags);
     let robots = document.worlds.iter().flat_map(|world| &world.robots);
     members
         .chain(places.map(|problem| &problem.place.source))
+        .chain(parts.map(|part| &part.place.source))
         .chain(bags.map(|bag| &bag.source))
         .chain(robots.map(|robot| &robot.source))
         .find(|id| !is_known(id))

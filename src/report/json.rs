@@ -10,7 +10,7 @@ mod tests;
 use serde::Serialize;
 
 use crate::run::{FailOn, Recording, Run, Summary, Unmet};
-use crate::source::{Problem, Source};
+use crate::source::{Placed, Problem, Source};
 use crate::verdict::waiver::Day;
 use crate::verdict::{Explainer, Finding, Fix, Label, Measured, PlaceRole, Row, Safety, Waived};
 
@@ -77,6 +77,7 @@ pub(super) struct Input<'a> {
     status: &'static str,
     detail: Option<&'a str>,
     taken: Option<&'a str>,
+    not_understood: Vec<Part<'a>>,
     notes: &'a [String],
     examined: Share,
     problems: Vec<InputProblem<'a>>,
@@ -91,6 +92,13 @@ struct Share {
     time_s: Option<f64>,
     time_total_s: Option<f64>,
     windows: Option<u64>,
+}
+
+#[derive(Serialize)]
+struct Part<'a> {
+    part: &'a str,
+    line: Option<usize>,
+    column: Option<usize>,
 }
 
 #[derive(Serialize)]
@@ -288,6 +296,11 @@ pub(super) fn input<'a>(source: &'a Source, locator: &Locator) -> Input<'a> {
         status: source.status.word(),
         detail: source.detail.as_deref(),
         taken: source.taken.as_deref(),
+        not_understood: source
+            .not_understood
+            .iter()
+            .map(|placed| part(placed, locator))
+            .collect(),
         notes: &source.notes,
         examined: Share {
             bytes: source.examined.bytes,
@@ -299,6 +312,15 @@ pub(super) fn input<'a>(source: &'a Source, locator: &Locator) -> Input<'a> {
             windows: source.examined.windows,
         },
         problems: source.problems.iter().map(|problem| fault(problem, locator)).collect(),
+    }
+}
+
+fn part<'a>(placed: &'a Placed<String>, locator: &Locator) -> Part<'a> {
+    let PlaceKeys { line, column, .. } = keys(&locator.find(&placed.place));
+    Part {
+        part: &placed.value,
+        line,
+        column,
     }
 }
 

@@ -58,8 +58,9 @@ pub(super) fn has_track(node: &Node) -> bool {
     }
 }
 
-/// Whether a list holds poses, each with a time of its own: nuScenes' `ego_pose.json`.
-fn is_over_time(items: &[Node]) -> bool {
+/// Whether a list holds poses, each with a time of its own, or records of nuScenes that are of no sensor: its `ego_pose.json`, also with one
+/// pose, and its `sample_annotation.json`.
+pub(super) fn is_over_time(items: &[Node]) -> bool {
     let time = |item: &Node| {
         let times = ["timestamp", "timestamp_ns", "utime", "stamp", "time"];
         times.iter().find_map(|key| item.get(key)?.text().map(str::to_owned))
@@ -70,7 +71,13 @@ fn is_over_time(items: &[Node]) -> bool {
     };
     let is_pose = |item: &Node| has(item, Half::Translation) && has(item, Half::Rotation);
     let times: Option<BTreeSet<String>> = items.iter().map(time).collect();
-    items.len() > 1 && items.iter().all(is_pose) && times.is_some_and(|times| times.len() > 1)
+    let is_recorded = |item: &Node| {
+        let has = |keys: &[&str]| keys.iter().any(|key| item.get(key).is_some());
+        has(&["token"]) && has(&["timestamp", "sample_token"]) && !has(&["sensor_token"])
+    };
+    !items.is_empty()
+        && items.iter().all(is_pose)
+        && (items.iter().all(is_recorded) || times.is_some_and(|times| times.len() > 1))
 }
 
 /// Numbers under a key.

@@ -1,12 +1,14 @@
 //! The reader of YAML and JSON files that may hold transforms.
 //!
 //! Owns the two entry points and the words on how a file could be read. `repair`, `events` and `document` turn text into nodes,
-//! `names` and `numbers` recognise, `shapes` spells, `origins`, `ouster` and `references` look for what they say, `walk` and `generic` make claims, `dialect` knows formats.
+//! `names` and `numbers` recognise, `shapes` spells, `origins`, `ouster` and `references` look for what they say, `walk` and `generic` make claims, `dialect` knows formats,
+//! `leftovers` finds what was taken for nothing.
 
 mod dialect;
 pub(crate) mod document;
 pub(crate) mod events;
 mod generic;
+mod leftovers;
 mod names;
 mod numbers;
 mod origins;
@@ -23,13 +25,14 @@ mod tests;
 
 use std::path::Path;
 
-use crate::source::{LineIndex, Place, Placed, ReadStatus, Source};
+use crate::source::{LineIndex, Place, Placed, ReadStatus, Source, Span};
 use crate::tables::{Dialect, Rows};
 use crate::world::Facts;
 
 use super::input::ending;
 use super::launch;
 use document::{Documents, Fault};
+use leftovers::Leftover;
 use repair::OffsetMap;
 
 /// The dialects that a file may be of.
@@ -157,11 +160,36 @@ fn read_text(
     let reached = documents.fault.as_ref().map_or(text.len(), |fault| fault.at);
     source.examined.bytes = reached as u64;
     report(source, text, &documents, &facts);
+    let said: Vec<Span> = problems.iter().map(|(span, _)| *span).collect();
     for (span, message) in problems {
         source.problem(ReadStatus::Partial, Place::text(source.id, span), message);
     }
+    not_understood(
+        source,
+        leftovers::collect(&documents.roots, text, &facts.claims, &said),
+        &facts,
+    );
     describe(source, text, &documents, &corrected, &facts, dialect.as_deref());
     facts
+}
+
+/// Says what looks like transforms and was taken for none. A file that holds nothing else was not read.
+fn not_understood(source: &mut Source, leftovers: Vec<Leftover>, facts: &Facts) {
+    let place = |span: Span| Place::text(source.id, span);
+    let whole = leftovers.iter().find(|leftover| leftover.is_whole);
+    let problem = whole.filter(|_| facts.words().is_none()).map(|first| {
+        let message = format!(
+            "holds transforms in a form that is not known: nothing of it was read, and `{}` was not",
+            first.label
+        );
+        (place(first.span), message)
+    });
+    let placed = |leftover: &Leftover| Placed::new(leftover.label.clone(), place(leftover.span));
+    source.not_understood = leftovers.iter().map(placed).collect();
+    if let Some((place, message)) = problem {
+        let help = "write each transform as a matrix, or as `translation` and `rotation`, under a key that names both frames (`base_link_from_lidar`)";
+        source.problem_with_help(ReadStatus::Partial, place, message, Some(help.to_owned()));
+    }
 }
 
 /// Why a text is not looked at at all.

@@ -231,6 +231,14 @@ pub(super) fn looks_rigid(rows: usize, cols: usize, values: &[f64]) -> bool {
     !diagonal && bottom && near_rotation(&m)
 }
 
+/// Whether the numbers of three or four rows of four are a rigid transform, identities among them, or the transpose of one.
+pub(super) fn is_rigid_or_turned_over(rows: usize, values: &[f64]) -> bool {
+    let is_near = upper_left(4, values).is_some_and(|m| near_rotation(&m));
+    let last =
+        |step: usize, from: usize| [0, 1, 2, 3].map(|at| values.get(from + step * at).copied().unwrap_or(f64::NAN));
+    is_near && (rows == 3 || is_homogeneous(last(1, 12)) || is_homogeneous(last(4, 3)))
+}
+
 /// Whether a 3x3 is within [`NEAR`] of an orthogonal matrix.
 pub(super) fn near_rotation(m: &Matrix3<f64>) -> bool {
     let error = rotation::orthogonality_error(m);

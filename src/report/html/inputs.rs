@@ -80,7 +80,7 @@ fn row(page: &Page, source: &Source) -> Markup {
             td {
                 (badge(class, sign, source.status.word()))
                 @if let Some(detail) = source.detail.as_ref().filter(|_| !said) { p { (words(detail)) } }
-                @if let Some(taken) = &source.taken { p { (words(taken)) } }
+                @if let Some(understood) = source.understood() { p { (words(&understood)) } }
                 @for note in &source.notes { p { (words(note)) } }
                 @for problem in source.problems.iter().take(MAX_PROBLEMS) { (fault(page, problem)) }
                 @if source.problems.len() > MAX_PROBLEMS {

@@ -26,7 +26,7 @@ pub(super) fn taken(run: &Run, options: &Options, locator: &Locator, out: &mut S
     let sources: Vec<&Source> = run
         .sources
         .iter()
-        .filter(|source| source.taken.is_some() || !source.notes.is_empty())
+        .filter(|source| source.understood().is_some() || !source.notes.is_empty())
         .collect();
     if sources.is_empty() {
         return;
@@ -34,8 +34,11 @@ pub(super) fn taken(run: &Run, options: &Options, locator: &Locator, out: &mut S
     let shown = if options.verbose { sources.len() } else { MAX_TAKEN };
     heading(options.style, "Understood", sources.len(), "input", out);
     for source in sources.iter().take(shown) {
-        let what = source.taken.iter().chain(&source.notes);
-        let what: Vec<&str> = what.map(String::as_str).collect();
+        let what: Vec<String> = source
+            .understood()
+            .into_iter()
+            .chain(source.notes.iter().cloned())
+            .collect();
         let line = format!("{}: {}", locator.name(source.id), what.join("; "));
         let _ = writeln!(out, "{}", wrap(&one_line(&line), options.style.width, "  ", "    "));
     }
