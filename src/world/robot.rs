@@ -158,6 +158,9 @@ pub struct Joint {
     pub limit: Option<JointLimit>,
     /// The joint named by `<mimic>`.
     pub mimic: Option<Placed<String>>,
+    /// Whether it stands below a condition of xacro that was not decided (`xacro:if`, `xacro:unless`): it may not be there.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_conditional: bool,
 }
 
 impl Joint {

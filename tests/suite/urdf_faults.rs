@@ -546,3 +546,35 @@ fn the_healthy_robots_are_silent_without_their_other_files() {
         assert!(all.is_empty(), "{robot}: {all:?}");
     }
 }
+
+#[test]
+fn joints_below_conditions_of_a_xacro_are_alternatives() {
+    let joint = |name: &str, parent: &str| {
+        format!("<joint name=\"{name}\" type=\"fixed\"><parent link=\"{parent}\"/><child link=\"lidar\"/></joint>")
+    };
+    let robot = |joints: &str| {
+        format!(
+            "<robot name=\"r\" xmlns:xacro=\"http://www.ros.org/wiki/xacro\"><xacro:include filename=\"$(find nowhere)/a.xacro\"/><link name=\"base_link\"/><link name=\"mast\"/><link name=\"lidar\"/>{joints}</robot>\n"
+        )
+    };
+    let (a, b) = (joint("a", "base_link"), joint("b", "mast"));
+    let tall = "value=\"$(arg tall)\"";
+    for (joints, expected) in [
+        (
+            format!("<xacro:unless {tall}>{a}</xacro:unless><xacro:if {tall}>{b}</xacro:if>"),
+            0,
+        ),
+        (format!("{a}<xacro:if {tall}>{b}</xacro:if>"), 0),
+        (format!("{a}{b}"), 1),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("robot.xacro"), robot(&joints)).unwrap();
+        let run = frames_lint::engine::check(&frames_lint::engine::Options {
+            paths: vec![folder.path().to_path_buf()],
+            select: vec!["TREE02".to_owned()],
+            ..frames_lint::engine::Options::default()
+        })
+        .unwrap();
+        assert_eq!(run.verdict.findings.len(), expected, "{joints}");
+    }
+}

@@ -38,6 +38,7 @@ impl Reader<'_> {
             axis: None,
             limit: None,
             mimic: None,
+            is_conditional: conditional,
         };
         let names = [
             Some(&joint.name),

@@ -86,6 +86,10 @@ fn judge_launched(world: &World, launched: &FrameGraph, closing: &BTreeSet<(Fram
 fn judge_robot(world: &World, robot: &Robot, out: &mut Judge) {
     let mut children: BTreeMap<&str, Vec<&Joint>> = BTreeMap::new();
     for joint in &robot.joints {
+        // Joints below conditions of a xacro that was not expanded are alternatives.
+        if joint.is_conditional {
+            continue;
+        }
         // A joint of a link with itself gives it no parent: URDF02.
         let is_self = joint
             .parent
