@@ -164,17 +164,12 @@ pub(crate) fn metadata_of<'w>(world: &'w World, clouds: &Clouds) -> Option<&'w O
     fitting.next().is_none().then_some(first)
 }
 
-/// Whether these are clouds of an Ouster: by the fields of the points, or by metadata of a sensor with as many rows and columns in the
-/// same recording, where the frame or the topic names it.
+/// Whether these are clouds of an Ouster: by the fields of the points, or, whatever fields were kept, where the frame or the topic names it
+/// and there are metadata of a sensor, of an organised cloud with as many rows and columns.
 pub(crate) fn is_of_an_ouster(world: &World, clouds: &Clouds) -> bool {
     if clouds.driver.is_some_and(|driver| driver.name == "Ouster") {
         return true;
     }
-    let is_organised = clouds
-        .evidence
-        .samples
-        .first()
-        .is_some_and(|sample| sample.size.iter().all(|count| *count > 1));
     let is_named = clouds.frame().is_some_and(|frame| is_ouster(&frame.tokens())) || is_ouster(&clouds.topic.words());
-    is_organised && is_named && metadata_of(world, clouds).is_some_and(|metadata| metadata.columns.is_some())
+    is_named && metadata_of(world, clouds).is_some_and(|metadata| metadata.columns.is_some())
 }

@@ -107,7 +107,7 @@ fn decides_the_tree(channel: &Channel) -> bool {
 fn is_matched(channel: &Channel) -> bool {
     matches!(
         last_segment(&channel.message_type),
-        "PointCloud2" | "CustomMsg" | "LaserScan"
+        "PointCloud2" | "CustomMsg" | "LaserScan" | "MultiEchoLaserScan"
     )
 }
 

@@ -212,7 +212,7 @@ fn meant<'g>(world: &'g World, role: &FrameId) -> Vec<&'g FrameId> {
     let types: &[&str] = if has_word(role, names::CAMERAS) {
         &["CameraInfo", "Image", "CompressedImage"]
     } else if has_word_of(role, LIDAR_WORDS) {
-        &["PointCloud2", "PointCloud", "LaserScan"]
+        &["PointCloud2", "PointCloud", "LaserScan", "MultiEchoLaserScan"]
     } else if has_word(role, &["imu", "body"]) {
         &["Imu"]
     } else {

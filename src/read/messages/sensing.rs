@@ -77,13 +77,31 @@ pub(super) fn grid_map<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeEr
 
 /// Reads a `sensor_msgs/LaserScan` behind its header, as far as its ranges.
 pub(super) fn laser_scan<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
+    scan(cursor, Cursor::u32, Cursor::f32)
+}
+
+/// The same of a `sensor_msgs/MultiEchoLaserScan`: the first echo of each ray, and not a number where there is none.
+pub(super) fn multi_echo_scan<'m>(cursor: &mut Cursor<'m>) -> Result<Body<'m>, DecodeError> {
+    scan(cursor, Cursor::sequence, |cursor| {
+        let echoes = cursor.u32()?;
+        let first = if echoes > 0 { cursor.f32()? } else { f32::NAN };
+        cursor.skip_numbers(4, echoes.saturating_sub(1) as usize)?;
+        Ok(first)
+    })
+}
+
+fn scan<'m>(
+    cursor: &mut Cursor<'m>,
+    count: impl Fn(&mut Cursor<'m>) -> Result<u32, DecodeError>,
+    range_of: impl Fn(&mut Cursor<'m>) -> Result<f32, DecodeError>,
+) -> Result<Body<'m>, DecodeError> {
     let mut of = || cursor.f32().map(f64::from);
     let angles = [of()?, of()?, of()?];
     let [time_increment, scan_time] = [of()?, of()?];
     let range = [of()?, of()?];
-    let count = cursor.u32()?;
+    let count = count(cursor)?;
     // Nothing is set aside for the number that a message claims.
-    let ranges = (0..count).map(|_| cursor.f32().map(f64::from));
+    let ranges = (0..count).map(|_| range_of(cursor).map(f64::from));
     Ok(Body::LaserScan(Box::new(LaserScan {
         angles,
         time_increment,

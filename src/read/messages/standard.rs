@@ -37,6 +37,7 @@ pub(super) enum Standard {
     Cloud,
     LivoxCloud,
     LaserScan,
+    MultiEchoLaserScan,
     RadarScan,
     RadarTracks,
     Nmea,
@@ -115,6 +116,7 @@ impl Standard {
             "sensor_msgs/Image" => Self::Image,
             "sensor_msgs/PointCloud2" => Self::Cloud,
             "sensor_msgs/LaserScan" => Self::LaserScan,
+            "sensor_msgs/MultiEchoLaserScan" => Self::MultiEchoLaserScan,
             "radar_msgs/RadarScan" => Self::RadarScan,
             "radar_msgs/RadarTracks" => Self::RadarTracks,
             _ => return None,
@@ -176,6 +178,7 @@ impl Standard {
             Self::Cloud => cloud::point_cloud(cursor).map(Box::new).map(Body::Cloud),
             Self::LivoxCloud => cloud::livox(cursor).map(Box::new).map(Body::Cloud),
             Self::LaserScan => sensing::laser_scan(cursor),
+            Self::MultiEchoLaserScan => sensing::multi_echo_scan(cursor),
             Self::RadarScan => radar::scan(cursor).map(Box::new).map(Body::Radar),
             Self::RadarTracks => radar::tracks(cursor).map(Box::new).map(Body::Radar),
             Self::Tf | Self::Transform | Self::NmeaText | Self::Description | Self::Metadata | Self::Clock => {

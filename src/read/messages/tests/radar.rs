@@ -196,6 +196,31 @@ fn a_scan_of_a_plane_is_read_with_what_is_no_range() {
 }
 
 #[test]
+fn of_several_echoes_of_a_ray_the_first_is_read() {
+    for form in FORMS {
+        let rays: [&[f32]; 3] = [&[1.5, 7.0], &[], &[2.5]];
+        let mut pieces = laser(&[]);
+        // The empty lists of ranges and intensities.
+        pieces.truncate(pieces.len() - 2);
+        pieces.push(Piece::Len(u32::try_from(rays.len()).unwrap()));
+        for ray in rays {
+            pieces.push(Piece::Len(u32::try_from(ray.len()).unwrap()));
+            pieces.extend(ray.iter().map(|range| single(*range)));
+        }
+        pieces.push(Piece::Len(0));
+        let decoder = decoder("/scan", "sensor_msgs/msg/MultiEchoLaserScan", form, "");
+        let Body::LaserScan(scan) = decoder.decode(&form.write(&pieces)).unwrap().body else {
+            panic!("no scan");
+        };
+        assert!(scan.ranges[1].is_nan());
+        assert_eq!(
+            [scan.ranges.len() as f64, scan.ranges[0], scan.ranges[2]],
+            [3.0, 1.5, 2.5]
+        );
+    }
+}
+
+#[test]
 fn counts_that_lie_end_with_the_bytes_and_large_scans_are_thinned() {
     let list = format!(
         "std_msgs/Header header\nacme/D[] detections\n{RULE}\nMSG: acme/D\nuint8[0] nothing\nfloat32 range\nfloat32 azimuth\nfloat32 doppler\n"
