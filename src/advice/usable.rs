@@ -1,12 +1,12 @@
 //! What is said of calibrations that cannot be used.
 
-use crate::analysis::camera::published::Published;
+use crate::analysis::camera::published::Intrinsics;
 use crate::verdict::Judge;
 
-impl Published<'_> {
+impl Intrinsics<'_> {
     /// Whether K can be used: finite, with positive focal lengths. Else the outcome is written, with what was not looked at.
     pub(crate) fn is_usable(&self, subject: &str, out: &mut Judge) -> bool {
-        let [fx, fy, cx, cy] = self.intrinsics();
+        let [fx, fy, cx, cy] = self.pinhole();
         if self.is_uncalibrated() {
             out.not_applicable(subject, "K is all zeros: the camera is not calibrated");
             return false;

@@ -99,10 +99,13 @@ impl Platforms {
 fn world(members: Vec<Member>) -> World {
     let mut world = World::default();
     world.label = label(&members);
+    let channels = members.iter().flat_map(|member| member.facts.channels.iter().cloned());
+    let channels: BTreeMap<FrameId, FrameId> = channels.collect();
     for member in members {
         world.members.push(member.id);
         world.absorb(member.facts);
     }
+    world.name_sensors(&channels);
     world
 }
 

@@ -23,6 +23,8 @@ pub enum Need {
     Matrices,
     /// A calibration file with transforms.
     Calibration,
+    /// A recording, or a file of camera_info_manager.
+    CameraInfo,
     /// A recording.
     Bag,
     /// Any named frame.
@@ -44,6 +46,7 @@ impl Need {
             Self::TransformsOrBag => !world.claims.is_empty() || !world.bags.is_empty(),
             Self::CalibrationOrBag => !world.bags.is_empty() || world.claims.iter().any(has_file),
             Self::Calibration => world.claims.iter().any(has_file),
+            Self::CameraInfo => !world.bags.is_empty() || !world.cameras.is_empty(),
             Self::Bag => !world.bags.is_empty(),
             Self::Frames => !world.frames.is_empty(),
         }
@@ -59,6 +62,7 @@ impl Need {
                 | Self::Transforms
                 | Self::TransformsOrBag
                 | Self::CalibrationOrBag
+                | Self::CameraInfo
                 | Self::Bag
         )
     }
@@ -75,6 +79,7 @@ impl Need {
             Self::CalibrationOrBag => "no calibration file with transforms and no recording",
             Self::Matrices => "no file with a matrix",
             Self::Calibration => "no calibration file with transforms",
+            Self::CameraInfo => "no recording and no camera_info file",
             Self::Bag => "no recording",
             Self::Frames => "no frame names",
         }

@@ -4,7 +4,7 @@ use nalgebra::{Isometry3, Point3};
 
 use crate::world::FrameId;
 use crate::world::bag::TopicEvidence;
-use crate::world::camera::Calibration;
+use crate::world::camera::CameraModel;
 use crate::world::tf2::Buffer;
 
 use super::placed::Placed;
@@ -22,7 +22,12 @@ pub(super) fn cameras(placed: &Placed, scene: &mut Scene) -> Vec<Path> {
     let buffer = placed.buffer();
     for bag in &world.bags {
         for topic in bag.topics.values() {
-            let calibrations = topic.content.calibrations.iter().flat_map(|known| &known.calibrations);
+            let calibrations = topic
+                .content
+                .calibrations
+                .iter()
+                .flat_map(|known| &known.calibrations)
+                .map(|known| &known.camera);
             let Some(frame) = topic.header_frames.keys().next() else {
                 continue;
             };
@@ -42,13 +47,13 @@ pub(super) fn cameras(placed: &Placed, scene: &mut Scene) -> Vec<Path> {
     images
 }
 
-fn is_calibrated(calibration: &Calibration) -> bool {
+fn is_calibrated(calibration: &CameraModel) -> bool {
     calibration.k[0] > 0.0 && calibration.k[4] > 0.0 && calibration.size.iter().all(|pixels| *pixels > 0)
 }
 
 /// The points of a topic as they fall into the image: those before the camera, without its distortion. Whether any does.
 fn projected(
-    (topic, camera, calibration): (&TopicEvidence, &FrameId, &Calibration),
+    (topic, camera, calibration): (&TopicEvidence, &FrameId, &CameraModel),
     buffer: &Buffer,
     path: &Path,
     scene: &mut Scene,
@@ -88,7 +93,7 @@ fn projected(
 fn pixel(
     camera_from_cloud: &Isometry3<f64>,
     point: &Point3<f64>,
-    calibration: &Calibration,
+    calibration: &CameraModel,
 ) -> Option<(f64, [f32; 3])> {
     let at = camera_from_cloud * point;
     let [fx, _, cx, _, fy, cy, ..] = calibration.k;
@@ -108,20 +113,10 @@ fn by_depth(depth_m: f64) -> [u8; 3] {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use crate::source::MessageRef;
-
     use super::*;
 
-    fn calibration() -> Calibration {
-        Calibration {
-            at: MessageRef {
-                topic: "/camera_info".to_owned(),
-                index: 0,
-                stamp_ns: None,
-                log_ns: 0,
-                field: None,
-            },
-            count: 1,
+    fn calibration() -> CameraModel {
+        CameraModel {
             size: [640, 480],
             model: "plumb_bob".to_owned(),
             d: Vec::new(),

@@ -2,20 +2,16 @@
 
 use serde::{Deserialize, Serialize};
 
-use crate::source::MessageRef;
+use crate::source::{MessageRef, Place};
 
 /// Different calibrations of one topic that are kept.
 pub const MAX_CALIBRATIONS: usize = 8;
 /// Different forms of images of one topic that are kept.
 pub const MAX_FORMS: usize = 8;
 
-/// One calibration, `sensor_msgs/msg/CameraInfo` as published.
+/// What a camera makes of directions, as `sensor_msgs/msg/CameraInfo` has it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Calibration {
-    /// The first message that has it.
-    pub at: MessageRef,
-    /// How many have it.
-    pub count: u64,
+pub struct CameraModel {
     /// Width and height of the calibrated image, pixels.
     pub size: [u32; 2],
     /// `distortion_model`.
@@ -36,6 +32,29 @@ pub struct Calibration {
     pub binning: [u32; 2],
     /// The part that images show, pixels of the full image: left, top, width, height; all zeros is all of it.
     pub roi: [u32; 4],
+}
+
+/// One calibration as published.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Calibration {
+    /// The first message that has it.
+    pub at: MessageRef,
+    /// How many have it.
+    pub count: u64,
+    /// What it says.
+    #[serde(flatten)]
+    pub camera: CameraModel,
+}
+
+/// A camera that a file of camera_info_manager describes.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct CameraFile {
+    /// `camera_name`.
+    pub name: String,
+    /// Its camera matrix.
+    pub place: Place,
+    /// What it says.
+    pub camera: CameraModel,
 }
 
 /// Calibrations of one topic.

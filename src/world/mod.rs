@@ -26,7 +26,7 @@ pub mod robot;
 pub mod tf2;
 pub mod transform_name;
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
@@ -37,6 +37,7 @@ use crate::tables::{Dataset, Tables};
 use launch::{LocalizationSettings, StaticPublisher};
 
 pub use bag::BagEvidence;
+pub use camera::CameraFile;
 pub use chain::DeclaredChain;
 pub use claim::{Claim, ClaimKind, Doubt, Literal, Pose, Spelling};
 pub use conventions::{Conventions, Declared};
@@ -85,6 +86,9 @@ pub struct World {
     /// The dataset that the user says this is.
     #[serde(skip)]
     pub dataset: Option<NamedDataset>,
+    /// Cameras that files of camera_info_manager describe.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub cameras: Vec<CameraFile>,
     /// Projections that files declare.
     #[serde(default)]
     pub projections: Vec<Projection>,
@@ -124,6 +128,10 @@ pub struct Facts {
     pub origins: Vec<EarthOrigin>,
     /// What the metadata of Ouster sensors say.
     pub ousters: Vec<OusterMetadata>,
+    /// Cameras that a file of camera_info_manager describes.
+    pub cameras: Vec<CameraFile>,
+    /// What a dataset's table of sensors calls them, by the token that its other tables name them with.
+    pub channels: Vec<(FrameId, FrameId)>,
     /// Projections that a file declares.
     pub projections: Vec<Projection>,
     /// Static transforms that a launch file or a script publishes.
@@ -160,6 +168,8 @@ impl Facts {
             (self.chains.len(), "product of transforms"),
             (self.origins.len(), "origin on the Earth"),
             (self.ousters.len(), "description of an Ouster"),
+            (self.cameras.len(), "camera"),
+            (self.channels.len(), "name of a sensor"),
             (self.projections.len(), "projection"),
             (self.localizations.len(), "node of robot_localization"),
             (self.references.len(), "reference to a calibration file"),
@@ -250,6 +260,7 @@ impl World {
             ousters: kept(&self.ousters, |one| at(&one.place)),
             tables: Arc::clone(&self.tables),
             dataset: self.dataset.clone(),
+            cameras: kept(&self.cameras, |one| at(&one.place)),
             projections: kept(&self.projections, |one| at(&one.place)),
             publishers: kept(&self.publishers, |one| at(&one.place)),
             localizations: kept(&self.localizations, |one| {
@@ -272,6 +283,7 @@ impl World {
         self.references.extend(facts.references);
         self.origins.extend(facts.origins);
         self.ousters.extend(facts.ousters);
+        self.cameras.extend(facts.cameras);
         self.projections.extend(facts.projections);
         self.publishers.extend(facts.publishers);
         self.localizations.extend(facts.localizations);
@@ -279,6 +291,15 @@ impl World {
         self.graph = OnceLock::new();
         self.launched = OnceLock::new();
         self.whole = OnceLock::new();
+    }
+
+    /// Calls the sensors of a dataset what its table of sensors calls them, and not by their tokens.
+    pub fn name_sensors(&mut self, channels: &BTreeMap<FrameId, FrameId>) {
+        let is_of_records =
+            |claim: &&mut Claim| matches!(&claim.kind, ClaimKind::File { dialect, .. } if dialect == "nuscenes");
+        for claim in self.claims.iter_mut().filter(is_of_records) {
+            claim.rename(|token| channels.get(token).cloned());
+        }
     }
 
     /// Takes in what the user declares: it speaks before names and guesses, and settles the order of bare quaternions.

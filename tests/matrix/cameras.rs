@@ -1,7 +1,7 @@
 //! Cameras: optical frames of real transforms, and what a camera there would say, staged rightly and then wrong.
 
 use frames_lint::world::bag::TopicEvidence;
-use frames_lint::world::camera::{Calibration, CalibrationEvidence, ImageEvidence, ImageForm};
+use frames_lint::world::camera::{Calibration, CalibrationEvidence, CameraModel, ImageEvidence, ImageForm};
 use frames_lint::world::{FrameId, World};
 use nalgebra::{Isometry3, Translation3};
 
@@ -97,14 +97,16 @@ fn put_camera(world: &mut World, stream: &Stream, name: &str, frame: &str, basel
     let calibration = Calibration {
         at: message(&info, start_ns),
         count: 10,
-        size: SIZE,
-        model: "plumb_bob".to_owned(),
-        d: vec![-0.1, 0.02, 3e-4, -2e-4, 0.0],
-        k: [fx, 0.0, cx, 0.0, fx, cy, 0.0, 0.0, 1.0],
-        r: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
-        p: [fx, 0.0, cx, -fx * baseline_m, 0.0, fx, cy, 0.0, 0.0, 0.0, 1.0, 0.0],
-        binning: [0, 0],
-        roi: [0; 4],
+        camera: CameraModel {
+            size: SIZE,
+            model: "plumb_bob".to_owned(),
+            d: vec![-0.1, 0.02, 3e-4, -2e-4, 0.0],
+            k: [fx, 0.0, cx, 0.0, fx, cy, 0.0, 0.0, 1.0],
+            r: [1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0],
+            p: [fx, 0.0, cx, -fx * baseline_m, 0.0, fx, cy, 0.0, 0.0, 0.0, 1.0, 0.0],
+            binning: [0, 0],
+            roi: [0; 4],
+        },
     };
     let topic: &mut TopicEvidence = put_topic(world, stream, &info, "sensor_msgs/msg/CameraInfo", frame);
     topic.content.calibrations = Some(CalibrationEvidence {

@@ -10,7 +10,7 @@ use frames_lint::math::rotation::to_rpy;
 use frames_lint::run::Run;
 use frames_lint::source::{Confidence, ReadStatus};
 use frames_lint::tables::{Writing, WrittenTransform, writings};
-use frames_lint::verdict::Finding;
+use frames_lint::verdict::{Finding, Outcome};
 use nalgebra::{Isometry3, Translation3, UnitQuaternion};
 
 use crate::support::at_hand;
@@ -382,4 +382,72 @@ fn files_of_known_dialects_are_recognised() {
         }
     }
     assert!(wrong.is_empty(), "{} of {count}\n{}", wrong.len(), wrong.join("\n"));
+}
+
+/// What CROSS01 and CROSS02 say of files beside a URDF with the truth, in which the frames are `base_link` and `lidar`; and whether they were compared.
+fn beside_the_truth(name: &str, text: &str) -> (Vec<String>, bool) {
+    let pose = truth();
+    let (roll, pitch, yaw) = to_rpy(&pose.rotation);
+    let t = pose.translation.vector;
+    let folder = tempfile::tempdir().unwrap();
+    let urdf = format!(
+        "<robot name=\"r\">\n<link name=\"base_link\"/>\n<link name=\"lidar\"/>\n<joint name=\"j\" type=\"fixed\">\n<parent link=\"base_link\"/>\n<child link=\"lidar\"/>\n<origin xyz=\"{:?} {:?} {:?}\" rpy=\"{roll:?} {pitch:?} {yaw:?}\"/>\n</joint>\n</robot>\n",
+        t.x, t.y, t.z
+    );
+    fs::write(folder.path().join("robot.urdf"), urdf).unwrap();
+    fs::write(folder.path().join(name), text).unwrap();
+    let run = engine::check(&engine::Options {
+        paths: vec![folder.path().to_path_buf()],
+        select: ["CROSS01", "CROSS02", "CROSS07"].map(str::to_owned).to_vec(),
+        ..engine::Options::default()
+    })
+    .unwrap();
+    let relations = run
+        .verdict
+        .findings
+        .iter()
+        .filter_map(|finding| finding.relation.clone());
+    let judged = run.verdict.rows.iter().any(|row| {
+        row.rule != "CROSS02" && row.subject.contains("lidar") && !matches!(row.outcome, Outcome::NotEvaluated)
+    });
+    (relations.collect(), judged)
+}
+
+/// A pose as `xyz` and `rpy`, and as sixteen numbers.
+fn spelled(pose: &Isometry3<f64>) -> (String, String) {
+    let (t, (roll, pitch, yaw)) = (pose.translation.vector, to_rpy(&pose.rotation));
+    let rows: Vec<String> = pose
+        .to_homogeneous()
+        .transpose()
+        .iter()
+        .map(|value| format!("{value:?}"))
+        .collect();
+    (
+        format!(
+            "xyz: [{:?}, {:?}, {:?}], rpy: [{roll:?}, {pitch:?}, {yaw:?}]",
+            t.x, t.y, t.z
+        ),
+        format!("[{}]", rows.join(", ")),
+    )
+}
+
+#[test]
+fn mountings_and_matrices_with_names_beside_them_are_held_against_the_description() {
+    for (pose, expected) in [(truth(), vec![]), (truth().inverse(), vec!["inverse".to_owned()])] {
+        let (six, matrix) = spelled(&pose);
+        for text in [
+            format!("base_frame: base_link\nextrinsics: {{lidar: {{{six}}}}}\n"),
+            format!("extrinsics: {{lidar: {{{six}}}}}\n"),
+            format!("parent_frame: base_link\nchild_frame: lidar\nego_T_velodyne: {matrix}\n"),
+        ] {
+            let (relations, judged) = beside_the_truth("mounts.yaml", &text);
+            assert!(judged, "{text}");
+            assert_eq!(relations, expected, "{text}");
+        }
+    }
+    // The file contradicts itself.
+    let (_, matrix) = spelled(&truth());
+    let text = format!("parent_frame: base_link\nchild_frame: lidar\nlidar_T_ego: {matrix}\n");
+    let (relations, _) = beside_the_truth("mounts.yaml", &text);
+    assert!(relations.contains(&"inverse".to_owned()), "{relations:?}");
 }

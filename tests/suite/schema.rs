@@ -89,6 +89,43 @@ fn a_finding_in_a_recording_names_its_message() {
 }
 
 #[test]
+fn parts_that_were_not_understood_are_said_in_every_form_of_a_report() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = "T_a_b: [1, 0, 0, 1, 0, 1, 0, 0, 0, 0, 1, 0]\nmounts:\n  radar: [1, 2, 3, 0, 0, 0.5]\n";
+    fs::write(folder.path().join("some.yaml"), text).unwrap();
+    fs::write(
+        folder.path().join("none.yaml"),
+        "mounts:\n  radar: [1, 2, 3, 0, 0, 0.5]\n",
+    )
+    .unwrap();
+    let (code, report) = report(folder.path(), ".");
+    assert_eq!(code, 3, "one file was not read");
+    let input = |name: &str| {
+        let inputs = report["inputs"].as_array().unwrap();
+        inputs.iter().find(|input| input["path"] == name).unwrap().clone()
+    };
+    let part = |line: u32| serde_json::json!([{"part": "mounts/radar", "line": line, "column": 3}]);
+    let (some, none) = (input("some.yaml"), input("none.yaml"));
+    assert_eq!(
+        (&some["status"], &some["taken"], &some["not_understood"]),
+        (&Value::from("read"), &Value::from("1 transform"), &part(3))
+    );
+    assert_eq!(
+        (&none["status"], &none["not_understood"]),
+        (&Value::from("partial"), &part(2))
+    );
+    assert_eq!(none["problems"][0]["line"], 2);
+    let said = program::run(folder.path(), ["check", "."]).text();
+    assert!(
+        said.contains("some.yaml: 1 transform; not understood: `mounts/radar`"),
+        "{said}"
+    );
+    program::run(folder.path(), ["check", ".", "--output", "html=report.html"]);
+    let page = fs::read_to_string(folder.path().join("report.html")).unwrap();
+    assert!(page.contains("not understood: <code>mounts/radar</code>"));
+}
+
+#[test]
 fn every_exit_code() {
     let folder = tempfile::tempdir().unwrap();
     let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();

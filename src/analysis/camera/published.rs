@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use crate::analysis::names;
-use crate::source::Place;
-use crate::world::{BagEvidence, FrameId, World, camera::Calibration};
+use crate::source::{MessageRef, Place};
+use crate::world::{BagEvidence, FrameId, World, camera::CameraModel};
 
 /// Words of cameras that look up or down on purpose.
 pub(crate) const VERTICAL: &[&str] = &[
@@ -66,6 +66,55 @@ pub(crate) fn looks_against_its_name(frame: &FrameId, looks: &Vector3<f64>) -> W
     }
 }
 
+/// A calibration of a camera.
+#[derive(Clone, Debug)]
+pub(crate) struct Intrinsics<'w> {
+    pub(crate) calibration: &'w CameraModel,
+    pub(crate) place: Place,
+    pub(crate) subject: String,
+    /// Whose it is, behind a letter: `on `/camera_info``.
+    pub(crate) whose: String,
+}
+
+impl<'w> Intrinsics<'w> {
+    /// Those of recordings by topic, then those of files.
+    pub(crate) fn all(world: &'w World) -> impl Iterator<Item = Self> {
+        let published = Published::all(world).map(|published| published.intrinsics());
+        published.chain(Self::of_files(world))
+    }
+
+    /// Those of files.
+    pub(crate) fn of_files(world: &'w World) -> impl Iterator<Item = Self> {
+        world.cameras.iter().map(|file| Self {
+            calibration: &file.camera,
+            place: file.place.clone(),
+            subject: format!("calibration of `{}` in {}", file.name, world.path(file.place.source)),
+            whose: format!("of `{}`", file.name),
+        })
+    }
+
+    /// Focal lengths and principal point, pixels: fx, fy, cx, cy.
+    pub(crate) fn pinhole(&self) -> [f64; 4] {
+        let [fx, _, cx, _, fy, cy, ..] = self.calibration.k;
+        [fx, fy, cx, cy]
+    }
+
+    /// Whether it says that the camera is not calibrated: K is all zeros.
+    pub(crate) fn is_uncalibrated(&self) -> bool {
+        is_uncalibrated(self.calibration)
+    }
+
+    /// Whether a recording has it.
+    pub(crate) fn is_published(&self) -> bool {
+        self.place.topic().is_some()
+    }
+}
+
+/// Whether K is all zeros.
+fn is_uncalibrated(camera: &CameraModel) -> bool {
+    camera.k.iter().all(|value| *value == 0.0)
+}
+
 /// A calibration of a recording's camera.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Published<'w> {
@@ -73,7 +122,9 @@ pub(crate) struct Published<'w> {
     /// The number of the recording in the world.
     pub(crate) index: usize,
     pub(crate) topic: &'w str,
-    pub(crate) calibration: &'w Calibration,
+    pub(crate) calibration: &'w CameraModel,
+    /// The first message that has it.
+    at: &'w MessageRef,
     /// Its number on the topic, from 1, where there are several.
     number: Option<usize>,
 }
@@ -93,7 +144,8 @@ impl<'w> Published<'w> {
                     bag,
                     index,
                     topic: &topic.topic,
-                    calibration,
+                    calibration: &calibration.camera,
+                    at: &calibration.at,
                     number: several.then_some(place + 1),
                 })
             })
@@ -109,7 +161,7 @@ impl<'w> Published<'w> {
     }
 
     pub(crate) fn place(&self) -> Place {
-        Place::message(self.bag.source, self.calibration.at.clone())
+        Place::message(self.bag.source, self.at.clone())
     }
 
     /// The frame that its messages name.
@@ -119,15 +171,19 @@ impl<'w> Published<'w> {
         frames.find(|frame| !frame.as_str().is_empty())
     }
 
-    /// Focal lengths and principal point, pixels: fx, fy, cx, cy.
-    pub(crate) fn intrinsics(&self) -> [f64; 4] {
-        let [fx, _, cx, _, fy, cy, ..] = self.calibration.k;
-        [fx, fy, cx, cy]
+    /// What it says of the camera, as a rule judges it.
+    pub(crate) fn intrinsics(&self) -> Intrinsics<'w> {
+        Intrinsics {
+            calibration: self.calibration,
+            place: self.place(),
+            subject: self.subject(),
+            whose: format!("on `{}`", self.topic),
+        }
     }
 
     /// Whether it says that the camera is not calibrated: K is all zeros.
     pub(crate) fn is_uncalibrated(&self) -> bool {
-        self.calibration.k.iter().all(|value| *value == 0.0)
+        is_uncalibrated(self.calibration)
     }
 
     /// The namespace that the camera's topics share: `/front` of `/front/camera_info`.

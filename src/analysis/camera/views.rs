@@ -7,7 +7,7 @@ use nalgebra::{Isometry3, Matrix3, Rotation3, UnitQuaternion, Vector3};
 use crate::analysis::ground::{Ground, sensor_in_cloud};
 use crate::analysis::lidar::Clouds;
 use crate::math::{constants::AxisTurn, lens::Lens};
-use crate::world::{World, camera::Calibration};
+use crate::world::{World, camera::CameraModel};
 
 /// Clouds of which points are projected.
 const CLOUDS: usize = 10;
@@ -25,7 +25,7 @@ pub(crate) struct Image {
 
 impl Image {
     /// The raw image of a calibration, of which a region may be read out. `None` where its model or its size cannot be used.
-    pub(crate) fn of(calibration: &Calibration) -> Option<Self> {
+    pub(crate) fn of(calibration: &CameraModel) -> Option<Self> {
         let lens = Lens::new(&calibration.k, &calibration.model, &calibration.d)?;
         let [width, height] = calibration.size.map(f64::from);
         let [left, top, roi_width, roi_height] = calibration.roi.map(f64::from);

@@ -1,7 +1,9 @@
 //! Calibrations and images of one topic.
 
 use crate::read::messages::content::{CameraInfo, Image};
-use crate::world::camera::{Calibration, CalibrationEvidence, ImageEvidence, ImageForm, MAX_CALIBRATIONS, MAX_FORMS};
+use crate::world::camera::{
+    Calibration, CalibrationEvidence, CameraModel, ImageEvidence, ImageForm, MAX_CALIBRATIONS, MAX_FORMS,
+};
 
 use super::super::point::{On, Point};
 
@@ -57,14 +59,16 @@ impl Calibrations {
         let made = |(point, count, info): (Point, u64, CameraInfo<'static>)| Calibration {
             at: point.on(on),
             count,
-            size: [info.width, info.height],
-            model: info.model.into_owned(),
-            d: info.d,
-            k: info.k,
-            r: info.r,
-            p: info.p,
-            binning: info.binning,
-            roi: [info.roi.x, info.roi.y, info.roi.width, info.roi.height],
+            camera: CameraModel {
+                size: [info.width, info.height],
+                model: info.model.into_owned(),
+                d: info.d,
+                k: info.k,
+                r: info.r,
+                p: info.p,
+                binning: info.binning,
+                roi: [info.roi.x, info.roi.y, info.roi.width, info.roi.height],
+            },
         };
         CalibrationEvidence {
             count,

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 use crate::source::{Confidence, Span};
 use crate::world::transform_name::{self, NamePart};
-use crate::world::{FrameRole, Literal};
+use crate::world::{FrameId, FrameRole, Literal, Spelling};
 
 use super::dialect::{self, Terms};
 use super::document::{Kind, Node};
@@ -56,6 +56,16 @@ pub(super) fn has_track(node: &Node) -> bool {
         Kind::Sequence(items) => is_over_time(items) || items.iter().any(has_track),
         Kind::Mapping(pairs) => pairs.iter().any(|(_, child)| has_track(child)),
     }
+}
+
+/// The names of sensors in a table of nuScenes (`sensor.json`), by their tokens.
+pub(super) fn channels(root: &Node) -> Vec<(FrameId, FrameId)> {
+    let named = |item: &Node| {
+        let text = |key: &str| item.get(key)?.text().map(FrameId::new);
+        item.get("modality")?;
+        Some((text("token")?, text("channel")?))
+    };
+    root.items().unwrap_or_default().iter().filter_map(named).collect()
 }
 
 /// Whether a list holds poses, each with a time of its own, or records of nuScenes that are of no sensor: its `ego_pose.json`, also with one
@@ -200,7 +210,10 @@ fn flat<'a>(node: &'a Node, walk: &mut Walk<'a>) {
         shapes::combine(Some(&xyz), None, metres, node.span)
     });
     if let Some(draft) = draft {
-        let (label, named, by) = (walk.label(""), walk.named(), walk.own_key());
+        let is_rpy = matches!(draft.spelling, Spelling::Rpy { .. });
+        let mounted = || walk.mounted().filter(|named| is_rpy || !named.is_role);
+        let named = walk.named().or_else(mounted);
+        let (label, by) = (walk.label(""), walk.own_key());
         walk.emit(draft, label, named.as_ref(), by, terms);
     }
 }
@@ -261,6 +274,8 @@ fn nested<'a>(node: &'a Node, walk: &mut Walk<'a>, consumed: &mut BTreeSet<usize
             places: (parent.span, key.span),
             reading,
             role: FrameRole::Calibration,
+            is_role: false,
+            is_contradicted: false,
         };
         consumed.insert(index);
         walk.emit(draft, walk.label(child), Some(&named), Some(key), terms);
@@ -363,7 +378,15 @@ fn stem_by_dialect(key: &str, value: &Node, walk: &Walk<'_>) -> Option<(String, 
 
 fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, walk: &mut Walk<'a>) {
     // Names of the frames: the halves' own, else those of the surroundings.
-    let named_of = |key: &Node, walk: &Walk<'a>| walk.named_by(key).or_else(|| walk.named());
+    let named_of = |key: &Node, rotation: Option<&Rotation>, walk: &Walk<'a>| {
+        let named = walk.named_inside(key).or_else(|| walk.named());
+        named.or_else(|| match rotation {
+            // Of a matrix nothing tells the direction.
+            Some(Rotation::Matrix(_)) => None,
+            Some(Rotation::Rpy { .. }) => walk.mounted(),
+            _ => walk.mounted().filter(|named| !named.is_role),
+        })
+    };
     let terms_of = |key: &Node, walk: &Walk<'a>| walk.terms(key.text().unwrap_or_default());
     let best = pair
         .rotations
@@ -373,7 +396,7 @@ fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, walk: &mut Walk<'a>) {
     match (pair.translation, first) {
         (Some((t_key, xyz, metres, t_span)), Some((r_key, rotation, r_span))) => {
             let span = t_span.cover(r_span).cover(t_key.span).cover(r_key.span);
-            let named = named_of(r_key, walk);
+            let named = named_of(r_key, Some(&rotation), walk);
             let last = if pair.stem.contains(' ') {
                 r_key.text().unwrap_or_default()
             } else {
@@ -388,7 +411,7 @@ fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, walk: &mut Walk<'a>) {
             }
         }
         (Some((key, xyz, metres, span)), None) => {
-            let named = named_of(key, walk);
+            let named = named_of(key, None, walk);
             if (named.is_some() || names::is_transform(&pair.stem))
                 && let Some(draft) = shapes::combine(Some(&xyz), None, metres, span)
             {
@@ -401,7 +424,7 @@ fn emit_pair<'a>(mut pair: Pair<'a>, filter: bool, walk: &mut Walk<'a>) {
     }
     for (key, rotation, span) in pair.rotations {
         let text = key.text().unwrap_or_default();
-        let named = named_of(key, walk);
+        let named = named_of(key, Some(&rotation), walk);
         let says = names::is_transform(text);
         let convincing = match &rotation {
             Rotation::Matrix(literals) => {

@@ -2,7 +2,7 @@
 //!
 //! Owns what looks so. Covariances, gains, intrinsics, lists of points and tracks do not.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::source::Span;
 use crate::world::{Claim, FrameId};
@@ -99,8 +99,10 @@ impl<'a> Search<'a> {
                 }
             }
             Kind::Mapping(pairs) => {
-                if self.is_pose(node) {
-                    return self.add(node, key, true);
+                if let Some((key, value)) = self.pose_key(node) {
+                    self.path.push(Part::Key(key.text().unwrap_or_default()));
+                    self.add(value, Some(key), true);
+                    self.path.pop();
                 }
                 let halves = self.halves(node);
                 for (index, (key, child)) in pairs.iter().enumerate() {
@@ -161,7 +163,11 @@ impl<'a> Search<'a> {
             Some(Part::Key(key)) => *key,
             _ => "",
         };
-        let is_named = names::is_transform(key);
+        let is_mounted = self
+            .path
+            .iter()
+            .any(|part| matches!(part, Part::Key(key) if names::is_mountings(key)));
+        let is_named = names::is_transform(key) || is_mounted;
         if let Some((rows, cols, literals)) = found.matrix() {
             let values = numbers::values(literals);
             return is_named || cols == 4 && numbers::is_rigid_or_turned_over(rows, &values);
@@ -206,30 +212,32 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether a mapping holds a place and a heading as numbers of its own, in words that are not read.
-    fn is_pose(&self, node: &Node) -> bool {
-        let keys = node
-            .pairs()
-            .iter()
-            .filter(|(_, value)| numbers::literal(value).is_some_and(|l| l.value.is_finite()));
-        let keys: BTreeSet<String> = keys.filter_map(|(key, _)| Some(key.text()?.to_lowercase())).collect();
-        let is_listed = matches!(self.path.last(), Some(Part::Index(_)));
-        let mut stems = keys
-            .iter()
-            .filter_map(|key| key.strip_suffix('x'))
-            .filter(|stem| matches!(*stem, "" | "t") || stem.ends_with('_'));
-        stems.any(|stem| {
+    /// The first key of a place and a heading that are numbers of a mapping, each under a key of its own, in words that are not read.
+    fn pose_key(&self, node: &'a Node) -> Option<(&'a Node, &'a Node)> {
+        let is_number = |value: &Node| numbers::literal(value).is_some_and(|literal| literal.value.is_finite());
+        let pairs = node.pairs().iter().filter(|(_, value)| is_number(value));
+        let keys: BTreeMap<String, &'a (Node, Node)> = pairs
+            .filter_map(|pair| Some((pair.0.text()?.to_lowercase(), pair)))
+            .collect();
+        let have = |stem: &str, ends: &[&str]| ends.iter().all(|end| keys.contains_key(&format!("{stem}{end}")));
+        let is_pose = |stem: &str| {
             let bare = stem.strip_suffix('t').unwrap_or(stem);
-            let have = |stem: &str, ends: &[&str]| ends.iter().all(|end| keys.contains(&format!("{stem}{end}")));
             let turns = [
                 &["roll", "pitch", "yaw"][..],
                 &["yaw"],
                 &["rx", "ry", "rz"],
                 &["qx", "qy", "qz", "qw"],
             ];
-            let is_spoken = !is_listed && (!bare.is_empty() || self.speaks());
-            is_spoken && have(stem, &["x", "y", "z"]) && turns.iter().any(|turn| have(bare, turn))
-        })
+            (!bare.is_empty() || self.speaks())
+                && have(stem, &["x", "y", "z"])
+                && turns.iter().any(|turn| have(bare, turn))
+        };
+        let is_stem = |stem: &str| matches!(stem, "" | "t") || stem.ends_with('_');
+        let first = keys
+            .iter()
+            .find(|(key, _)| key.strip_suffix('x').is_some_and(|stem| is_stem(stem) && is_pose(stem)));
+        let is_listed = matches!(self.path.last(), Some(Part::Index(_)));
+        first.filter(|_| !is_listed).map(|(_, (key, value))| (key, value))
     }
 }
 

@@ -4,6 +4,7 @@
 //! `names` and `numbers` recognise, `shapes` spells, `origins`, `ouster` and `references` look for what they say, `walk` and `generic` make claims, `dialect` knows formats,
 //! `leftovers` finds what was taken for nothing.
 
+mod cameras;
 mod dialect;
 pub(crate) mod document;
 pub(crate) mod events;
@@ -145,12 +146,16 @@ fn read_text(
     for root in &documents.roots {
         generic::read(root, &mut walk);
     }
-    let (mut facts, problems) = walk.finish();
+    let (mut facts, mut problems) = walk.finish();
     for root in &documents.roots {
         facts.references.extend(references::collect(root, source.id));
         facts.origins.extend(origins::collect(root, source.id));
         facts.ousters.extend(ouster::collect(root, source.id));
         facts.projections.extend(projections::collect(root, source.id));
+        let (camera, faults) = cameras::collect(root, source.id, text);
+        facts.cameras.extend(camera);
+        problems.extend(faults);
+        facts.channels.extend(generic::channels(root));
         let launched = launch::collect_yaml(root, text, source.id);
         facts.claims.extend(launched.claims);
         facts.frames.extend(launched.frames);
@@ -267,6 +272,8 @@ fn describe(
         notes.push("an origin on the Earth, and no transforms".to_owned());
     } else if !facts.projections.is_empty() && facts.claims.is_empty() {
         notes.push("a projection, and no transforms".to_owned());
+    } else if !facts.channels.is_empty() && facts.claims.is_empty() {
+        notes.push("names of sensors, and no transforms".to_owned());
     } else if facts.claims.is_empty() && documents.roots.iter().any(generic::has_track) {
         notes.push("poses over time: no transform of the platform".to_owned());
     } else if facts.claims.is_empty() && facts.chains.is_empty() {

@@ -104,6 +104,58 @@ pub(super) fn is_carrier(key: &str) -> bool {
             .any(|word| CARRIERS.contains(&word.as_str()))
 }
 
+/// Whether the keys below a key are sensors, and what stands under them is where these are mounted.
+pub(super) fn is_mountings(key: &str) -> bool {
+    has(
+        key,
+        &["extrinsic", "extrinsics", "mount", "mounts", "mounting", "mountings"],
+    )
+}
+
+/// Words of one kind of frame.
+const KINDS: &[&[&str]] = &[
+    &[
+        "base",
+        "baselink",
+        "footprint",
+        "body",
+        "ego",
+        "vehicle",
+        "chassis",
+        "robot",
+        "rig",
+        "platform",
+        "car",
+    ],
+    &["lidar", "laser", "velodyne", "velo", "ouster", "livox", "hesai"],
+    &["camera", "cam"],
+    &["imu", "ins"],
+];
+
+/// How much speaks for two names to mean one frame: 3 for the same name, 2 for a word that they share, 1 for one kind, else nothing.
+pub(super) fn alike(a: &str, b: &str) -> u8 {
+    let tokens = |name: &str| -> Vec<String> {
+        let tokens = FrameId::new(name).tokens().into_iter();
+        let plain = tokens.map(|token| {
+            token
+                .trim_end_matches(|letter: char| letter.is_ascii_digit())
+                .to_owned()
+        });
+        plain.filter(|token| !token.is_empty()).collect()
+    };
+    if a.eq_ignore_ascii_case(b) {
+        return 3;
+    }
+    let (a, b) = (tokens(a), tokens(b));
+    if a.iter()
+        .any(|token| b.contains(token) && !transform_name::is_glued(token))
+    {
+        return 2;
+    }
+    let of = |tokens: &[String], words: &[&str]| tokens.iter().any(|token| words.contains(&token.as_str()));
+    u8::from(KINDS.iter().any(|words| of(&a, words) && of(&b, words)))
+}
+
 /// Which half of a pair a key names.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Half {

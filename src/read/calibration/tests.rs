@@ -4,6 +4,7 @@ mod corpus;
 mod dialects;
 mod forms;
 mod frames;
+mod leftovers;
 mod ouster;
 mod plain;
 mod quirks;

@@ -2,6 +2,7 @@
 //!
 //! Owns labels, frames and readings of claims. Knows nothing of the shapes of numbers.
 
+use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 use crate::source::{Confidence, Place, SourceId, Span};
@@ -37,6 +38,10 @@ pub(super) struct Named {
     pub(super) reading: Confidence,
     /// Whether keys state the frames (`frame_id`), or the name of a key was taken apart.
     pub(super) role: FrameRole,
+    /// Whether they are words of a program for its sensors, and no names of the platform's frames.
+    pub(super) is_role: bool,
+    /// Whether keys beside the one that names the frames (`parent_frame`, `child_frame`) state the other direction.
+    pub(super) is_contradicted: bool,
 }
 
 /// A claim with the key its frames were taken from, if they were.
@@ -188,26 +193,69 @@ impl<'a> Walk<'a> {
             } else {
                 FrameRole::CalibrationLabel
             },
+            is_role: !said.keyed.stated,
+            is_contradicted: false,
         })
     }
 
     /// The frames that the surroundings of the current value name: keys that state them, else names of keys, from the
     /// inside out as long as the keys on the way say nothing themselves.
     pub(super) fn named(&self) -> Option<Named> {
-        for step in self.path.iter().rev() {
+        for (at, step) in self.path.iter().enumerate().rev() {
             if let Some(named) = stated(step.node) {
                 return Some(named);
             }
             let Some(key) = step.key else { continue };
             let text = key.text()?;
             if let Some(named) = self.named_by(key) {
-                return Some(named);
+                let around = at.checked_sub(1).and_then(|at| self.path.get(at));
+                return Some(beside(named, around.and_then(|step| stated(step.node))));
             }
             if !names::is_neutral(text) {
                 break;
             }
         }
         None
+    }
+
+    /// The frames that a key in the current value speaks of, by the names that keys beside it state.
+    pub(super) fn named_inside(&self, key: &Node) -> Option<Named> {
+        Some(beside(self.named_by(key)?, stated(self.path.last()?.node)))
+    }
+
+    /// The frames of a mounting (`extrinsics: {lidar: {xyz: ..., rpy: ...}}`): the sensor, in the base frame that the file states; where it
+    /// states none, in the base.
+    pub(super) fn mounted(&self) -> Option<Named> {
+        let is_key = |step: &Step, is_it: &dyn Fn(&str) -> bool| step.key.and_then(Node::text).is_some_and(is_it);
+        let at = self.path.iter().rposition(|step| is_key(step, &names::is_mountings))?;
+        let mut inside = self.path.iter().skip(at + 1);
+        let sensor = inside.next()?;
+        let text = |node: &'a Node, keys: &[&str]| {
+            let found = keys.iter().find_map(|key| node.get(key))?;
+            Some((frame_name(found)?, found.span))
+        };
+        let own = text(sensor.node, SENSOR_FRAMES).or_else(|| {
+            let name = sensor
+                .key?
+                .text()
+                .filter(|name| !names::is_neutral(name) && names::half(name).is_none())?;
+            Some((name.to_owned(), sensor.key?.span))
+        })?;
+        if !inside.all(|step| is_key(step, &names::is_neutral)) {
+            return None;
+        }
+        let mut around = self.path.iter().take(at + 2).rev();
+        let base = around.find_map(|step| text(step.node, BASE_FRAMES));
+        let is_role = base.is_none();
+        let base = base.unwrap_or_else(|| ("base".to_owned(), own.1));
+        Some(Named {
+            frames: (base.0, own.0),
+            places: (base.1, own.1),
+            reading: if is_role { Confidence::Hint } else { Confidence::Likely },
+            role: FrameRole::CalibrationLabel,
+            is_role,
+            is_contradicted: false,
+        })
     }
 
     /// The frames that a key's name speaks of.
@@ -225,6 +273,8 @@ impl<'a> Walk<'a> {
             places: (key.span, key.span),
             reading,
             role: FrameRole::CalibrationLabel,
+            is_role: false,
+            is_contradicted: false,
         };
         // Kalibr: camera n from the camera before it.
         if named.frames.0 == "cn" && named.frames.1 == "cnm1" {
@@ -277,8 +327,9 @@ impl<'a> Walk<'a> {
             return;
         }
         let doubt = self.doubt(&label, by);
-        let (named, roles) = settled(named, self.named_by_dialect(&label, by, draft.span));
+        let named = settled(named, self.named_by_dialect(&label, by, draft.span));
         let named = named.as_ref();
+        let roles = named.is_some_and(|named| named.is_role);
         let mut reading = named.map_or(Confidence::Hint, |n| n.reading);
         if draft.order_guessed() {
             let ceiling = if draft.has_translation {
@@ -299,7 +350,7 @@ impl<'a> Walk<'a> {
         let naming = named.filter(|n| n.role == FrameRole::CalibrationLabel && n.places.0 == n.places.1);
         let span = naming.map_or(span, |n| span.cover(n.places.0));
         let role = named.map_or(FrameRole::CalibrationLabel, |n| n.role);
-        self.found.push(Found {
+        let found = Found {
             role,
             named_by: is_label.then(|| {
                 let name = by.and_then(Node::text).unwrap_or_default();
@@ -329,7 +380,21 @@ impl<'a> Walk<'a> {
                 target_place: named.map(|n| place(n.places.0)),
                 source_place: named.map(|n| place(n.places.1)),
             },
-        });
+        };
+        // The file says both; that the two do not agree is for the rules to find.
+        if named.is_some_and(|named| named.is_contradicted) && found.claim.pose.is_some() {
+            let mut stated = found.claim.clone();
+            stated.label.push_str(" (as the frames stated beside it)");
+            stated.frames = stated.frames.map(|(target, source)| (source, target));
+            std::mem::swap(&mut stated.target_place, &mut stated.source_place);
+            stated.reading = Confidence::Certain;
+            self.found.push(Found {
+                role,
+                named_by: None,
+                claim: stated,
+            });
+        }
+        self.found.push(found);
     }
 
     fn in_list_of_several(&self) -> bool {
@@ -421,21 +486,57 @@ impl<'a> Walk<'a> {
 }
 
 /// The frames of a statement, by what names them itself and by its dialect, and whether they are the dialect's words alone.
-fn settled(named: Option<&Named>, by_dialect: Option<Named>) -> (Option<Named>, bool) {
-    match (named, by_dialect) {
-        (Some(stated), _) if stated.role == FrameRole::Calibration => (Some(stated.clone()), false),
+fn settled(named: Option<&Named>, by_dialect: Option<Named>) -> Option<Named> {
+    match (named.cloned(), by_dialect) {
+        (Some(stated), _) if stated.role == FrameRole::Calibration => Some(stated),
         // A key may name the frames as the dialect does.
         (Some(named), Some(Named { frames, reading, .. })) if named.frames == frames => {
-            let named = named.clone();
-            (Some(Named { reading, ..named }), false)
+            Some(Named { reading, ..named })
         }
-        (_, Some(dialect)) => {
-            let is_stated = dialect.role == FrameRole::Calibration;
-            (Some(dialect), !is_stated)
-        }
-        (named, None) => (named.cloned(), false),
+        (named, by_dialect) => by_dialect.or(named),
     }
 }
+
+/// The frames that a key names (`ego_T_lidar`), by what keys beside it state (`parent_frame: base_link`, `child_frame: lidar_top`): its
+/// names stand for those. Where the stated ones are none of these, the key's own.
+fn beside(named: Named, stated: Option<Named>) -> Named {
+    let Some(stated) = stated else { return named };
+    let alike = |a: &str, b: &str| names::alike(a, b);
+    let ((target, source), (parent, child)) = (&named.frames, &stated.frames);
+    let direct = alike(target, parent) + alike(source, child);
+    let turned = alike(target, child) + alike(source, parent);
+    match direct.cmp(&turned) {
+        Ordering::Greater => stated,
+        Ordering::Equal => named,
+        Ordering::Less => {
+            let ((parent, child), (parent_at, child_at)) = (stated.frames, stated.places);
+            Named {
+                frames: (child, parent),
+                places: (child_at, parent_at),
+                reading: named.reading,
+                role: FrameRole::Calibration,
+                is_role: false,
+                is_contradicted: true,
+            }
+        }
+    }
+}
+
+/// Keys under which a mounting names the frame of its sensor.
+const SENSOR_FRAMES: &[&str] = &["child_frame", "child_frame_id", "frame_id", "frame", "link"];
+/// Keys under which a file says which frame its mountings are told in.
+const BASE_FRAMES: &[&str] = &[
+    "base_frame",
+    "base_frame_id",
+    "base_link_frame",
+    "robot_base_frame",
+    "vehicle_frame",
+    "body_frame",
+    "reference_frame",
+    "parent_frame",
+    "parent_frame_id",
+    "parent",
+];
 
 /// Keys by which a mapping states its frames: `(target, source, how sure)`.
 const STATED: &[(&str, &str, Confidence)] = &[
@@ -452,14 +553,16 @@ const STATED: &[(&str, &str, Confidence)] = &[
     ("to_frame", "from_frame", Confidence::Hint),
 ];
 
+/// The name of a frame.
+fn frame_name(node: &Node) -> Option<String> {
+    let text = node.text()?.trim();
+    let plain = !text.is_empty() && !text.contains(char::is_whitespace) && !text.contains(['$', '{']);
+    // A serial number is quoted.
+    let is_name = matches!(node.kind, Kind::Scalar { quoted: true, .. }) || numbers::number(text).is_none();
+    (plain && is_name).then(|| text.to_owned())
+}
+
 fn stated(node: &Node) -> Option<Named> {
-    let frame = |node: &Node| {
-        let text = node.text()?.trim();
-        let plain = !text.is_empty() && !text.contains(char::is_whitespace) && !text.contains(['$', '{']);
-        // A serial number is quoted.
-        let is_name = matches!(node.kind, Kind::Scalar { quoted: true, .. }) || numbers::number(text).is_none();
-        (plain && is_name).then(|| text.to_owned())
-    };
     let child = || node.get("child_frame_id");
     let header = node.get("header").and_then(|header| header.get("frame_id"));
     let by_header = header
@@ -470,9 +573,11 @@ fn stated(node: &Node) -> Option<Named> {
         .find_map(|(target, source, reading)| Some((node.get(target)?, node.get(source)?, *reading)));
     let (target, source, reading) = by_keys.or(by_header)?;
     Some(Named {
-        frames: (frame(target)?, frame(source)?),
+        frames: (frame_name(target)?, frame_name(source)?),
         places: (target.span, source.span),
         reading,
         role: FrameRole::Calibration,
+        is_role: false,
+        is_contradicted: false,
     })
 }

@@ -1,6 +1,6 @@
 //! CAMERA03: a distortion that is not that of its model, or folds within the image.
 
-use crate::analysis::camera::published::Published;
+use crate::analysis::camera::published::Intrinsics;
 use crate::math::distortion::{Radial, Reach};
 use crate::rules::prelude::*;
 
@@ -16,12 +16,12 @@ pub(crate) struct Limits {
 
 impl Rule for CameraInfoDistortion {
     const PAGE: &'static str = include_str!("../../../rules/camera/camera-info-distortion.md");
-    const NEEDS: &'static [Need] = &[Need::Bag];
+    const NEEDS: &'static [Need] = &[Need::CameraInfo];
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        for published in Published::all(world) {
-            let subject = format!("distortion of {}", published.subject());
+        for published in Intrinsics::all(world) {
+            let subject = format!("distortion of {}", published.subject);
             if published.is_usable(&subject, out) {
                 judge_model(&published, subject, limits, out);
             }
@@ -52,12 +52,12 @@ fn radial(model: &str, d: &[f64]) -> Option<Radial> {
     })
 }
 
-fn judge_model(published: &Published, subject: String, limits: &Limits, out: &mut Judge) {
+fn judge_model(published: &Intrinsics, subject: String, limits: &Limits, out: &mut Judge) {
     let (model, d) = (published.calibration.model.as_str(), published.calibration.d.as_slice());
-    let topic = published.topic;
+    let whose = &published.whose;
     if d.iter().any(|value| !value.is_finite()) {
-        let message = format!("a coefficient of the distortion on `{topic}` is not finite");
-        let finding = Finding::error(subject, message, published.place());
+        let message = format!("a coefficient of the distortion {whose} is not finite");
+        let finding = Finding::error(subject, message, published.place.clone());
         return out.fail(finding.help("calibrate the camera anew"));
     }
     if d.is_empty() && matches!(model, "" | "plumb_bob") {
@@ -100,12 +100,12 @@ fn judge_model(published: &Published, subject: String, limits: &Limits, out: &mu
         && radius < limits.least_reach * border
     {
         let message = format!(
-            "the distortion on `{topic}` folds at {:.1} deg from the axis: that is {:.0} % of the way to the {what}, and what lies further \
+            "the distortion {whose} folds at {:.1} deg from the axis: that is {:.0} % of the way to the {what}, and what lies further \
              out is projected back into the image",
             angle_rad.to_degrees(),
             100.0 * radius / border
         );
-        let finding = Finding::warning(subject, message, published.place())
+        let finding = Finding::warning(subject, message, published.place.clone())
             .likely()
             .relation("folds");
         let help = "calibrate with the board in the corners as well, or with a model of wider angles; until then leave out what lies beyond";
@@ -113,15 +113,15 @@ fn judge_model(published: &Published, subject: String, limits: &Limits, out: &mu
     }
     if tangential > limits.tangential {
         let message = format!(
-            "a tangential coefficient on `{topic}` is {tangential:.3}: lenses have thousandths; as where k3 stands before p1 and p2"
+            "a tangential coefficient {whose} is {tangential:.3}: lenses have thousandths; as where k3 stands before p1 and p2"
         );
-        let finding = Finding::warning(subject, message, published.place())
+        let finding = Finding::warning(subject, message, published.place.clone())
             .hint()
             .relation("order");
         let measured = Measured::new("largest tangential coefficient", tangential, "1").limit(limits.tangential);
         return out.fail(finding.measured(measured).help("the order is k1, k2, p1, p2, k3"));
     }
-    let [fx, _, cx, _] = published.intrinsics();
+    let [fx, _, cx, _] = published.pinhole();
     let across = [cx, f64::from(published.calibration.size[0]) - cx].map(|side| radial.reach(side / fx));
     let view_deg: f64 = across
         .iter()
@@ -132,9 +132,9 @@ fn judge_model(published: &Published, subject: String, limits: &Limits, out: &mu
         .sum();
     if model == "plumb_bob" && view_deg > limits.wide_deg {
         let message = format!(
-            "`{topic}`: plumb_bob over {view_deg:.0} deg across; its polynomial of the tangent has no hold there"
+            "the model {whose}: plumb_bob over {view_deg:.0} deg across; its polynomial of the tangent has no hold there"
         );
-        let finding = Finding::warning(subject, message, published.place())
+        let finding = Finding::warning(subject, message, published.place.clone())
             .likely()
             .relation("wide");
         let measured = Measured::new("field of view across", view_deg, "deg").limit(limits.wide_deg);
@@ -152,8 +152,8 @@ fn judge_model(published: &Published, subject: String, limits: &Limits, out: &mu
 
 /// How far a model must reach, normalised, and what lies there: the corner that is farthest from the principal point. The image
 /// of a fisheye is round, and its corners are often dark: it must reach the nearest edge.
-fn border(published: &Published) -> Option<(f64, &'static str)> {
-    let [fx, fy, cx, cy] = published.intrinsics();
+fn border(published: &Intrinsics) -> Option<(f64, &'static str)> {
+    let [fx, fy, cx, cy] = published.pinhole();
     let [width, height] = published.calibration.size.map(f64::from);
     let border = if is_fisheye(&published.calibration.model) {
         let nearest = [cx / fx, (width - cx) / fx, cy / fy, (height - cy) / fy];
@@ -169,20 +169,20 @@ fn is_fisheye(model: &str) -> bool {
     matches!(model, "equidistant" | "fisheye")
 }
 
-fn miscounted(published: &Published, subject: String, counts: &[usize]) -> Finding {
+fn miscounted(published: &Intrinsics, subject: String, counts: &[usize]) -> Finding {
     let (model, d) = (&published.calibration.model, &published.calibration.d);
     let several: Vec<String> = counts.iter().map(usize::to_string).collect();
     let other = ["plumb_bob", "rational_polynomial"]
         .into_iter()
         .find(|other| other != model && self::counts(other).is_some_and(|counts| counts.contains(&d.len())));
     let message = format!(
-        "the model on `{}` is {model}, which has {} coefficients, and there are {}{}",
-        published.topic,
+        "the model {} is {model}, which has {} coefficients, and there are {}{}",
+        published.whose,
         several.join(" or "),
         d.len(),
         other.map_or(String::new(), |other| format!(": as many as {other} has"))
     );
-    Finding::error(subject, message, published.place())
+    Finding::error(subject, message, published.place.clone())
         .relation("count")
         .measured(Measured::count("coefficients", d.len()))
         .help("name the model that was calibrated, with all of its coefficients")

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::analysis::camera::published::Published;
+use crate::analysis::camera::published::{Intrinsics, Published};
 use crate::rules::prelude::*;
 use crate::world::{BagEvidence, camera::ImageForm};
 
@@ -22,13 +22,13 @@ pub(crate) struct Limits {
 
 impl Rule for CameraInfoKSize {
     const PAGE: &'static str = include_str!("../../../rules/camera/camera-info-k-size.md");
-    const NEEDS: &'static [Need] = &[Need::Bag];
+    const NEEDS: &'static [Need] = &[Need::CameraInfo];
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
         let spaces: Vec<BTreeMap<&str, Space>> = world.bags.iter().map(spaces).collect();
         for published in Published::all(world) {
-            judge_k(&published, limits, out);
+            judge_k(&published.intrinsics(), limits, out);
             let space = spaces.get(published.index).and_then(|of| of.get(published.namespace()));
             let Some(space) = space.filter(|space| !space.images.is_empty()) else {
                 continue;
@@ -42,6 +42,9 @@ impl Rule for CameraInfoKSize {
             for (topic, form) in &space.images {
                 judge_size(&published, topic, form, limits, out);
             }
+        }
+        for camera in Intrinsics::of_files(world) {
+            judge_k(&camera, limits, out);
         }
     }
 }
@@ -68,22 +71,22 @@ fn spaces(bag: &BagEvidence) -> BTreeMap<&str, Space<'_>> {
     spaces
 }
 
-fn judge_k(published: &Published, limits: &Limits, out: &mut Judge) {
-    let subject = published.subject();
+fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
+    let subject = published.subject.clone();
     let calibration = published.calibration;
     let k = &calibration.k;
     if published.is_uncalibrated() {
-        let message = format!("K on `{}` is all zeros: the camera is not calibrated", published.topic);
-        let finding = Finding::note(&subject, message, published.place()).relation("uncalibrated");
+        let message = format!("K {} is all zeros: the camera is not calibrated", published.whose);
+        let finding = Finding::note(&subject, message, published.place.clone()).relation("uncalibrated");
         return out.fail(finding.help("calibrate it, or do not project anything into its images"));
     }
-    let [fx, fy, cx, cy] = published.intrinsics();
+    let [fx, fy, cx, cy] = published.pinhole();
     if k.iter().any(|value| !value.is_finite()) || fx <= 0.0 || fy <= 0.0 {
         let message = format!(
-            "K on `{}` has the focal lengths {fx} and {fy} pixels: they are positive numbers",
-            published.topic
+            "K {} has the focal lengths {fx} and {fy} pixels: they are positive numbers",
+            published.whose
         );
-        let finding = Finding::error(&subject, message, published.place());
+        let finding = Finding::error(&subject, message, published.place.clone());
         return out.fail(finding.help("calibrate the camera anew, or look for a wrong field in the driver"));
     }
     if let Some(finding) = layout(published, &subject, limits) {
@@ -140,8 +143,8 @@ fn judge_k(published: &Published, limits: &Limits, out: &mut Judge) {
     match what {
         None => out.pass(subject, measured),
         Some((words, relation, help)) => {
-            let message = format!("`{}`: {words}", published.topic);
-            let finding = Finding::warning(subject, message, published.place()).likely();
+            let message = format!("K {}: {words}", published.whose);
+            let finding = Finding::warning(subject, message, published.place.clone()).likely();
             let finding = finding.relation(relation).help(help);
             out.fail(finding.measured(measured));
         }
@@ -149,7 +152,7 @@ fn judge_k(published: &Published, limits: &Limits, out: &mut Judge) {
 }
 
 /// A finding, where the numbers that must be zero or one are others.
-fn layout(published: &Published, subject: &str, limits: &Limits) -> Option<Finding> {
+fn layout(published: &Intrinsics, subject: &str, limits: &Limits) -> Option<Finding> {
     let [fx, _, cx, k10, _, cy, k20, k21, k22] = published.calibration.k;
     let is = |value: f64, wanted: f64| (value - wanted).abs() <= limits.exact;
     if is(k10, 0.0) && is(k20, 0.0) && is(k21, 0.0) && is(k22, 1.0) {
@@ -162,15 +165,15 @@ fn layout(published: &Published, subject: &str, limits: &Limits) -> Option<Findi
         ("not-a-camera-matrix", "K is fx, s, cx, 0, fy, cy, 0, 0, 1, row by row")
     };
     let message = format!(
-        "K on `{}` ends in {k20}, {k21}, {k22}, and its fourth number is {k10}: a camera's ends in 0, 0, 1, and has 0 there{}",
-        published.topic,
+        "K {} ends in {k20}, {k21}, {k22}, and its fourth number is {k10}: a camera's ends in 0, 0, 1, and has 0 there{}",
+        published.whose,
         if is_transposed {
             "; it is told column by column"
         } else {
             ""
         }
     );
-    let finding = Finding::error(subject, message, published.place()).relation(relation);
+    let finding = Finding::error(subject, message, published.place.clone()).relation(relation);
     Some(finding.measured(Measured::new("fx", fx, "px")).help(help))
 }
 

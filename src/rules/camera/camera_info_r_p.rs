@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix3;
 
-use crate::analysis::camera::published::Published;
+use crate::analysis::camera::published::Intrinsics;
 use crate::math::rotation::orthogonality_error;
 use crate::rules::prelude::*;
 
@@ -19,16 +19,17 @@ pub(crate) struct Limits {
 
 impl Rule for CameraInfoRP {
     const PAGE: &'static str = include_str!("../../../rules/camera/camera-info-r-p.md");
-    const NEEDS: &'static [Need] = &[Need::Bag];
+    const NEEDS: &'static [Need] = &[Need::CameraInfo];
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        for published in Published::all(world) {
-            let subject = format!("rectification of {}", published.subject());
-            if published.is_usable(&subject, out) {
+        for published in Intrinsics::all(world) {
+            let subject = format!("rectification of {}", published.subject);
+            // That of a file is a matrix of the file: ROT01 and ROT02.
+            if published.is_published() && published.is_usable(&subject, out) {
                 judge_r(&published, subject, limits, out);
             }
-            let subject = format!("projection of {}", published.subject());
+            let subject = format!("projection of {}", published.subject);
             if published.is_usable(&subject, out) {
                 judge_p(&published, subject, limits, out);
             }
@@ -36,7 +37,7 @@ impl Rule for CameraInfoRP {
     }
 }
 
-fn judge_r(published: &Published, subject: String, limits: &Limits, out: &mut Judge) {
+fn judge_r(published: &Intrinsics, subject: String, limits: &Limits, out: &mut Judge) {
     let r = Matrix3::from_row_slice(&published.calibration.r);
     if r == Matrix3::zeros() {
         return out.missing(subject, "R is all zeros: it was not filled in");
@@ -50,10 +51,10 @@ fn judge_r(published: &Published, subject: String, limits: &Limits, out: &mut Ju
         return out.pass(subject, measured);
     }
     let message = format!(
-        "R on `{}` is no rotation: R R^T differs from the identity by {error:.2e}, its determinant is {determinant:.6}",
-        published.topic
+        "R {} is no rotation: R R^T differs from the identity by {error:.2e}, its determinant is {determinant:.6}",
+        published.whose
     );
-    let finding = Finding::error(subject, message, published.place());
+    let finding = Finding::error(subject, message, published.place.clone());
     let finding = if determinant < 0.0 {
         finding.relation("mirrored")
     } else {
@@ -64,13 +65,12 @@ fn judge_r(published: &Published, subject: String, limits: &Limits, out: &mut Ju
     out.fail(finding.measured(measured));
 }
 
-fn judge_p(published: &Published, subject: String, limits: &Limits, out: &mut Judge) {
+fn judge_p(published: &Intrinsics, subject: String, limits: &Limits, out: &mut Judge) {
     let p = &published.calibration.p;
-    let topic = published.topic;
     if p.iter().all(|value| *value == 0.0) {
         return out.missing(subject, "P is all zeros: the rectified image is not calibrated");
     }
-    let [fx, fy, ..] = published.intrinsics();
+    let [fx, fy, ..] = published.pinhole();
     let [px, _, pcx, tx, py0, py, pcy, ty, p20, p21, p22, _] = *p;
     let is = |value: f64, wanted: f64| (value - wanted).abs() <= limits.exact;
     let fault = if p.iter().any(|value| !value.is_finite()) || px <= 0.0 || py <= 0.0 {
@@ -112,7 +112,7 @@ fn judge_p(published: &Published, subject: String, limits: &Limits, out: &mut Ju
     match fault {
         None => out.pass(subject, measured),
         Some((words, relation, help)) => {
-            let finding = Finding::error(subject, format!("P on `{topic}` {words}"), published.place());
+            let finding = Finding::error(subject, format!("P {} {words}", published.whose), published.place.clone());
             let finding = finding.likely().relation(relation).help(help);
             out.fail(finding.measured(measured));
         }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use crate::analysis::camera::published::Published;
 use crate::rules::prelude::*;
-use crate::world::{World, camera::Calibration};
+use crate::world::{World, camera::CameraModel};
 
 pub(crate) struct StereoBaseline;
 
@@ -66,7 +66,7 @@ fn left_topics(right: &str) -> Vec<String> {
 }
 
 /// By how much the right camera lies to the right of the left one, metres, by the projection of the right one.
-fn baseline(calibration: &Calibration) -> Option<f64> {
+fn baseline(calibration: &CameraModel) -> Option<f64> {
     let [fx, _, _, tx, ..] = calibration.p;
     (fx > 0.0 && tx.is_finite()).then_some(-tx / fx)
 }

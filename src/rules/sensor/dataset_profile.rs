@@ -30,7 +30,10 @@ impl Rule for DatasetProfile {
         let mut count = 0;
         for statement in statements(world) {
             let path = world.path(statement.place.source);
-            let frames = [&statement.target, &statement.source_frame].map(|frame| known(&dataset.row, frame, path));
+            // What the file calls them comes first: of several programs' words one was made (`velo` is a lidar).
+            let called = [&statement.called.0, &statement.called.1].map(|frame| known(&dataset.row, frame, path));
+            let [target, source] = [&statement.target, &statement.source_frame].map(|frame| known(&dataset.row, frame, path));
+            let frames = [called[0].or(target), called[1].or(source)];
             if let [Some(target), Some(source)] = frames
                 && statement.has_rotation
             {

@@ -171,3 +171,49 @@ fn declared_chains_are_kept_with_the_places_of_their_factors() {
         Some("c")
     );
 }
+
+#[test]
+fn mountings_stand_in_the_base_frame_that_the_file_states() {
+    let stated = one("base_frame: base_link\nextrinsics:\n  lidar: {xyz: [0.9, 0.1, 1.8], rpy: [0, 0, 0.2]}\n");
+    assert_eq!((frames(&stated).as_str(), stated.reading), ("base_link<-lidar", Likely));
+    assert_eq!(stated.label, "extrinsics/lidar");
+    let own = one("extrinsics:\n- {parent: base_link, frame_id: os_lidar, xyz: [0.9, 0.1, 1.8], rpy: [0, 0, 0.2]}\n");
+    assert_eq!(frames(&own), "base_link<-os_lidar");
+    // Without one it is in the base, which is no name of a frame.
+    let guessed = one("extrinsics:\n  lidar:\n    xyz: [0.9, 0.1, 1.8]\n    rpy: [0, 0, 0.2]\n");
+    assert_eq!((frames(&guessed).as_str(), guessed.reading), ("base<-lidar", Hint));
+    assert!(matches!(guessed.kind, ClaimKind::File { roles: true, .. }));
+    // Of a matrix nothing tells the direction.
+    let matrix = one("base_frame: base_link\nextrinsics: {lidar: [0, -1, 0, 1, 1, 0, 0, 2, 0, 0, 1, 3]}\n");
+    assert_eq!(frames(&matrix), "-");
+}
+
+#[test]
+fn names_in_a_key_stand_for_the_frames_stated_beside_it() {
+    let stated = "parent_frame: base_link\nchild_frame: lidar_top\n";
+    for key in ["ego_T_lidar", "T_ego_lidar", "base_from_lidar"] {
+        let claim = one(&format!("{stated}{key}: {FLAT}\n"));
+        assert_eq!(
+            (frames(&claim).as_str(), claim.reading),
+            ("base_link<-lidar_top", Certain),
+            "{key}"
+        );
+    }
+    let (source, facts) = yaml(&format!("{stated}lidar_T_ego: {FLAT}\n"));
+    assert_eq!(source.status, ReadStatus::Read);
+    let said: Vec<(String, Confidence)> = facts
+        .claims
+        .iter()
+        .map(|claim| (frames(claim), claim.reading))
+        .collect();
+    assert_eq!(
+        said,
+        [
+            ("base_link<-lidar_top".to_owned(), Certain),
+            ("lidar_top<-base_link".to_owned(), Likely)
+        ]
+    );
+    // Other frames than those beside it.
+    let (_, facts) = yaml(&format!("{stated}cam_T_imu: {FLAT}\n"));
+    assert_eq!(frames(&facts.claims[0]), "cam<-imu");
+}
