@@ -2,7 +2,7 @@
 //!
 //! Must not know how a run comes about nor how it is shown.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
 use crate::page::{Front, Status};
@@ -154,6 +154,8 @@ pub struct Recording {
     pub code: u8,
     /// What decides the verdict: the worst finding that counts, or what could not be looked at.
     pub because: Option<String>,
+    /// The errors and warnings that nobody accepts, without hints: of each rule the worst one in words, the worst first.
+    pub reasons: Vec<(Severity, String)>,
 }
 
 /// What a report needs to know of a rule: the front matter of its page without limits and references.
@@ -360,7 +362,7 @@ impl Run {
             return Some(format!("{} {} broke, a fault of frames-lint", row.rule, row.name));
         }
         if let Some(finding) = worst {
-            return Some(format!("{} {}: {}", finding.rule, finding.name, finding.message));
+            return Some(reason(finding));
         }
         if let Some(source) = self.unread().next() {
             let is_only = self.sources.iter().all(|other| other.path == source.path);
@@ -376,6 +378,19 @@ impl Run {
             return Some(format!("required and not met: {}", lacking.join(", ")));
         }
         (!self.checked_anything()).then(|| "nothing could be checked".to_owned())
+    }
+
+    /// The errors and warnings that nobody accepts, without hints: of each rule the worst one in words, the worst first.
+    pub fn reasons(&self) -> Vec<(Severity, String)> {
+        let mut worst: Vec<&Finding> = self.verdict.open().collect();
+        worst.retain(|finding| finding.severity >= Severity::Warning && finding.confidence > Confidence::Hint);
+        worst.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+        let mut known = BTreeSet::new();
+        worst.retain(|finding| known.insert(&finding.rule));
+        worst
+            .into_iter()
+            .map(|finding| (finding.severity, reason(finding)))
+            .collect()
     }
 
     /// The exit code where nothing was to be judged: 3 when an input could not be read in full or there is none, else 0.
@@ -424,6 +439,11 @@ impl Run {
     fn has_counting_findings(&self, fail_on: FailOn) -> bool {
         self.verdict.findings.iter().any(|finding| fail_on.counts(finding))
     }
+}
+
+/// `TREE01 orphan-subtree: ...`.
+fn reason(finding: &Finding) -> String {
+    format!("{} {}: {}", finding.rule, finding.name, finding.message)
 }
 
 #[cfg(test)]

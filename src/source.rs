@@ -334,9 +334,17 @@ pub struct Source {
     /// Of an expansion: where its parts are written.
     #[serde(skip)]
     pub written: Vec<Written>,
-    /// SHA-256 of its file in hexadecimal digits; of several files a line for each, as `sha256sum` writes them. Only where a report
-    /// asks for it.
+    /// SHA-256 of each of its files, only where a report asks for it.
     #[serde(skip)]
+    pub hashes: Vec<FileHash>,
+}
+
+/// What a file is known by.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct FileHash {
+    /// Its name, without the folder.
+    pub name: String,
+    /// SHA-256 in hexadecimal digits; `None` where it cannot be read any more.
     pub sha256: Option<String>,
 }
 
@@ -391,7 +399,7 @@ impl Source {
             files: Vec::new(),
             meshes: BTreeMap::new(),
             written: Vec::new(),
-            sha256: None,
+            hashes: Vec::new(),
         }
     }
 

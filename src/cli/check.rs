@@ -23,9 +23,8 @@ pub(super) fn run(
     surroundings: Surroundings,
 ) -> Result<Answer, Failure> {
     let today = call::today()?;
-    let mut call = call::of(arguments);
+    let mut call = call::of(arguments, &today);
     call.settings.push(("Recordings", check.reading.extent_words()));
-    call.day = today.as_ref().map(|day| day.as_str().to_owned());
     let options = engine::Options {
         extent: check.reading.extent(),
         paths: match (check.paths.is_empty(), check.evidence.is_empty()) {
@@ -37,7 +36,7 @@ pub(super) fn run(
         config: check.config,
         profile: check.profile,
         baseline: check.baseline,
-        today,
+        today: Some(today),
         fail_on: check.reporting.fail_on,
         verdicts: engine::Verdicts::Each,
         sights: match (&check.views.rrd, check.reporting.has(Format::Html)) {
@@ -123,7 +122,8 @@ pub(super) fn chain(
         progress: surroundings.progress,
         ..engine::Options::default()
     })?;
-    tell(&mut run, &chain.reporting, call::of(arguments), None, surroundings)
+    let call = call::of(arguments, &call::today()?);
+    tell(&mut run, &chain.reporting, call, None, surroundings)
 }
 
 /// The reports of a run where they are wanted, and the exit code.

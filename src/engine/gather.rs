@@ -207,11 +207,9 @@ impl Reader<'_> {
     fn read(&self, input: &Input, id: SourceId, index: usize) -> (Reading, Vec<Emerged>) {
         let mut source = Source::new(id, input.display.clone(), input.kind);
         source.required = input.required;
-        source.files = if input.parts.is_empty() {
-            vec![input.path.clone()]
-        } else {
-            input.parts.clone()
-        };
+        // Beside the files of a rosbag2 stands its `metadata.yaml`; the files of a split recording have the input among them.
+        let own = Some(&input.path).filter(|path| !input.parts.contains(path));
+        source.files = own.into_iter().chain(&input.parts).cloned().collect();
         let mut emerged = Vec::new();
         let facts = if let Some(refusal) = &input.refusal {
             source.problem(ReadStatus::Unreadable, Place::whole(id), refusal.clone());

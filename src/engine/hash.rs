@@ -10,46 +10,44 @@ use std::path::Path;
 use sha2::{Digest, Sha256};
 
 use crate::run::Run;
-use crate::source::{ReadStatus, Source, SourceKind};
+use crate::source::{FileHash, ReadStatus, Source, SourceKind};
 
 use super::parallel;
 
 /// Bytes that are read at once.
 const CHUNK: usize = 1 << 20;
 
-/// Fills in [`Source::sha256`] of every input that was read from files here.
+/// Fills in [`Source::hashes`] of every input that was read from files here.
 pub fn hash(run: &mut Run) {
     parallel::map(run.sources.iter_mut().collect(), |source| {
-        source.sha256 = of(source);
+        source.hashes = of(source);
     });
 }
 
-fn of(source: &Source) -> Option<String> {
+fn of(source: &Source) -> Vec<FileHash> {
+    let name = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     // A configuration is known as it was read; a profile of the tool is no file.
     if source.kind == SourceKind::Configuration {
-        return Some(hex(&Sha256::digest(source.text.as_bytes())));
+        return vec![FileHash {
+            name: name(Path::new(&source.path)),
+            sha256: Some(hex(&Sha256::digest(source.text.as_bytes()))),
+        }];
+    }
+    if source.kind == SourceKind::Unsupported && source.status != ReadStatus::Read {
+        return Vec::new();
     }
     // What is no regular file may have no end.
-    let is_known = source.kind != SourceKind::Unsupported || source.status == ReadStatus::Read;
-    match source.files.as_slice() {
-        _ if !is_known => None,
-        [] => None,
-        [only] => of_file(only),
-        several => {
-            let mut lines = String::new();
-            for file in several {
-                let name = file.file_name().unwrap_or_default().to_string_lossy();
-                let _ = writeln!(lines, "{}  {name}", of_file(file)?);
-            }
-            Some(lines.trim_end().to_owned())
-        }
-    }
+    let is_other = |path: &Path| std::fs::metadata(path).is_ok_and(|about| !about.is_file());
+    let files = source.files.iter().filter(|path| !is_other(path));
+    files
+        .map(|path| FileHash {
+            name: name(path),
+            sha256: of_file(path),
+        })
+        .collect()
 }
 
 fn of_file(path: &Path) -> Option<String> {
-    if !std::fs::metadata(path).ok()?.is_file() {
-        return None;
-    }
     let mut file = File::open(path).ok()?;
     let mut chunk = vec![0; CHUNK];
     let mut hasher = Sha256::new();
@@ -83,18 +81,17 @@ mod tests {
         std::fs::write(&b, "").unwrap();
         let abc = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
         let nothing = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
+        let said = |source: &Source| -> Vec<(String, Option<String>)> {
+            of(source).into_iter().map(|hash| (hash.name, hash.sha256)).collect()
+        };
+        let expected = |name: &str, digest: &str| (name.to_owned(), Some(digest.to_owned()));
         let mut source = Source::new(SourceId(0), "a", SourceKind::Yaml);
-        assert_eq!(of(&source), None, "read from no file here");
-        source.files = vec![a.clone()];
-        assert_eq!(of(&source).as_deref(), Some(abc));
-        source.files = vec![a, b];
-        assert_eq!(of(&source), Some(format!("{abc}  a\n{nothing}  b")));
-        source.files.push(folder.path().join("gone"));
-        assert_eq!(of(&source), None);
-        source.files = vec![folder.path().to_path_buf()];
-        assert_eq!(of(&source), None, "a folder has none");
+        assert_eq!(said(&source), [], "read from no file here");
+        source.files = vec![a, b, folder.path().join("gone"), folder.path().to_path_buf()];
+        let both = [expected("a", abc), expected("b", nothing), ("gone".to_owned(), None)];
+        assert_eq!(said(&source), both, "a folder has none");
         let mut config = Source::new(SourceId(0), "profile ci", SourceKind::Configuration);
         config.text = "abc".to_owned();
-        assert_eq!(of(&config).as_deref(), Some(abc));
+        assert_eq!(said(&config), [expected("profile ci", abc)]);
     }
 }

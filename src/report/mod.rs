@@ -60,7 +60,7 @@ pub struct Call {
     pub command: Vec<String>,
     /// What holds for the run besides, by name.
     pub settings: Vec<(&'static str, String)>,
-    /// The day of the report, where the user says which it is.
+    /// The day of the run (UTC), for which waivers hold or have ended.
     pub day: Option<String>,
 }
 

@@ -77,6 +77,9 @@ fn folder() -> tempfile::TempDir {
     folder
 }
 
+/// The day of the run, 2027-01-15.
+const DAY: (&str, &str) = ("SOURCE_DATE_EPOCH", "1800000000");
+
 /// The report of a folder, and what the program said.
 fn report(folder: &Path, environment: &[(&str, &str)]) -> (PathBuf, Ran) {
     let out = folder.join("out");
@@ -89,7 +92,7 @@ fn report(folder: &Path, environment: &[(&str, &str)]) -> (PathBuf, Ran) {
 #[test]
 fn a_page_of_a_whole_drive_is_html_without_a_fault_and_says_everything() {
     let folder = folder();
-    let (path, ran) = report(folder.path(), &[]);
+    let (path, ran) = report(folder.path(), &[DAY]);
     assert_eq!(ran.code, 1, "{}{}", ran.err, ran.text());
     let text = fs::read_to_string(&path).unwrap();
     let document = Page::parse(&text);
@@ -138,6 +141,21 @@ fn a_page_of_a_whole_drive_is_html_without_a_fault_and_says_everything() {
         .unwrap();
     let digest = String::from_utf8(said.stdout).unwrap()[..64].to_owned();
     assert!(all("#inputs .hash code").contains(&digest));
+    // What is signed stands on the first page, with the day, the hash of the configuration and how much was looked at.
+    let facts = all("header .facts dd").join("|");
+    let config = Command::new("sha256sum")
+        .arg(folder.path().join("frames-lint.yaml"))
+        .output()
+        .unwrap();
+    assert!(facts.starts_with("2027-01-15 (UTC)|robot r|"), "{facts}");
+    assert!(
+        facts.contains(std::str::from_utf8(&config.stdout[..64]).unwrap()),
+        "{facts}"
+    );
+    assert!(
+        facts.contains(" messages (") && facts.contains(" that apply ("),
+        "{facts}"
+    );
     // Hostile names are words; no element came of them, and nothing is loaded from anywhere.
     assert!(all("main").iter().any(|main| main.contains(HOSTILE)));
     for none in [
@@ -167,7 +185,7 @@ fn a_page_of_a_whole_drive_is_html_without_a_fault_and_says_everything() {
 }
 
 #[test]
-fn the_same_run_makes_the_same_bytes_and_a_day_only_where_it_is_given() {
+fn the_same_run_of_the_same_day_makes_the_same_bytes() {
     let folder = folder();
     let make = |environment: &[(&str, &str)]| {
         let (path, _) = report(folder.path(), environment);
@@ -175,12 +193,39 @@ fn the_same_run_makes_the_same_bytes_and_a_day_only_where_it_is_given() {
         fs::remove_file(path).unwrap();
         text
     };
-    let first = make(&[]);
+    let first = make(&[DAY]);
     for threads in ["1", "7"] {
-        assert!(first == make(&[("RAYON_NUM_THREADS", threads)]), "{threads} threads");
+        assert!(
+            first == make(&[DAY, ("RAYON_NUM_THREADS", threads)]),
+            "{threads} threads"
+        );
     }
-    let dated = make(&[("SOURCE_DATE_EPOCH", "1800000000")]);
-    assert!(dated.contains("2027-01-15") && !first.contains("2027-01-15"));
+    let next = make(&[("SOURCE_DATE_EPOCH", "1800086400")]);
+    assert_eq!(first.replace("2027-01-15", "2027-01-16"), next);
+}
+
+#[test]
+fn each_file_of_a_recording_has_its_own_hash() {
+    let folder = tempfile::tempdir().unwrap();
+    let bag = folder.path().join("bag");
+    let recipe = "
+duration_s: 2
+topics:
+  - {topic: /tf_static, transforms: [{parent: base_link, child: imu, xyz: [0, 0, 1]}]}
+";
+    fs::create_dir(&bag).unwrap();
+    support::write(recipe, &bag.join("bag_0.mcap"));
+    let metadata = "rosbag2_bagfile_information:\n  version: 5\n  storage_identifier: mcap\n  relative_file_paths:\n    - bag_0.mcap\n";
+    fs::write(bag.join("metadata.yaml"), metadata).unwrap();
+    let (path, ran) = report(folder.path(), &[DAY]);
+    program::is_sound(&ran, "a folder");
+    let document = Page::parse(&fs::read_to_string(path).unwrap());
+    let files = ["metadata.yaml", "bag_0.mcap"];
+    assert_eq!(document.texts("#inputs .files dt"), files);
+    for (name, hash) in files.iter().zip(document.texts("#inputs .files dd")) {
+        let said = Command::new("sha256sum").arg(bag.join(name)).output().unwrap();
+        assert_eq!(hash.as_bytes(), &said.stdout[..64], "{name}");
+    }
 }
 
 /// Boxes of what a selector finds.
@@ -281,7 +326,7 @@ fn a_real_browser_shows_the_page_and_complains_of_nothing() {
     );
     // A narrow window scrolls one way only.
     page.media("screen", "light");
-    for width in [400, 768, 1280] {
+    for width in [390, 768, 1280] {
         page.width(width);
         assert_eq!(page.eval(TOO_WIDE), json!([]), "{width}");
         let hidden = page.eval("document.documentElement.scrollWidth - document.documentElement.clientWidth");

@@ -250,6 +250,7 @@ impl Room<'_> {
             summary: run.summary(fail_on),
             code: run.exit_code(fail_on),
             because: run.because(fail_on),
+            reasons: run.reasons(),
         };
         *verdict = run.verdict;
         recording

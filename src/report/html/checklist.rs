@@ -18,7 +18,7 @@ use super::super::text::plural;
 use super::findings;
 use super::plots::Drawn;
 use super::shown::Shown;
-use super::words::{badge, outcome, plain, words};
+use super::words::{badge, outcome, plain, rank, words};
 use super::{Page, summary};
 
 /// Items of one rule, and of all; more are only counted.
@@ -241,16 +241,6 @@ fn facts(rule: &RuleInfo) -> String {
     };
     let (severity, confidence) = (rule.severity.word(), rule.confidence.word());
     format!("{severity} at worst, {confidence}; {status} since {}", rule.since)
-}
-
-fn rank(outcome: Outcome) -> usize {
-    match outcome {
-        Outcome::Crashed => 0,
-        Outcome::Fail => 1,
-        Outcome::Explained | Outcome::Waived => 2,
-        Outcome::Pass => 3,
-        Outcome::NotEvaluated => 4,
-    }
 }
 
 /// The class of an item. What crashed is shown with what failed.

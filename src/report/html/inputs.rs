@@ -8,6 +8,7 @@ use super::super::terminal::examined_words;
 use super::super::text::{bytes, plural};
 use super::Page;
 use super::findings::place;
+use super::hashes::hashes;
 use super::snippet;
 use super::words::{badge, plain, words};
 
@@ -26,16 +27,14 @@ pub(super) fn render(page: &Page) -> Option<Markup> {
     }
     sources.sort_by_key(|source| (rank(source), source.id));
     Some(html! {
-        div class="wide" role="region" aria-label="Inputs" tabindex="0" {
-            table class="inputs" {
-                thead {
-                    tr {
-                        th scope="col" { "Input" } th scope="col" { "Read" } th scope="col" { "Size" }
-                        th scope="col" { "Examined" } th scope="col" { "SHA-256" }
-                    }
+        table class="inputs cards" {
+            thead {
+                tr {
+                    th scope="col" { "Input" } th scope="col" { "Read" } th scope="col" { "Size" }
+                    th scope="col" { "Examined" } th scope="col" { "SHA-256" }
                 }
-                tbody { @for source in sources.iter().take(MAX_INPUTS) { (row(page, source)) } }
             }
+            tbody { @for source in sources.iter().take(MAX_INPUTS) { (row(page, source)) } }
         }
         @if sources.len() > MAX_INPUTS { p class="left-out" { "… and " (plural(sources.len() - MAX_INPUTS, "more input")) } }
         @if !skipped.is_empty() {
@@ -87,11 +86,11 @@ fn row(page: &Page, source: &Source) -> Markup {
                     p { "… and " (plural(source.problems.len() - MAX_PROBLEMS, "more problem")) }
                 }
             }
-            td class="number" { @if own { (bytes(source.examined.bytes_total)) } @else { "–" } }
-            td {
+            td class="number" data-name="Size" { @if own { (bytes(source.examined.bytes_total)) } @else { "–" } }
+            td data-name="Examined" {
                 @if own { ul class="bare" { @for part in examined_words(&source.examined) { li { (part) } } } } @else { "with its source" }
             }
-            td class="hash" { (hash(source)) }
+            td class="hash" data-name="SHA-256" { (hashes(source)) }
         }
     }
 }
@@ -104,12 +103,5 @@ fn fault(page: &Page, problem: &Problem) -> Markup {
             @if let Some(lines) = snippet::render(&problem.place, &page.locator) { (lines) }
             @if let Some(help) = &problem.help { p { span class="label" { "What to do: " } (words(help)) } }
         }
-    }
-}
-
-fn hash(source: &Source) -> Markup {
-    match &source.sha256 {
-        None => html! { "–" },
-        Some(digests) => html! { @for line in digests.lines() { code { (plain(line)) } " " } },
     }
 }

@@ -5,19 +5,13 @@ use std::collections::BTreeMap;
 use maud::{Markup, html};
 
 use crate::page::Status;
-use crate::source::SourceKind;
 
 use super::super::text::plural;
-use super::Page;
 use super::words::plain;
+use super::{Page, summary};
 
 pub(super) fn render(page: &Page) -> Markup {
     let run = page.run;
-    let configurations: Vec<_> = run
-        .sources
-        .iter()
-        .filter(|source| source.kind == SourceKind::Configuration)
-        .collect();
     let mut since: BTreeMap<&str, usize> = BTreeMap::new();
     for rule in &run.rules {
         *since.entry(&rule.since).or_default() += 1;
@@ -44,19 +38,7 @@ pub(super) fn render(page: &Page) -> Markup {
             @for (name, value) in &page.call.settings { div { dt { (name) } dd { (plain(value)) } } }
             div {
                 dt { "Configuration" }
-                dd {
-                    @if configurations.is_empty() { "none: the limits are those of the rules' pages" }
-                    @else {
-                        ul class="bare" {
-                            @for source in &configurations {
-                                li {
-                                    code { (plain(&source.path)) }
-                                    @if let Some(digest) = &source.sha256 { " – SHA-256 " code { (plain(digest)) } }
-                                }
-                            }
-                        }
-                    }
-                }
+                dd { (summary::configuration(page)) }
             }
         }
     }

@@ -2,10 +2,11 @@
 //! accepts or rejects a dataset and signs it.
 //!
 //! Owns the frame of the page and the order of its parts. The page loads nothing: style, script and drawings stand in it, and its
-//! policy lets nothing else run. It reads in full without the script, and has no clock: the same run makes the same bytes.
+//! policy lets nothing else run. It reads in full without the script, and has no clock: the same run of the same day makes the same bytes.
 
 mod checklist;
 mod findings;
+mod hashes;
 mod inputs;
 mod made;
 mod plots;
@@ -40,6 +41,9 @@ const MAX_FRAMES: usize = 600;
 
 /// Up to this width, in pixels, the tree is drawn smaller where the window is narrower; a wider one is scrolled.
 const FITTING: u32 = 1500;
+
+/// Up to this height the tree is drawn on one sheet of paper; a higher one goes on where a sheet ends.
+const SHEET: u32 = 1500;
 
 /// What every part of the page needs.
 struct Page<'a> {
@@ -82,6 +86,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn, call: &Call) -> String {
     let shown = shown::Shown::new(run);
     let drawn = plots::Drawn::new(&page, &shown);
     let parts = [
+        ("decision", "Decision", Some(summary::decision(&page))),
         ("required", "Required, and not met", summary::required(&page)),
         ("recordings", "Recordings", summary::recordings(&page)),
         ("findings", "Findings", Some(findings::open(&page, &shown, &drawn))),
@@ -91,7 +96,6 @@ pub(super) fn render(run: &Run, fail_on: FailOn, call: &Call) -> String {
         ("tree", "Frame tree", tree(run)),
         ("inputs", "Inputs", inputs::render(&page)),
         ("made", "How this report was made", Some(made::render(&page))),
-        ("decision", "Decision", Some(summary::decision(&page))),
     ];
     let parts: Vec<(&str, &str, Markup)> = parts
         .into_iter()
@@ -177,11 +181,11 @@ fn tree(run: &Run) -> Option<Markup> {
             p { "This is the tree of " code { (words::plain(&first.label)) } ", the first recording." }
         }
         p class="hint" {
-            "Roots stand at the left. Each box has the pose in its parent and the file or topic that states it first; who else states it \
-             is in the tooltip."
+            "Roots stand at the left. Each box has the pose in its parent and the file or topic that states it \
+             first; who else states it is in the tooltip."
         }
         div class="wide" role="region" aria-label="Frame tree" tabindex="0" {
-            svg class={ "tree" @if width <= FITTING { " fit" } } role="img" aria-labelledby="tree-name tree-words" width=(width) height=(height)
+            svg class={ "tree" @if width <= FITTING { " fit" } @if height <= SHEET { " sheet" } } role="img" aria-labelledby="tree-name tree-words" width=(width) height=(height)
                 viewBox={ "0 0 " (width) " " (height) } {
                 title id="tree-name" { "Frame tree" }
                 desc id="tree-words" { (plural(drawing.frames, "frame")) " with their parents, poses and sources" }

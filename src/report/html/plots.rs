@@ -7,28 +7,28 @@ use std::fmt::Write;
 
 use maud::{Markup, PreEscaped, html};
 
+use crate::verdict::Row;
 use crate::verdict::plot::{Axis, Kind, Plot};
-use crate::verdict::{Outcome, Row};
 
 use super::super::text::{number, plural};
 use super::Page;
 use super::scale::{Scale, place, range};
 use super::shown::Shown;
-use super::words::{badge, outcome, plain, words};
+use super::words::{badge, outcome, plain, rank, words};
 
 /// Plots of one report; more are only counted.
 const MAX_PLOTS: usize = 80;
 
 /// The area of the data where both axes are free, and the room about it: left for numbers, beneath for numbers and words.
-const WIDTH: f64 = 600.0;
-const HEIGHT: f64 = 250.0;
+const WIDTH: f64 = 440.0;
+const HEIGHT: f64 = 220.0;
 /// The largest area where a step is as long in both directions, and the least length of a side.
-const EQUAL: (f64, f64) = (520.0, 420.0);
+const EQUAL: (f64, f64) = (440.0, 360.0);
 const LEAST: f64 = 240.0;
 const LEFT: f64 = 74.0;
 /// Room at the left for the name of the axis, and for each letter of its longest number.
 const OF_NAME: f64 = 32.0;
-const OF_LETTER: f64 = 8.0;
+const OF_LETTER: f64 = 10.0;
 const TOP: f64 = 12.0;
 const RIGHT: f64 = 18.0;
 const BENEATH: f64 = 50.0;
@@ -58,7 +58,7 @@ impl Drawn {
         };
         let mut rows: Vec<(usize, &Row)> = run.verdict.rows.iter().enumerate().collect();
         rows.retain(|(_, row)| !row.plots.is_empty());
-        rows.sort_by_key(|(index, row)| (!matches!(row.outcome, Outcome::Fail | Outcome::Waived), *index));
+        rows.sort_by_key(|(index, row)| (rank(row.outcome), *index));
         let mut count = 0;
         for (index, row) in rows {
             let number = page
@@ -304,6 +304,7 @@ fn data(plot: &Plot, x: &Scale, y: &Scale, id: &str, body: &mut String) -> Vec<(
             .position(|name| *name == series.name)
             .unwrap_or(names.len());
         let class = match series.kind {
+            Kind::Points if series.points.len() == 1 => format!("p{} alone", look % LOOKS),
             Kind::Points => format!("p{}", look % LOOKS),
             Kind::Line => format!("l{}", look % LOOKS),
         };

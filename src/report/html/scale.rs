@@ -24,10 +24,14 @@ impl Scale {
         self.start + (value - self.from) / (self.to - self.from) * (self.end - self.start)
     }
 
-    /// Numbers to write beside it, about `most` at most, and how they are spelled.
+    /// Numbers to write beside it, about `most` at most and three at least, and how they are spelled.
     pub(super) fn ticks(&self, unit: &str, most: usize) -> Vec<(f64, String)> {
         let rough = (self.to - self.from) / most.max(1) as f64;
-        let step = step(rough, unit);
+        let mut step = next_step(rough, unit);
+        if (self.to / step).floor() - (self.from / step).ceil() < 2.0 {
+            // The next smaller step: no step is more than 2.5 times as large.
+            step = next_step(step * 0.39, unit);
+        }
         if !(step > 0.0 && step.is_finite()) {
             return Vec::new();
         }
@@ -47,7 +51,7 @@ impl Scale {
 }
 
 /// The next step that people count in.
-fn step(rough: f64, unit: &str) -> f64 {
+fn next_step(rough: f64, unit: &str) -> f64 {
     if unit == "deg" && (1.0..=360.0).contains(&rough) {
         return OF_ANGLES.iter().copied().find(|step| *step >= rough).unwrap_or(rough);
     }
@@ -126,6 +130,11 @@ mod tests {
             spelled(&scale(-190.0, 190.0), "deg", 5),
             ["-180", "-90", "0", "90", "180"]
         );
+        assert_eq!(
+            spelled(&scale(-68.0, 44.0), "m", 3),
+            ["-60", "-40", "-20", "0", "20", "40"]
+        );
+        assert_eq!(spelled(&scale(-44.0, 95.0), "deg", 2), ["0", "45", "90"]);
         assert_eq!(
             spelled(&scale(1e9, 1e9 + 40.0), "s", 4).first().map(String::as_str),
             Some("1000000000")

@@ -5,10 +5,10 @@
 use super::plots::draw;
 use super::*;
 use crate::report::samples::{ROBOT, Sample, everything};
-use crate::run::Unmet;
+use crate::run::{Unmet, VerdictWord};
 use crate::source::SourceKind;
 use crate::verdict::plot::{Axis, Level, Plot, Series};
-use crate::verdict::{Measured, Outcome, Waived};
+use crate::verdict::{Measured, Outcome, Severity, Waived};
 
 #[path = "../../../tests/support/page.rs"]
 #[allow(clippy::expect_used, dead_code)]
@@ -76,6 +76,135 @@ fn every_outcome_stands_with_its_sign_its_word_and_its_evidence() {
 }
 
 #[test]
+fn the_first_page_says_when_of_what_how_much_and_by_which_configuration() {
+    use crate::source::{Examined, FileHash};
+    let mut s = Sample::default();
+    let examined = |bytes: u64, messages: u64, messages_total: Option<u64>| Examined {
+        bytes,
+        bytes_total: 4000,
+        messages: Some(messages),
+        messages_total,
+        ..Examined::default()
+    };
+    let hash = |name: &str, digit: &str| FileHash {
+        name: name.to_owned(),
+        sha256: Some(digit.repeat(64)),
+    };
+    let bag = s.source("/data/a/metadata.yaml", SourceKind::Rosbag2, "");
+    let config = s.source("/data/frames-lint.yaml", SourceKind::Configuration, "");
+    let other = s.source("/data/b.mcap", SourceKind::Mcap, "");
+    s.row("A01", "x", Outcome::Pass, None);
+    s.row("A02", "x", Outcome::NotEvaluated, Some("too short"));
+    let mut run = s.run();
+    run.sources[bag.0 as usize].examined = examined(1000, 10, Some(40));
+    run.sources[bag.0 as usize].hashes = vec![hash("metadata.yaml", "a"), hash("a_0.mcap", "b"), hash("a_1.mcap", "c")];
+    run.sources[config.0 as usize].hashes = vec![hash("frames-lint.yaml", "d")];
+    run.sources[other.0 as usize].examined = examined(3000, 5, Some(5));
+    run.sources[other.0 as usize].hashes = vec![hash("b.mcap", "e")];
+    let call = Call {
+        day: Some("2027-01-31".to_owned()),
+        ..Call::default()
+    };
+    let page = |run: &Run| {
+        let document = Parsed::parse(&render(run, FailOn::Error, &call));
+        assert!(document.errors.is_empty(), "{:?}", document.errors);
+        document
+    };
+    let document = page(&run);
+    let facts = document.texts("header .facts dd");
+    let names = document.texts("header .facts dt");
+    let expected = [
+        "Day of the run",
+        "Platform",
+        "Inputs",
+        "Examined",
+        "Checks made",
+        "Configuration",
+    ];
+    assert_eq!(names, expected);
+    assert_eq!(facts[0], "2027-01-31 (UTC)");
+    assert!(facts[3].ends_with("15 of 45 messages (33.3 %)"), "{}", facts[3]);
+    assert_eq!(facts[4], "1 of 2 that apply (50.0 %)");
+    assert!(facts[5].contains("frames-lint.yaml – SHA-256 dddd"), "{}", facts[5]);
+    // It is signed where that stands, before everything else.
+    assert_eq!(document.texts("h2")[0], "Decision");
+    // Each file has its own hash, with its name where the source is called otherwise.
+    assert_eq!(
+        document.texts("#inputs .files dt"),
+        ["metadata.yaml", "a_0.mcap", "a_1.mcap"]
+    );
+    assert_eq!(document.texts("#inputs .files dd")[2], "c".repeat(64));
+    assert!(document.texts("#inputs .hash").contains(&"e".repeat(64)));
+    // Of a recording without an index nobody knows how many messages it has.
+    run.sources[other.0 as usize].examined.messages_total = None;
+    assert!(page(&run).texts("header .facts dd")[3].ends_with(" 15 messages"));
+}
+
+#[test]
+fn the_worst_recording_and_what_failed_stand_first() {
+    use crate::run::Recording;
+    let mut s = Sample::default();
+    s.row("B01", "right", Outcome::Pass, None);
+    s.row("B02", "wrong", Outcome::Fail, None);
+    let mut run = s.run();
+    for row in &mut run.verdict.rows {
+        row.plots = vec![Plot {
+            title: row.subject.clone(),
+            ..track()
+        }];
+    }
+    let summary = run.summary(FailOn::Error);
+    let recording = |label: &str, errors: usize, warnings: usize, reasons: &[(Severity, &str)]| Recording {
+        label: label.to_owned(),
+        sources: Vec::new(),
+        summary: crate::run::Summary {
+            errors,
+            warnings,
+            verdict: if errors > 0 {
+                VerdictWord::Findings
+            } else {
+                VerdictWord::Clean
+            },
+            ..summary
+        },
+        code: 0,
+        because: reasons
+            .first()
+            .filter(|_| errors > 0)
+            .map(|(_, words)| (*words).to_owned()),
+        reasons: reasons
+            .iter()
+            .map(|(severity, words)| (*severity, (*words).to_owned()))
+            .collect(),
+    };
+    run.recordings = vec![
+        recording("quiet", 0, 0, &[]),
+        recording("late", 0, 2, &[(Severity::Warning, "TIME03 gap: 2 s")]),
+        recording(
+            "mirrored",
+            1,
+            1,
+            &[
+                (Severity::Error, "AXES07 mirror: y"),
+                (Severity::Warning, "TIME03 gap: 3 s"),
+            ],
+        ),
+    ];
+    let (_, document) = page(&run);
+    assert_eq!(
+        document.texts("#recordings th[scope=row]"),
+        ["mirrored", "late", "quiet"]
+    );
+    let reasons = [
+        "✗ error AXES07 mirror: y",
+        "! warning TIME03 gap: 3 s",
+        "! warning TIME03 gap: 2 s",
+    ];
+    assert_eq!(document.texts("#recordings li"), reasons);
+    assert_eq!(document.texts("#plots figcaption strong"), ["wrong", "right"]);
+}
+
+#[test]
 fn an_empty_run_is_a_page_too() {
     let (_, document) = page(&Run::default());
     assert!(document.texts("h1")[0].contains("Incomplete"));
@@ -130,11 +259,17 @@ fn hostile_words_stay_words_wherever_they_stand() {
         crate::source::Place::whole(id),
         EVIL,
     );
-    run.sources[0].sha256 = Some(EVIL.to_owned());
+    run.sources[0].hashes = vec![
+        crate::source::FileHash {
+            name: EVIL.to_owned(),
+            sha256: Some(EVIL.to_owned()),
+        };
+        2
+    ];
     let call = Call {
         command: vec![EVIL.to_owned()],
         settings: vec![("x", EVIL.to_owned())],
-        day: None,
+        day: Some("2027-01-31".to_owned()),
     };
     let text = render(&run, FailOn::Error, &call);
     let document = Parsed::parse(&text);
@@ -172,22 +307,20 @@ fn track() -> Plot {
 #[test]
 fn points_are_drawn_where_they_belong() {
     let drawn = draw(&track(), "plot-1").unwrap();
-    // The area is 600 by 250 from (74, 12), and 5 % of each range is room: x from -0.5 to 10.5, y from -1 to 21.
-    // 0 is at 74 + 600 * 0.5/11 = 101.3, 10 at 646.7; y of 0 at 262 - 250 * 1/22 = 250.6, of 20 at 23.4, of 10 at 137.
+    // The area is 440 by 220 from (74, 12), and 5 % of each range is room: x from -0.5 to 10.5, y from -1 to 21.
+    // 0 is at 74 + 440 * 0.5/11 = 94, 10 at 494; y of 0 at 232 - 220 * 1/22 = 222, of 20 at 22, of 10 at 122.
     assert!(
-        drawn
-            .svg
-            .contains("<path class=\"p0\" d=\"M101.3 250.6h0M646.7 23.4h0\"/>"),
+        drawn.svg.contains("<path class=\"p0\" d=\"M94 222h0M494 22h0\"/>"),
         "{}",
         drawn.svg
     );
     assert!(
-        drawn.svg.contains("<path class=\"l1\" d=\"M101.3 23.4L646.7 250.6\"/>"),
+        drawn.svg.contains("<path class=\"l1\" d=\"M94 22L494 222\"/>"),
         "{}",
         drawn.svg
     );
     assert!(
-        drawn.svg.contains("<path class=\"limit\" d=\"M74 137H674\"/>"),
+        drawn.svg.contains("<path class=\"limit\" d=\"M74 122H514\"/>"),
         "{}",
         drawn.svg
     );
@@ -220,11 +353,11 @@ fn a_step_is_as_long_in_both_directions_where_it_should_be() {
         limits: Vec::new(),
         ..track()
     };
-    // Ranges of 11 and 22 m: 420 high, 19.09 a metre, and no less than 240 wide: x from 5 - 6.286 to 5 + 6.286.
+    // Ranges of 11 and 22 m: 360 high, 16.36 a metre, and no less than 240 wide: x from 5 - 7.333 to 5 + 7.333.
     let drawn = draw(&plot, "plot-1").unwrap();
-    assert!(drawn.svg.contains("viewBox=\"0 0 332 482\""), "{}", drawn.svg);
-    // x: 74 + 1.286 * 19.09 = 98.5, and 10 m further 289.5; y: 432 - 19.09 = 412.9, and 20 m up 31.1.
-    assert!(drawn.svg.contains("M98.5 412.9h0M289.5 31.1h0"), "{}", drawn.svg);
+    assert!(drawn.svg.contains("viewBox=\"0 0 332 422\""), "{}", drawn.svg);
+    // x: 74 + 2.333 * 16.36 = 112.2, and 10 m further 275.8; y: 372 - 16.36 = 355.6, and 20 m up 28.4.
+    assert!(drawn.svg.contains("M112.2 355.6h0M275.8 28.4h0"), "{}", drawn.svg);
 }
 
 #[test]

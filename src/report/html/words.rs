@@ -55,6 +55,17 @@ pub(super) fn outcome(outcome: Outcome) -> (&'static str, &'static str, &'static
     }
 }
 
+/// What went wrong stands first.
+pub(super) fn rank(outcome: Outcome) -> usize {
+    match outcome {
+        Outcome::Crashed => 0,
+        Outcome::Fail => 1,
+        Outcome::Explained | Outcome::Waived => 2,
+        Outcome::Pass => 3,
+        Outcome::NotEvaluated => 4,
+    }
+}
+
 /// A sign and a word in the colour of a class.
 pub(super) fn badge(class: &str, sign: &str, word: &str) -> Markup {
     html! {
