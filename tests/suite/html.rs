@@ -395,3 +395,33 @@ fn tens_of_thousands_of_findings_make_a_page_that_can_be_opened() {
     assert!(text.contains(" are counted here and not shown: "));
     assert!(Page::parse(&text).errors.is_empty());
 }
+
+#[test]
+fn a_deep_tree_fits_the_page() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut robot = "<robot name=\"arm\"><link name=\"base_link\"/>".to_owned();
+    let mut parent = "base_link".to_owned();
+    for index in 0..20 {
+        let _ = write!(
+            robot,
+            "<link name=\"link_{index}\"/><joint name=\"joint_{index}\" type=\"fixed\"><parent link=\"{parent}\"/>\
+             <child link=\"link_{index}\"/><origin xyz=\"0.123 0.456 0.789\" rpy=\"0 0 1.5707963\"/></joint>"
+        );
+        parent = format!("link_{index}");
+    }
+    fs::write(folder.path().join("arm.urdf"), robot + "</robot>").unwrap();
+    let (path, _) = report(folder.path(), &[DAY]);
+    let document = Page::parse(&fs::read_to_string(path).unwrap());
+    let numbers = |selector: &str, name: &str| -> Vec<u32> {
+        let values = document.attributes(selector, name).into_iter();
+        values.map(|value| value.parse().unwrap()).collect()
+    };
+    let width = numbers("svg.tree", "width")[0];
+    assert!(width <= 1000, "{width} pixels wide");
+    let (lefts, widths) = (numbers(".tree .box", "x"), numbers(".tree .box", "width"));
+    assert_eq!(lefts.len(), 21);
+    assert!(lefts.iter().zip(&widths).all(|(left, own)| left + own < width));
+    // Each has a row of its own, right of its parent.
+    let rows = numbers(".tree .box", "y");
+    assert!(rows.windows(2).all(|pair| pair[0] + 50 < pair[1]) && lefts.windows(2).all(|pair| pair[0] < pair[1]));
+}

@@ -39,7 +39,10 @@ const SCRIPT: &str = include_str!("script.js");
 /// Frames that are drawn: nobody finds anything in a larger tree, and a hostile file has a hundred thousand.
 const MAX_FRAMES: usize = 600;
 
-/// Up to this width, in pixels, the tree is drawn smaller where the window is narrower; a wider one is scrolled.
+/// The widest tree, in pixels, that has a column for each depth: what a sheet of paper can show.
+const WIDEST: u32 = 700;
+
+/// Up to this width the tree is drawn smaller where the window is narrower; a wider one is scrolled.
 const FITTING: u32 = 1500;
 
 /// Up to this height the tree is drawn on one sheet of paper; a higher one goes on where a sheet ends.
@@ -168,7 +171,7 @@ fn tree(run: &Run) -> Option<Markup> {
     if frames > MAX_FRAMES {
         return Some(too_many(frames));
     }
-    let drawing = svg::drawing(run);
+    let drawing = svg::drawing(run, Some(WIDEST));
     if drawing.frames == 0 {
         return None;
     }
@@ -181,7 +184,7 @@ fn tree(run: &Run) -> Option<Markup> {
             p { "This is the tree of " code { (words::plain(&first.label)) } ", the first recording." }
         }
         p class="hint" {
-            "Roots stand at the left. Each box has the pose in its parent and the file or topic that states it \
+            "Parents stand left of their children or above them. Each box has the pose in its parent and the file or topic that states it \
              first; who else states it is in the tooltip."
         }
         div class="wide" role="region" aria-label="Frame tree" tabindex="0" {

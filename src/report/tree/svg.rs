@@ -13,6 +13,8 @@ const MARGIN: u32 = 24;
 const ROW: u32 = 66;
 const BOX: u32 = 50;
 const COLUMN_GAP: u32 = 64;
+/// How far a child stands to the right of its parent, where each frame has a row of its own.
+const STEP: u32 = 26;
 const HEADING: u32 = 34;
 /// Characters of a line in a box; the whole text is in its tooltip.
 const LONGEST: usize = 46;
@@ -49,7 +51,7 @@ text { fill: #9198a1 }
 pub fn render(run: &Run) -> String {
     let Drawing {
         width, height, body, ..
-    } = drawing(run);
+    } = drawing(run, None);
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} \
          {height}\">\n<title>Frame tree</title>\n<style>\n{LOOK}</style>\n<rect class=\"paper\" width=\"{width}\" \
@@ -66,13 +68,15 @@ pub(in crate::report) struct Drawing {
     pub(in crate::report) frames: usize,
 }
 
-/// Draws the worlds of a run.
-pub(in crate::report) fn drawing(run: &Run) -> Drawing {
+/// Draws the worlds of a run. A tree that is wider than `widest` has a row for each frame, children below their parents and a step to
+/// the right.
+pub(in crate::report) fn drawing(run: &Run, widest: Option<u32>) -> Drawing {
     let sketches = sketches(run);
     let mut page = Page {
         body: String::new(),
         width: 480,
         y: MARGIN,
+        widest,
     };
     for sketch in &sketches {
         if sketches.len() > 1 {
@@ -100,6 +104,7 @@ struct Page {
     body: String,
     width: u32,
     y: u32,
+    widest: Option<u32>,
 }
 
 fn world(sketch: &Sketch, page: &mut Page) {
@@ -195,38 +200,68 @@ fn draw(sketch: &Sketch, tree: &Tree, page: &mut Page) {
             left
         })
         .collect();
-    page.width = page.width.max(x - COLUMN_GAP);
+    let is_stepped = page.widest.is_some_and(|widest| x - COLUMN_GAP > widest);
     let top = page.y;
-    // Rows count in halves: a parent stands between its children.
-    let left = |laid: &Laid| columns.get(laid.depth).copied().unwrap_or(MARGIN);
-    let upper = |laid: &Laid| top + laid.half_row * ROW / 2;
-    let ends = |from: &Laid, from_node: &Node, to: &Laid| {
-        let (x1, y1) = (left(from) + from_node.width(), upper(from) + BOX / 2);
-        (x1, y1, left(to), upper(to) + BOX / 2)
-    };
-    let drawn: BTreeMap<usize, (&Laid, &Node)> = tree
-        .frames
-        .iter()
-        .zip(&nodes)
-        .map(|(laid, node)| (laid.frame, (laid, node)))
-        .collect();
+    let mut places: Vec<(u32, u32)> = Vec::new();
     for laid in &tree.frames {
-        let parent = laid
-            .parent
-            .and_then(|parent| tree.frames.get(parent).zip(nodes.get(parent)));
-        if let (Some((from, node)), Some(edge)) = (parent, laid.edge.and_then(|edge| sketch.edges.get(edge))) {
-            page.edge(class(edge), ends(from, node, laid));
+        places.push(if is_stepped {
+            let depth = u32::try_from(laid.depth).unwrap_or(0);
+            let place = (MARGIN + depth * STEP, page.y);
+            page.y += ROW;
+            place
+        } else {
+            // Rows count in halves: a parent stands between its children.
+            let left = columns.get(laid.depth).copied().unwrap_or(MARGIN);
+            (left, top + laid.half_row * ROW / 2)
+        });
+    }
+    if !is_stepped {
+        page.y = top + tree.half_rows * ROW / 2;
+    }
+    let place = |index: usize| Some((*places.get(index)?, nodes.get(index)?.width()));
+    for (child, laid) in tree.frames.iter().enumerate() {
+        let ends = laid.parent.and_then(|parent| place(parent).zip(place(child)));
+        if let (Some((from, to)), Some(edge)) = (ends, laid.edge.and_then(|edge| sketch.edges.get(edge))) {
+            let path = if is_stepped { step(from, to) } else { curve(from, to) };
+            page.edge(class(edge), &path);
         }
     }
+    let numbers = tree.frames.iter().enumerate();
+    let drawn: BTreeMap<usize, usize> = numbers.map(|(index, laid)| (laid.frame, index)).collect();
     for edge in tree.others.iter().filter_map(|other| sketch.edges.get(*other)) {
-        if let (Some((from, node)), Some((to, _))) = (drawn.get(&edge.parent), drawn.get(&edge.child)) {
-            page.edge("edge other", ends(from, node, to));
+        let end = |frame: usize| drawn.get(&frame).and_then(|index| place(*index));
+        if let Some((from, to)) = end(edge.parent).zip(end(edge.child)) {
+            page.edge(
+                "edge other",
+                &if is_stepped { around(from, to) } else { curve(from, to) },
+            );
         }
     }
-    for (laid, node) in tree.frames.iter().zip(&nodes) {
-        page.node(left(laid), upper(laid), node);
+    for ((x, y), node) in places.iter().zip(&nodes) {
+        page.node(*x, *y, node);
     }
-    page.y = top + tree.half_rows * ROW / 2;
+}
+
+/// The upper left corner of a box, and its width.
+type Place = ((u32, u32), u32);
+
+/// From the right of a box to the left of another.
+fn curve(((x1, y1), width): Place, ((x2, y2), _): Place) -> String {
+    let (x1, y1, y2, bend) = (x1 + width, y1 + BOX / 2, y2 + BOX / 2, COLUMN_GAP / 2);
+    let back = x2.saturating_sub(bend);
+    format!("M{x1} {y1}C{} {y1} {back} {y2} {x2} {y2}", x1 + bend)
+}
+
+/// From beneath a box to the left of another that stands below.
+fn step(((x1, y1), _): Place, ((x2, y2), _): Place) -> String {
+    format!("M{} {}V{}H{x2}", x1 + STEP / 2, y1 + BOX, y2 + BOX / 2)
+}
+
+/// From the right of a box to the right of another.
+fn around(((x1, y1), from): Place, ((x2, y2), to): Place) -> String {
+    let (x1, y1, x2, y2) = (x1 + from, y1 + BOX / 2, x2 + to, y2 + BOX / 2);
+    let far = x1.max(x2) + COLUMN_GAP / 2;
+    format!("M{x1} {y1}C{far} {y1} {far} {y2} {x2} {y2}")
 }
 
 fn class(edge: &Edge) -> &'static str {
@@ -248,14 +283,8 @@ impl Page {
         );
     }
 
-    fn edge(&mut self, class: &str, (x1, y1, x2, y2): (u32, u32, u32, u32)) {
-        let bend = COLUMN_GAP / 2;
-        let back = x2.saturating_sub(bend);
-        let _ = writeln!(
-            self.body,
-            "<path class=\"{class}\" d=\"M{x1} {y1}C{} {y1} {back} {y2} {x2} {y2}\"/>",
-            x1 + bend
-        );
+    fn edge(&mut self, class: &str, path: &str) {
+        let _ = writeln!(self.body, "<path class=\"{class}\" d=\"{path}\"/>");
     }
 
     fn node(&mut self, x: u32, y: u32, node: &Node) {
