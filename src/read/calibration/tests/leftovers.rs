@@ -60,7 +60,7 @@ fn what_is_no_transform_is_not_named() {
     let point = "{position: {x: 1, y: 2, z: 3}, orientation: {yaw: 0.5}}";
     for text in [
         "camera_matrix: [500, 0, 320, 0, 500, 240, 0, 0, 1]\nK: [1, 0, 0, 0, 1, 0, 0, 0, 1]\nP: [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0]\n",
-        "pose_covariance: [1, 0, 0, 0, 0, 0]\ngains: {roll: 1, pitch: 2, yaw: 3}\nimu_intrinsics: {T: [1, 0, 0, 0, 1, 0, 0, 0, 1]}\n",
+        "pose_covariance: [1, 0, 0, 0, 0, 0]\ngains: {roll: 1, pitch: 2, yaw: 3}\nimu_intrinsics: {M: [2, 0, 0, 0, 2, 0, 0, 0, 2]}\n",
         "points: [[1, 2, 3], [4, 5, 6], [7, 8, 9], [1, 1, 1]]\nfootprint: [[1, 1], [1, -1]]\n",
         "table: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15, 16]\nmask: [1, 0, 0, 0, 1, 0, 0, 0, 1]\n",
         "initial_pose: {x: 1, y: 2, z: 0, yaw: 0}\ngoal: {x: 1, y: 2, z: 0, yaw: 0}\nxyz: [1, 2, 3]\n",
