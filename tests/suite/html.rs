@@ -417,11 +417,27 @@ fn a_deep_tree_fits_the_page() {
         values.map(|value| value.parse().unwrap()).collect()
     };
     let width = numbers("svg.tree", "width")[0];
+    // It goes on from sheet to sheet, and no box is cut.
+    let views = document.attributes("svg.tree", "viewBox");
+    let views: Vec<Vec<u32>> = views
+        .iter()
+        .map(|view| view.split(' ').map(|n| n.parse().unwrap()).collect())
+        .collect();
+    assert!(views.len() > 1 && views.iter().all(|view| view[3] <= 880), "{views:?}");
+    assert!(
+        views.windows(2).all(|pair| pair[0][1] + pair[0][3] == pair[1][1]),
+        "{views:?}"
+    );
+    let tops = numbers(".tree .box", "y");
+    let is_cut = |at: u32| tops.iter().any(|top| (*top..=top + 50).contains(&at));
+    assert!(!views.iter().skip(1).any(|view| is_cut(view[1])), "{views:?}");
+    // The style of a copy is known by what is copied, and not by what stands around it.
+    assert_eq!(document.attributes("#tree-drawing.frames .box", "y").len(), tops.len());
+    assert!(!document.texts("style")[0].contains(".tree ."));
     assert!(width <= 1000, "{width} pixels wide");
     let (lefts, widths) = (numbers(".tree .box", "x"), numbers(".tree .box", "width"));
     assert_eq!(lefts.len(), 21);
     assert!(lefts.iter().zip(&widths).all(|(left, own)| left + own < width));
     // Each has a row of its own, right of its parent.
-    let rows = numbers(".tree .box", "y");
-    assert!(rows.windows(2).all(|pair| pair[0] + 50 < pair[1]) && lefts.windows(2).all(|pair| pair[0] < pair[1]));
+    assert!(tops.windows(2).all(|pair| pair[0] + 50 < pair[1]) && lefts.windows(2).all(|pair| pair[0] < pair[1]));
 }

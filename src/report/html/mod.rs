@@ -45,8 +45,8 @@ const WIDEST: u32 = 700;
 /// Up to this width the tree is drawn smaller where the window is narrower; a wider one is scrolled.
 const FITTING: u32 = 1500;
 
-/// Up to this height the tree is drawn on one sheet of paper; a higher one goes on where a sheet ends.
-const SHEET: u32 = 1500;
+/// The highest stretch of the tree that a sheet of paper can show.
+const SHEET: u32 = 880;
 
 /// What every part of the page needs.
 struct Page<'a> {
@@ -178,7 +178,7 @@ fn tree(run: &Run) -> Option<Markup> {
     if drawing.frames > MAX_FRAMES {
         return Some(too_many(drawing.frames));
     }
-    let (width, height) = (drawing.width, drawing.height);
+    let width = drawing.width;
     Some(html! {
         @if let Some(first) = run.recordings.first() {
             p { "This is the tree of " code { (words::plain(&first.label)) } ", the first recording." }
@@ -188,11 +188,13 @@ fn tree(run: &Run) -> Option<Markup> {
              first; who else states it is in the tooltip."
         }
         div class="wide" role="region" aria-label="Frame tree" tabindex="0" {
-            svg class={ "tree" @if width <= FITTING { " fit" } @if height <= SHEET { " sheet" } } role="img" aria-labelledby="tree-name tree-words" width=(width) height=(height)
-                viewBox={ "0 0 " (width) " " (height) } {
-                title id="tree-name" { "Frame tree" }
-                desc id="tree-words" { (plural(drawing.frames, "frame")) " with their parents, poses and sources" }
-                (PreEscaped(&drawing.body))
+            @for (index, (from, to)) in drawing.sheets(SHEET).into_iter().enumerate() {
+                svg class={ "tree" @if width <= FITTING { " fit" } } role="img" aria-label={ "Frame tree, " (plural(drawing.frames, "frame")) }
+                    aria-hidden=[(index > 0).then_some("true")] width=(width) height=(to - from)
+                    viewBox={ "0 " (from) " " (width) " " (to - from) } {
+                    // The first sheet has the whole drawing, and each shows its own stretch.
+                    @if index == 0 { g id="tree-drawing" class="frames" { (PreEscaped(&drawing.body)) } } @else { (PreEscaped("<use href=\"#tree-drawing\"/>")) }
+                }
             }
         }
     })

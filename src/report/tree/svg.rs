@@ -14,7 +14,7 @@ const ROW: u32 = 66;
 const BOX: u32 = 50;
 const COLUMN_GAP: u32 = 64;
 /// How far a child stands to the right of its parent, where each frame has a row of its own.
-const STEP: u32 = 26;
+const STEP: u32 = 30;
 const HEADING: u32 = 34;
 /// Characters of a line in a box; the whole text is in its tooltip.
 const LONGEST: usize = 46;
@@ -66,6 +66,29 @@ pub(in crate::report) struct Drawing {
     pub(in crate::report) body: String,
     /// Frames that are drawn.
     pub(in crate::report) frames: usize,
+    /// The upper edges of their boxes.
+    tops: Vec<u32>,
+}
+
+impl Drawing {
+    /// From where to where the drawing reaches on each sheet, of this height at most, so that no box is cut; a stretch in which every
+    /// place cuts a box stays whole.
+    pub(in crate::report) fn sheets(&self, most: u32) -> Vec<(u32, u32)> {
+        let mut sheets = Vec::new();
+        let mut from = 0;
+        while self.height - from > most {
+            let is_free = |at: &u32| !self.tops.iter().any(|top| (*top..top + BOX).contains(at));
+            let beneath = self.tops.iter().map(|top| top + BOX + (ROW - BOX) / 2);
+            let fitting = beneath
+                .filter(|at| (from + 1..=from + most).contains(at))
+                .filter(is_free);
+            let Some(to) = fitting.max() else { break };
+            sheets.push((from, to));
+            from = to;
+        }
+        sheets.push((from, self.height));
+        sheets
+    }
 }
 
 /// Draws the worlds of a run. A tree that is wider than `widest` has a row for each frame, children below their parents and a step to
@@ -77,6 +100,7 @@ pub(in crate::report) fn drawing(run: &Run, widest: Option<u32>) -> Drawing {
         width: 480,
         y: MARGIN,
         widest,
+        tops: Vec::new(),
     };
     for sketch in &sketches {
         if sketches.len() > 1 {
@@ -92,6 +116,7 @@ pub(in crate::report) fn drawing(run: &Run, widest: Option<u32>) -> Drawing {
         width: page.width + MARGIN,
         height: page.y + MARGIN,
         body: page.body,
+        tops: page.tops,
         frames: sketches
             .iter()
             .map(|sketch| sketch.frames.len() + sketch.outside.len())
@@ -105,6 +130,7 @@ struct Page {
     width: u32,
     y: u32,
     widest: Option<u32>,
+    tops: Vec<u32>,
 }
 
 fn world(sketch: &Sketch, page: &mut Page) {
@@ -222,8 +248,16 @@ fn draw(sketch: &Sketch, tree: &Tree, page: &mut Page) {
     for (child, laid) in tree.frames.iter().enumerate() {
         let ends = laid.parent.and_then(|parent| place(parent).zip(place(child)));
         if let (Some((from, to)), Some(edge)) = (ends, laid.edge.and_then(|edge| sketch.edges.get(edge))) {
-            let path = if is_stepped { step(from, to) } else { curve(from, to) };
-            page.edge(class(edge), &path);
+            let class = class(edge);
+            if is_stepped {
+                // What lies before the child is of its sisters, too.
+                let ((x1, y1), (x2, y2)) = (from.0, to.0);
+                let (x1, y2) = (x1 + STEP / 2, y2 + BOX / 2);
+                page.edge("edge", &format!("M{x1} {}V{y2}", y1 + BOX));
+                page.edge(class, &format!("M{x1} {y2}H{x2}"));
+            } else {
+                page.edge(class, &curve(from, to));
+            }
         }
     }
     let numbers = tree.frames.iter().enumerate();
@@ -250,11 +284,6 @@ fn curve(((x1, y1), width): Place, ((x2, y2), _): Place) -> String {
     let (x1, y1, y2, bend) = (x1 + width, y1 + BOX / 2, y2 + BOX / 2, COLUMN_GAP / 2);
     let back = x2.saturating_sub(bend);
     format!("M{x1} {y1}C{} {y1} {back} {y2} {x2} {y2}", x1 + bend)
-}
-
-/// From beneath a box to the left of another that stands below.
-fn step(((x1, y1), _): Place, ((x2, y2), _): Place) -> String {
-    format!("M{} {}V{}H{x2}", x1 + STEP / 2, y1 + BOX, y2 + BOX / 2)
 }
 
 /// From the right of a box to the right of another.
@@ -290,6 +319,7 @@ impl Page {
     fn node(&mut self, x: u32, y: u32, node: &Node) {
         let width = node.width();
         self.width = self.width.max(x + width);
+        self.tops.push(y);
         let _ = write!(
             self.body,
             "<g><title>{}</title><rect class=\"{}\" x=\"{x}\" y=\"{y}\" width=\"{width}\" height=\"{BOX}\" rx=\"5\"/>",
