@@ -123,7 +123,7 @@ impl ScanMotion {
 }
 
 fn steps(world: &Estimates, clouds: &Clouds, planes: &Planes) -> Steps {
-    match Level::of(world, clouds, planes) {
+    match Flattening::of(world, clouds, planes) {
         Ok(level) => Steps {
             is_up: level.is_up,
             why: NO_GROUND,
@@ -139,7 +139,7 @@ fn steps(world: &Estimates, clouds: &Clouds, planes: &Planes) -> Steps {
 
 /// How the points of a topic's clouds are laid flat.
 #[derive(Default)]
-struct Level {
+struct Flattening {
     /// See [`Steps::is_up`].
     is_up: Option<bool>,
     level_from_cloud: UnitQuaternion<f64>,
@@ -147,7 +147,7 @@ struct Level {
     ground: Option<(Upright, Vector3<f64>)>,
 }
 
-impl Level {
+impl Flattening {
     /// Or why the plane of x and y is not that of the ground.
     fn of(world: &Estimates, clouds: &Clouds, planes: &Planes) -> Result<Self, &'static str> {
         if clouds.laser.is_some() {
@@ -198,7 +198,7 @@ pub(crate) struct Standing {
 impl Standing {
     /// `None` where nothing shows which way is up.
     pub(crate) fn of(world: &Estimates, clouds: &Clouds) -> Option<Self> {
-        let level = Level::of(world, clouds, &Planes::of(world)).ok()?;
+        let level = Flattening::of(world, clouds, &Planes::of(world)).ok()?;
         let is_up = level.is_up?;
         let start_ns = clouds.bag.start_ns.unwrap_or_default();
         let turned = |point: Vector2<f64>| Vector2::new(point.x, if is_up { point.y } else { -point.y });

@@ -54,7 +54,8 @@ pub(super) fn run(
     };
     if let Some(file) = &check.show_settings {
         let settings = engine::settings_of(&options, file)?.into_iter();
-        let out = settings.map(|(name, value)| format!("{name:<13}  {value}\n")).collect();
+        let lines: Vec<String> = settings.map(|(name, value)| format!("{name:<13}  {value}\n")).collect();
+        let out = lines.concat();
         return Ok(Answer {
             out,
             ..Answer::default()

@@ -62,7 +62,7 @@ fn findings<'r>(run: &'r Run, row: Option<&Row>) -> Vec<&'r Finding> {
 /// What makes a finding another one: how much it counts, and the relation that it names.
 type FindingKind<'f> = (Severity, Option<&'f str>);
 
-fn kind<'f>(finding: &'f Finding) -> FindingKind<'f> {
+fn kind(finding: &Finding) -> FindingKind<'_> {
     (finding.severity, finding.relation.as_deref())
 }
 

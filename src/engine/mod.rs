@@ -179,9 +179,9 @@ fn add_saved(
     let mut sources = Arc::unwrap_or_clone(sources);
     let renumber = Renumber::behind(0, run.sources.len());
     renumber.all(&mut sources, &mut Verdict::default());
-    verdicts
-        .iter_mut()
-        .for_each(|(_, verdict)| renumber.all(&mut [], verdict));
+    for (_, verdict) in &mut verdicts {
+        renumber.all(&mut [], verdict);
+    }
     run.sources.extend(sources);
     run.skip(skipped);
     verdicts

@@ -77,7 +77,7 @@ pub(super) struct Input<'a> {
     status: &'static str,
     detail: Option<&'a str>,
     taken: Option<&'a str>,
-    not_understood: Vec<Part<'a>>,
+    not_understood: Vec<NotUnderstood<'a>>,
     notes: &'a [String],
     examined: Share,
     problems: Vec<InputProblem<'a>>,
@@ -95,7 +95,7 @@ struct Share {
 }
 
 #[derive(Serialize)]
-struct Part<'a> {
+struct NotUnderstood<'a> {
     part: &'a str,
     line: Option<usize>,
     column: Option<usize>,
@@ -315,9 +315,9 @@ pub(super) fn input<'a>(source: &'a Source, locator: &Locator) -> Input<'a> {
     }
 }
 
-fn part<'a>(placed: &'a Placed<String>, locator: &Locator) -> Part<'a> {
+fn part<'a>(placed: &'a Placed<String>, locator: &Locator) -> NotUnderstood<'a> {
     let PlaceKeys { line, column, .. } = keys(&locator.find(&placed.place));
-    Part {
+    NotUnderstood {
         part: &placed.value,
         line,
         column,

@@ -204,7 +204,7 @@ fn between(before: &[(&str, &str)], after: &[(&str, &str)]) -> (i32, Vec<String>
         fs::create_dir(folder.path().join(side)).unwrap();
         for (name, text) in files {
             let path = folder.path().join(side).join(name);
-            if name.ends_with(".mcap") {
+            if path.extension().is_some_and(|ending| ending == "mcap") {
                 support::write(text, &path);
             } else {
                 fs::write(path, text).unwrap();

@@ -63,9 +63,9 @@ pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
     whole.run.seen.extend(room.setup.seen(&rest));
     let compared = room.compare(&worlds, &drives, whole, |_| governed);
     for (mut verdicts, labels) in [(judged(&rest), rest_labels), compared] {
-        verdicts
-            .iter_mut()
-            .for_each(|(_, verdict)| renumber.all(&mut [], verdict));
+        for (_, verdict) in &mut verdicts {
+            renumber.all(&mut [], verdict);
+        }
         whole.lay(verdicts, &labels, room.policy);
     }
 }

@@ -171,7 +171,7 @@ fn read_text(
     }
     not_understood(
         source,
-        leftovers::collect(&documents.roots, text, &facts.claims, &said),
+        &leftovers::collect(&documents.roots, text, &facts.claims, &said),
         &facts,
     );
     describe(source, text, &documents, &corrected, &facts, dialect.as_deref());
@@ -179,7 +179,7 @@ fn read_text(
 }
 
 /// Says what looks like transforms and was taken for none. A file that holds nothing else was not read.
-fn not_understood(source: &mut Source, leftovers: Vec<Leftover>, facts: &Facts) {
+fn not_understood(source: &mut Source, leftovers: &[Leftover], facts: &Facts) {
     let place = |span: Span| Place::text(source.id, span);
     let whole = leftovers.iter().find(|leftover| leftover.is_whole);
     let problem = whole.filter(|_| facts.words().is_none()).map(|first| {

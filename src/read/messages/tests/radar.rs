@@ -212,11 +212,7 @@ fn of_several_echoes_of_a_ray_the_first_is_read() {
         let Body::LaserScan(scan) = decoder.decode(&form.write(&pieces)).unwrap().body else {
             panic!("no scan");
         };
-        assert!(scan.ranges[1].is_nan());
-        assert_eq!(
-            [scan.ranges.len() as f64, scan.ranges[0], scan.ranges[2]],
-            [3.0, 1.5, 2.5]
-        );
+        assert_eq!(format!("{:?}", scan.ranges), "[1.5, NaN, 2.5]");
     }
 }
 
