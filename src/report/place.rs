@@ -94,7 +94,7 @@ impl<'a> Locator<'a> {
     }
 
     /// A place in an expansion, where it is written; any other place.
-    fn written<'p>(&self, place: &'p Place) -> Cow<'p, Place> {
+    pub(super) fn written<'p>(&self, place: &'p Place) -> Cow<'p, Place> {
         let written = self.source(place.source).and_then(|source| source.written(place));
         written.map_or(Cow::Borrowed(place), Cow::Owned)
     }

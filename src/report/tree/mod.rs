@@ -66,6 +66,7 @@ impl<'a> Names<'a> {
 
     /// `robot.urdf:12`.
     fn line(&self, place: &Place) -> String {
+        let place = &*self.locator.written(place);
         let name = self.name(place.source);
         match self.locator.find(place).start {
             Some(at) => format!("{name}:{}", at.line),
