@@ -8,6 +8,15 @@ use crate::math::circular::{circular_mean, difference};
 use crate::math::yaw_search::{Pair, search};
 use crate::verdict::{Measured, NotEvaluated};
 
+/// Way between two scans of the search, metres: farther than their points are apart.
+const SEARCH_WAY_M: f64 = 1.5;
+/// Pairs of scans for the search: a tenth of them can be left out to see how sure the rest is.
+const SEARCH_PAIRS: usize = 20;
+/// From here on a yaw is another one, and no neighbour of the best, degrees.
+const SEARCH_APART_DEG: f64 = 15.0;
+/// Standard errors between the best yaw and another: the best of 180 yaws, with room for pairs that share a place.
+const SEARCH_T: f64 = 6.0;
+
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub(crate) struct Limits {
@@ -20,10 +29,6 @@ pub(crate) struct Limits {
     pub(crate) pass_deg: f64,
     pub(crate) error_deg: f64,
     pub(crate) named_deg: f64,
-    pub(crate) search_way_m: f64,
-    pub(crate) search_pairs: usize,
-    pub(crate) search_apart_deg: f64,
-    pub(crate) search_t: f64,
 }
 
 /// The yaw between the way of the lidar by its scans and by the poses.
@@ -65,7 +70,7 @@ impl Yaw {
             match self.sure {
                 Sure::Resultant(resultant) => Measured::new("resultant", resultant, "1").limit(limits.min_resultant),
                 Sure::Search(t) => {
-                    Measured::new("standard errors between this yaw and the next", t, "1").limit(limits.search_t)
+                    Measured::new("standard errors between this yaw and the next", t, "1").limit(SEARCH_T)
                 }
             },
         ]
@@ -100,7 +105,7 @@ fn searched(world: &Estimates, clouds: &Clouds, known: &HandEye, limits: &Limits
         let Some(mut from) = clouds.next() else { continue };
         for to in clouds {
             let body = in_plane(&from.0.inv_mul(&to.0));
-            if body.translation.vector.norm() >= limits.search_way_m {
+            if body.translation.vector.norm() >= SEARCH_WAY_M {
                 pairs.push(Pair {
                     body,
                     from: from.1.clone(),
@@ -110,24 +115,26 @@ fn searched(world: &Estimates, clouds: &Clouds, known: &HandEye, limits: &Limits
             }
         }
     }
+    pairs.retain(|pair: &Pair| !pair.from.is_empty() && !pair.to.is_empty());
     let told = known.told * standing.up_from_cloud.inverse();
-    let found = search(&pairs, &in_plane(&told), limits.search_apart_deg.to_radians());
-    let Some(found) = found.filter(|found| found.pairs >= limits.search_pairs) else {
+    let is_enough = pairs.len() >= SEARCH_PAIRS;
+    let found = is_enough.then(|| search(&pairs, &in_plane(&told), SEARCH_APART_DEG.to_radians()));
+    let Some(found) = found.flatten() else {
         return Err(format!(
             "{} pairs of scans that are {} m apart show anything over the ground, and {} would do for all of them together",
-            found.map_or(0, |found| found.pairs),
-            limits.search_way_m,
-            limits.search_pairs
+            pairs.len(),
+            SEARCH_WAY_M,
+            SEARCH_PAIRS
         ));
     };
     let error_deg = found.sigma_rad.to_degrees();
-    if found.t < limits.search_t || error_deg > limits.max_error_deg {
+    if found.t < SEARCH_T || error_deg > limits.max_error_deg {
         return Err(format!(
             "nor do all {} together: another yaw is {:.1} standard errors from the best ({} are needed), which is known to {error_deg:.1} deg ({} are \
              needed). {} times as many would do, or a place with more to see over the ground",
             found.pairs,
             found.t,
-            limits.search_t,
+            SEARCH_T,
             limits.max_error_deg,
             more(found.t, error_deg, limits)
         ));
@@ -142,7 +149,7 @@ fn searched(world: &Estimates, clouds: &Clouds, known: &HandEye, limits: &Limits
 
 /// How many times as many pairs: errors fall with the root of their number.
 fn more(t: f64, error_deg: f64, limits: &Limits) -> f64 {
-    let times = (limits.search_t / t.max(0.5)).max(error_deg / limits.max_error_deg);
+    let times = (SEARCH_T / t.max(0.5)).max(error_deg / limits.max_error_deg);
     times.powi(2).ceil()
 }
 
