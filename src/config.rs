@@ -280,9 +280,6 @@ impl Config {
             known
                 .projections
                 .extend(layer.projections.iter().filter_map(projection));
-            known
-                .aliases
-                .retain(|old| !layer.aliases.iter().any(|new| new.name == old.name));
             known.aliases.extend(layer.aliases.iter().cloned());
             known.transforms.extend(layer.transforms.iter().cloned());
         }
@@ -336,7 +333,7 @@ impl Layer {
     fn below(&self, folder: &str) -> Option<Self> {
         let within = |file: &mut Option<GlobMatcher>| {
             let own = file.as_ref().map_or("*", |glob| glob.glob().glob());
-            let whole = format!("{}/**/{own}", globset::escape(folder));
+            let whole = format!("/{}/**/{own}", globset::escape(folder));
             *file = Some(Glob::new(&whole).ok()?.compile_matcher());
             Some(())
         };
@@ -354,6 +351,9 @@ impl Layer {
         }
         for transform in &mut layer.transforms {
             within(&mut transform.file)?;
+        }
+        for alias in &mut layer.aliases {
+            within(&mut alias.file)?;
         }
         layer.asked.files().try_for_each(within)?;
         Some(layer)

@@ -5,7 +5,16 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::analysis::cross::pair::{Direction, Pair, Statement};
 use crate::source::Confidence;
 use crate::verdict::Finding;
-use crate::world::FrameId;
+use crate::world::{Claim, FrameId, World};
+
+impl Statement {
+    /// The claim behind it, where it is one.
+    pub(crate) fn claim<'w>(&self, world: &'w World) -> Option<&'w Claim> {
+        let is_its = |claim: &&Claim| claim.place == self.place && claim.label == self.label;
+        let mut claims = world.claims.iter().filter(is_its);
+        claims.next().filter(|_| claims.next().is_none())
+    }
+}
 
 impl Pair {
     /// Says of a finding at the other statement who states it and how sure the reading is, and points at the reference

@@ -32,8 +32,10 @@ impl Reader<'_> {
                     return Err(self.error(node.span.start, &what));
                 }
                 aliases.push(Alias {
+                    file: None,
                     name,
                     frame: frame.clone(),
+                    origin: self.origin(node, false),
                 });
             }
         }
@@ -60,6 +62,7 @@ impl Reader<'_> {
                     key,
                     target: FrameId::new(target.trim()).canonical(),
                     source: FrameId::new(source.trim()).canonical(),
+                    origin: self.origin(item, false),
                 }),
                 (None, _) => Err(self.error(
                     item.span.start,
@@ -89,7 +92,11 @@ mod tests {
         let text = "aliases:\n  velodyne: [lidar, /velo]\n  imu_link: imu\ntransforms:\n  - {file: '*.yaml', key: 'a/*', is: imu from lidar}\n";
         let config = parse("c.yaml", text.to_owned(), Path::new("")).unwrap();
         let conventions = config.conventions(None);
-        let frame = |name: &str| conventions.frame_of(&FrameId::new(name)).map(ToString::to_string);
+        let frame = |name: &str| {
+            conventions
+                .frame_of("a.yaml", &FrameId::new(name))
+                .map(ToString::to_string)
+        };
         assert_eq!(frame("velo").as_deref(), Some("velodyne"));
         assert_eq!(frame("/imu").as_deref(), Some("imu_link"));
         assert_eq!(frame("velodyne"), None);

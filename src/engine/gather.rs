@@ -129,7 +129,7 @@ pub(super) fn source_id(index: usize) -> SourceId {
 fn meshes(input: &Input, inputs: &Inputs) -> MeshLookup {
     MeshLookup {
         base_dir: input.path.parent().map(PathBuf::from),
-        packages: inputs.packages.clone(),
+        packages: inputs.packages_near(&input.path),
     }
 }
 
@@ -304,7 +304,7 @@ impl Reader<'_> {
             source.kind = SourceKind::Urdf;
             return urdf::read(source, &lookup);
         }
-        match xacro::expand(&input.path, self.means, &self.inputs.packages) {
+        match xacro::expand(&input.path, self.means, &self.inputs.packages_near(&input.path)) {
             Ok(expanded) => {
                 source.detail = Some("expanded; judged in its expansion".to_owned());
                 emerged.push(Emerged {

@@ -224,11 +224,36 @@ pub fn settings_of(options: &Options, file: &Path) -> Result<Vec<(&'static str, 
         let (rule, name, value, unit) = (&limit.rule, &limit.name, limit.value, &limit.unit);
         ("limit", format!("{rule} {name}: {value} {unit} ({})", limit.origin))
     }));
-    let policy = config.policy(0);
     let files = |glob: &Option<GlobMatcher>| {
         let glob = glob.as_ref().map(|glob| format!(" in `{}`", glob.glob()));
         glob.unwrap_or_default()
     };
+    let dataset = config.dataset(None);
+    said.extend(dataset.map(|named| ("dataset", named.row.name.clone())));
+    let conventions = config.conventions(None);
+    said.extend(
+        conventions
+            .declarations
+            .iter()
+            .map(|declared| ("convention", declared.origin.clone())),
+    );
+    said.extend(conventions.aliases.iter().map(|alias| {
+        (
+            "alias",
+            format!("`{}` is `{}` ({})", alias.name, alias.frame, alias.origin),
+        )
+    }));
+    said.extend(conventions.transforms.iter().map(|one| {
+        let (key, file) = (one.key.glob(), files(&one.file));
+        (
+            "transform",
+            format!(
+                "`{key}`{file} is `{}` from `{}` ({})",
+                one.target, one.source, one.origin
+            ),
+        )
+    }));
+    let policy = config.policy(0);
     said.extend(policy.weights.iter().map(|weight| {
         let (rule, files, level) = (&weight.rule, files(&weight.file), weight.level.word());
         ("severity", format!("{rule}{files}: {level} ({})", weight.origin))

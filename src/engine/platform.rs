@@ -162,7 +162,8 @@ fn clusters(members: Vec<Member>, recorded: &BTreeSet<PathBuf>) -> Clusters {
 struct Unit {
     members: Vec<Member>,
     dir: PathBuf,
-    frames: BTreeSet<FrameId>,
+    /// The names that it has for frames: those that it says are frames, then keys that may be names of others.
+    names: [BTreeSet<FrameId>; 2],
     kinds: Kinds,
 }
 
@@ -195,7 +196,7 @@ fn units(members: Vec<Member>) -> Vec<Unit> {
         let records = members.iter().any(|member| !member.facts.bags.is_empty());
         Unit {
             dir: members.first().map(|first| first.dir.clone()).unwrap_or_default(),
-            frames: members.iter().flat_map(frames_of).collect(),
+            names: [false, true].map(|are_keys| members.iter().flat_map(|member| names_of(member, are_keys)).collect()),
             kinds: Kinds {
                 states: !records && members.iter().any(|member| member.facts.state_transforms()),
                 records,
@@ -303,21 +304,29 @@ impl Layout<'_> {
                 Home::With(open)
             };
         }
-        let shared = |at: &usize| {
-            let frames = self.anchors.get(*at).map(|anchor| &anchor.frames);
-            frames.map_or(0, |frames| frames.intersection(&unit.frames).count())
-        };
-        let most = |among: &[usize]| {
+        let sharing_most = |among: &[usize], names: &BTreeSet<FrameId>| {
+            let shared = |at: &usize| {
+                let frames = self.anchors.get(*at).map(|anchor| &anchor.frames);
+                frames.map_or(0, |frames| frames.intersection(names).count())
+            };
             let most = among.iter().map(shared).max().unwrap_or_default();
             let best = among.iter().copied().filter(|at| most > 0 && shared(at) == most);
-            best.collect::<Vec<usize>>()
+            self.nearest(best.collect(), &unit.dir)
         };
-        let best = self.nearest(most(&open), &unit.dir);
-        if best.is_empty() || best.len() > MAX_CANDIDATES {
-            let beside = self.nearest(most(near), &unit.dir);
-            return Home::Alone((!beside.is_empty()).then(|| self.names(&beside)));
+        let best = |among: &[usize]| {
+            let by_names = unit.names.iter().map(|names| sharing_most(among, names));
+            by_names.into_iter().find(|best| !best.is_empty()).unwrap_or_default()
+        };
+        let homes = best(&open);
+        if !homes.is_empty() && homes.len() <= MAX_CANDIDATES {
+            return Home::With(homes);
         }
-        Home::With(best)
+        let mut beside = best(near);
+        // What states transforms is missed where it is not judged.
+        if beside.is_empty() && unit.kinds.states {
+            beside = self.nearest(near.to_vec(), &unit.dir);
+        }
+        Home::Alone((!beside.is_empty()).then(|| self.names(&beside)))
     }
 
     /// Those of these anchors that the fewest steps from folder to folder lead to.
@@ -350,7 +359,7 @@ fn around_robots(robots: Vec<Member>, units: Vec<Unit>, recorded: &BTreeSet<Path
     }
     let anchor = |robot: &Member| Anchor {
         dir: robot.dir.clone(),
-        frames: frames_of(robot),
+        frames: names_of(robot, false).collect(),
         name: robot.display.clone(),
     };
     let anchors: Vec<Anchor> = robots.iter().map(anchor).collect();
@@ -431,7 +440,7 @@ fn distributed(
             }
             Home::Alone(beside) => {
                 let note = |beside| {
-                    format!("judged without {beside}, in another folder: whether it belongs there is not known")
+                    format!("judged without {beside}: folders and names of frames do not tell whether it belongs there")
                 };
                 clusters.notes.extend(id.zip(beside.map(note)));
                 alone.push(unit);
@@ -441,14 +450,11 @@ fn distributed(
     (clusters, alone)
 }
 
-fn frames_of(member: &Member) -> BTreeSet<FrameId> {
-    member
-        .facts
-        .frames
-        .iter()
-        .filter(|used| used.role != FrameRole::CalibrationLabel)
+/// The frames that a member names, or its keys that may be names of frames.
+fn names_of(member: &Member, are_keys: bool) -> impl Iterator<Item = FrameId> {
+    let used = member.facts.frames.iter();
+    used.filter(move |used| (used.role == FrameRole::CalibrationLabel) == are_keys)
         .map(|used| used.frame.canonical())
-        .collect()
 }
 
 /// The lowest folder that holds all of these.

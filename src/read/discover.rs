@@ -27,8 +27,27 @@ pub struct Inputs {
     pub files: Vec<Input>,
     /// Files met in folders that hold nothing a reader could use, counted by ending.
     pub skipped: BTreeMap<String, usize>,
-    /// Folders with a `package.xml`, by package name (the folder's name).
-    pub packages: BTreeMap<String, PathBuf>,
+    /// Folders with a `package.xml`, in the order in which they were met.
+    pub packages: Vec<PathBuf>,
+}
+
+impl Inputs {
+    /// Folders of packages by name (the folder's name); of several with one name, the one that has the most folders in common with a file.
+    pub fn packages_near(&self, file: &Path) -> BTreeMap<String, PathBuf> {
+        let common = |folder: &Path| {
+            let same = folder.components().zip(file.components()).take_while(|(a, b)| a == b);
+            same.count()
+        };
+        let mut near: BTreeMap<String, PathBuf> = BTreeMap::new();
+        for folder in &self.packages {
+            let Some(name) = folder.file_name() else { continue };
+            let name = name.to_string_lossy().into_owned();
+            if near.get(&name).is_none_or(|known| common(folder) > common(known)) {
+                near.insert(name, folder.clone());
+            }
+        }
+        near
+    }
 }
 
 /// Formats that may state transforms and that no reader exists for: said in the report, never passed over in silence.
@@ -169,11 +188,8 @@ fn walk(root: &Path, group: usize, wanted: Wanted, inputs: &mut Inputs) {
         }
         if path.file_name().is_some_and(|name| name == "package.xml")
             && let Some(folder) = path.parent()
-            && let Some(name) = folder.file_name()
         {
-            inputs
-                .packages
-                .insert(name.to_string_lossy().into_owned(), folder.to_path_buf());
+            inputs.packages.push(folder.to_path_buf());
             continue;
         }
         met_file(path, root, group, inputs);

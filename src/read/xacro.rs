@@ -157,10 +157,12 @@ fn expand_by(mut command: Command, path: &Path, args: &[String]) -> Result<Strin
     }
 }
 
-/// Folders of packages by name: those of the input, the one that the file belongs to, and those beside it.
+/// Folders of packages by name: the one that the file belongs to, those beside it, and those of the input that have other names.
 fn around(path: &Path, packages: &BTreeMap<String, PathBuf>) -> BTreeMap<String, PathBuf> {
     let is_package = |folder: &Path| folder.join("package.xml").is_file();
-    let mut found = BTreeMap::new();
+    let absolute = |folder: &PathBuf| std::path::absolute(folder).unwrap_or_else(|_| folder.clone());
+    let of_input = packages.iter().map(|(name, folder)| (name.clone(), absolute(folder)));
+    let mut found: BTreeMap<String, PathBuf> = of_input.collect();
     if let Some(package) = path.ancestors().skip(1).find(|folder| is_package(folder)) {
         let beside = package.parent().and_then(|folder| folder.read_dir().ok());
         let beside = beside.into_iter().flatten().take(MOST_BESIDE).flatten();
@@ -173,8 +175,6 @@ fn around(path: &Path, packages: &BTreeMap<String, PathBuf>) -> BTreeMap<String,
             .and_then(|(_, rest)| rest.split_once("</name>"));
         found.extend(said.map(|(name, _)| (name.trim().to_owned(), package.to_owned())));
     }
-    let absolute = |folder: &PathBuf| std::path::absolute(folder).unwrap_or_else(|_| folder.clone());
-    found.extend(packages.iter().map(|(name, folder)| (name.clone(), absolute(folder))));
     found
 }
 

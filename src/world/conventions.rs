@@ -186,12 +186,23 @@ pub struct Conventions {
 }
 
 /// A name that files use for a frame of the platform.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct Alias {
+    /// Files, by the end of their path; all where `None`.
+    pub file: Option<GlobMatcher>,
     /// The name in files.
     pub name: FrameId,
     /// The frame.
     pub frame: FrameId,
+    /// Where it stands, in words.
+    pub origin: String,
+}
+
+impl Alias {
+    /// Whether it counts for a file.
+    pub(crate) fn holds(&self, file: &str) -> bool {
+        self.file.as_ref().is_none_or(|glob| ends_with(glob, file))
+    }
 }
 
 /// The frames and direction of a statement, as the user states them.
@@ -205,6 +216,8 @@ pub struct DeclaredTransform {
     pub target: FrameId,
     /// The frame that it takes points from.
     pub source: FrameId,
+    /// Where it stands, in words.
+    pub origin: String,
 }
 
 /// What a declaration may be for: a stream of a recording, or a statement in a file.
@@ -219,17 +232,18 @@ pub struct Subject<'a> {
 }
 
 impl Conventions {
-    /// Whether nothing is declared of what topics, frames and files are expressed in.
-    pub fn is_empty(&self) -> bool {
-        self.declarations.is_empty()
+    /// Whether anything is declared that may be about this file.
+    pub fn declare_of(&self, file: &str) -> bool {
+        let holds = |one: &Declaration| one.scope.file.as_ref().is_none_or(|glob| ends_with(glob, file));
+        self.declarations.iter().any(holds)
     }
 
-    /// The platform's frame that a name in files stands for.
-    pub fn frame_of(&self, name: &FrameId) -> Option<&FrameId> {
+    /// The platform's frame that a name in a file stands for; what stands later overrides.
+    pub fn frame_of(&self, file: &str, name: &FrameId) -> Option<&FrameId> {
         let name = name.canonical();
-        self.aliases
-            .iter()
-            .find(|alias| alias.name == name)
+        let mut known = self.aliases.iter().rev();
+        known
+            .find(|alias| alias.name == name && alias.holds(file))
             .map(|alias| &alias.frame)
     }
 
@@ -277,10 +291,11 @@ impl Scope {
     }
 }
 
-/// Whether the whole path, or what stands behind one of its slashes, is meant.
+/// Whether the whole path, or what stands behind one of its slashes, is meant. A glob that begins with a slash means the whole path behind it.
 pub(crate) fn ends_with(glob: &GlobMatcher, path: &str) -> bool {
     let behind = path.match_indices('/').filter_map(|(at, _)| path.get(at + 1..));
-    glob.is_match(path) || behind.into_iter().any(|end| glob.is_match(end))
+    let is_end = glob.is_match(path) || behind.into_iter().any(|end| glob.is_match(end));
+    is_end || glob.is_match(format!("/{path}"))
 }
 
 #[cfg(test)]

@@ -320,7 +320,7 @@ impl World {
                 // A name of the platform's own needs no alias.
                 let own = |name: &FrameId| platform.get(&name.canonical()).cloned();
                 if !conventions.aliases.is_empty() {
-                    claim.rename(|name| own(name).or_else(|| conventions.frame_of(name).cloned()));
+                    claim.rename(|name| own(name).or_else(|| conventions.frame_of(file, name).cloned()));
                 }
             }
             let frames: Vec<FrameId> = claim.frames.iter().flat_map(|(a, b)| [a.clone(), b.clone()]).collect();

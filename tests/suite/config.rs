@@ -188,6 +188,45 @@ fn each_configuration_counts_for_its_folder_and_below() {
     assert_eq!(found(&named), ["a ROT01", "b ROT01", "c ROT01"]);
 }
 
+/// What one folder's configuration calls its frames, and declares of its files, is not another's.
+#[test]
+fn aliases_and_declarations_of_a_folder_stay_there() {
+    let robot = |name: &str| {
+        format!(
+            "<robot name=\"{name}\"><link name=\"base_link\"/><link name=\"lidar\"/>\
+         <joint name=\"lidar_joint\" type=\"fixed\"><parent link=\"base_link\"/><child link=\"lidar\"/><origin xyz=\"1 0.2 1.7\" rpy=\"0.02 -0.03 0.25\"/></joint></robot>"
+        )
+    };
+    // The inverse of the joint: what `velo` is, only the configuration of `a` says.
+    let calibration = "base_link_from_velo:\n  - [0.968476, 0.247293, 0.029996, -1.068929]\n  - [-0.247936, 0.96857, 0.01999, 0.020239]\n  \
+                       - [-0.024109, -0.026796, 0.99935, -1.669427]\n  - [0, 0, 0, 1]\n";
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["a", "old/a"] {
+        let there = folder.path().join(name);
+        fs::create_dir_all(&there).unwrap();
+        fs::write(there.join("car.urdf"), robot(name)).unwrap();
+        fs::write(there.join("velo.yaml"), calibration).unwrap();
+    }
+    let config =
+        "aliases: {lidar: [velo]}\nconventions:\n  - {file: '*.yaml', quaternion: {order: wxyz, algebra: hamilton}}\n";
+    fs::write(folder.path().join("a/frames-lint.yaml"), config).unwrap();
+    support::write(NED, &folder.path().join("drive/drive.mcap"));
+    let alone: Vec<String> = found(&check(&folder.path().join("old"), &["."]));
+    let ran = check(folder.path(), &["."]);
+    let of = |prefix: &str| -> Vec<String> { found(&ran).into_iter().filter(|one| one.starts_with(prefix)).collect() };
+    assert_eq!(of("a "), ["a CROSS02"]);
+    assert_eq!(
+        of("old"),
+        alone.iter().map(|one| one.replace("a ", "old ")).collect::<Vec<_>>()
+    );
+    assert_eq!(of("drive"), ["drive AXES03"]);
+    let shown = run(folder.path(), ["check", "--show-settings", "a/velo.yaml"]).text();
+    assert!(
+        shown.contains("alias          `velo` is `lidar` (a/frames-lint.yaml:1)"),
+        "{shown}"
+    );
+}
+
 #[test]
 fn limits_and_requirements_are_those_of_the_configuration_above_the_recording() {
     let folder = folder(Some("require: [AXES03]\nfail-on: never\n"));

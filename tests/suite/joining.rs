@@ -261,6 +261,38 @@ fn what_may_be_of_either_robot_is_judged_with_both_and_says_so() {
     );
 }
 
+/// Keys that may be names of frames count where nothing else tells.
+#[test]
+fn a_file_that_names_frames_by_its_keys_alone_is_judged_with_the_robots_beside_it() {
+    let root = tempfile::tempdir().unwrap();
+    for (name, x) in [("a", 0.9), ("b", 1.4)] {
+        let platform = Platform {
+            lidar: [x, 0.1, 1.8, 0.02, 0.03, 0.4],
+            layout: Layout::Flat,
+            has_drive: false,
+        };
+        fs::write(root.path().join(format!("{name}.urdf")), platform.urdf()).unwrap();
+        if name == "b" {
+            let inverse = platform.base_from_lidar().inverse().to_homogeneous();
+            let rows: Vec<String> = inverse
+                .row_iter()
+                .map(|row| format!("[{}, {}, {}, {}]", row[0], row[1], row[2], row[3]))
+                .collect();
+            let text = format!("base_link_from_lidar: [{}]\n", rows.join(", "));
+            fs::write(root.path().join("lidar.yaml"), text).unwrap();
+        }
+    }
+    let run = check(root.path());
+    let file = run
+        .sources
+        .iter()
+        .find(|source| source.path.ends_with("lidar.yaml"))
+        .unwrap();
+    assert!(file.notes[0].starts_with("judged with each of"), "{:?}", file.notes);
+    let rules: BTreeSet<&str> = run.verdict.open().map(|finding| finding.rule.as_str()).collect();
+    assert!(rules.contains("CROSS02"), "{rules:?}");
+}
+
 #[test]
 fn a_folder_beside_a_robot_that_has_its_own_calibration_is_not_its() {
     let root = two_robots("");

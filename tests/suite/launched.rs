@@ -66,6 +66,28 @@ fn angles_in_the_order_of_a_description_are_put_in_that_of_the_publisher() {
 }
 
 #[test]
+fn angles_that_a_calibration_tells_in_another_order_are_put_in_that_of_the_publisher() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(
+        folder.path().join("bringup.launch"),
+        launch("-0.2 0.1 0.4 0.05 -0.1 0.7 base_link imu_link"),
+    )
+    .unwrap();
+    let calibration = "parent_frame: base_link\nchild_frame: imu_link\ntranslation: [-0.2, 0.1, 0.4]\n\
+                       rotation_xyzw: [0.040584918, -0.038373557, 0.343535863, 0.937477171]\n";
+    fs::write(folder.path().join("imu.yaml"), calibration).unwrap();
+    let before = run(folder.path(), ["check", "."]);
+    assert!(before.text().contains("QUAT03"), "{}", before.text());
+    assert!(
+        before.text().contains("yaw, pitch, roll 0.700000 -0.100000 0.050000"),
+        "{}",
+        before.text()
+    );
+    let after = run(folder.path(), ["check", "--unsafe-fixes", "."]);
+    assert_eq!(after.code, 0, "{}", after.text());
+}
+
+#[test]
 fn a_chain_goes_over_joints_recorded_tf_and_what_launch_files_publish() {
     let folder = platform("0 0 0.1 0 0 0 lidar lidar_optics");
     let drive = "topics:\n  - topic: /tf\n    rate_hz: 20\n    transforms: [{parent: odom, child: base_link, xyz: [5, 0, 0]}]\n";
@@ -114,4 +136,40 @@ fn the_tree_shows_what_is_published_as_edges() {
     assert!(tree.contains("└─ lidar_optics  xyz 0 0 0.1 m, rpy 0 0 0 deg"), "{tree}");
     assert!(tree.contains("bringup.launch:2 lidar_tf (published)"), "{tree}");
     assert!(!tree.contains("not an edge of the tree"), "{tree}");
+}
+
+#[test]
+fn what_is_not_launched_by_default_is_said() {
+    let folder = platform("0.95 0.12 1.85 0.35 0.021 0.004 base_link lidar");
+    let launch = "<launch>\n  <arg name=\"gnss\" default=\"false\"/>\n  <group if=\"$(arg gnss)\">\n    \
+                  <node pkg=\"tf2_ros\" type=\"static_transform_publisher\" name=\"gnss_tf\" args=\"0 0 1 0 0 0 base_link gnss\"/>\n  </group>\n</launch>\n";
+    fs::write(folder.path().join("gnss.launch"), launch).unwrap();
+    fs::write(folder.path().join("speed.yaml"), "speed: 3\n").unwrap();
+    let text = run(folder.path(), ["check", "."]).text();
+    let said = "gnss.launch: not judged, under a condition that is false by default: `gnss_tf` (line 4)";
+    assert!(text.contains(said), "{text}");
+    assert!(text.contains("nothing that a rule uses in speed.yaml"), "{text}");
+}
+
+/// The loop does not close because of what CROSS02 says.
+#[test]
+fn a_transform_that_is_inverted_is_one_finding_whatever_loops_it_is_in() {
+    let folder = platform("0.95 0.12 1.85 0.35 0.021 0.004 base_link lidar");
+    let imu = "<link name=\"imu\"/><joint name=\"imu_joint\" type=\"fixed\"><parent link=\"base_link\"/><child link=\"imu\"/>\
+               <origin xyz=\"0.2 0.1 0.4\" rpy=\"0 0 0.1\"/></joint></robot>";
+    fs::write(folder.path().join("robot.urdf"), ROBOT.replace("</robot>", imu)).unwrap();
+    let lidar = "parent_frame: base_link\nchild_frame: lidar\ntranslation: [-0.894499, 0.205550, -1.870032]\n\
+                 rotation_xyzw: [-0.000141245, -0.010687615, -0.174077513, 0.984673944]\n";
+    fs::write(folder.path().join("lidar.yaml"), lidar).unwrap();
+    let imu = "parent_frame: base_link\nchild_frame: imu\ntranslation: [0.2, 0.1, 0.4]\nrotation_xyzw: [0, 0, 0.049979169, 0.998750260]\n";
+    fs::write(folder.path().join("imu.yaml"), imu).unwrap();
+    let report = run(folder.path(), ["check", "--format", "json", "."]).report();
+    let rules = |list: &str| -> Vec<String> {
+        let findings = report[list].as_array().unwrap().iter();
+        findings
+            .map(|finding| finding["rule"].as_str().unwrap().to_owned())
+            .collect()
+    };
+    assert_eq!(rules("findings"), ["CROSS02"]);
+    assert!(rules("explained").contains(&"CROSS03".to_owned()), "{report:#}");
 }

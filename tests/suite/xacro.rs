@@ -143,6 +143,29 @@ fn a_comment_in_a_macro_is_for_what_is_made_of_it() {
 }
 
 #[test]
+fn of_packages_with_one_name_the_nearest_is_taken() {
+    let folder = tempfile::tempdir().unwrap();
+    // The parent of the second one's wheels is misspelt.
+    for (name, parent) in [("a", "chassis"), ("b", "chasis"), ("c", "chassis")] {
+        let there = workspace(parent);
+        fs::rename(there.path(), folder.path().join(name)).unwrap();
+    }
+    for (name, code) in [("a", 0), ("b", 1), ("c", 0)] {
+        assert_eq!(run(folder.path(), ["check", name]).code, code, "{name}");
+    }
+    let all = run(folder.path(), ["check", "--format", "json", "."]);
+    let report: Value = serde_json::from_str(&all.text()).unwrap();
+    let findings = report["findings"].as_array().unwrap();
+    assert!(!findings.is_empty());
+    for finding in findings {
+        assert!(
+            finding["places"][0]["path"].as_str().unwrap().contains("b/"),
+            "{finding:#}"
+        );
+    }
+}
+
+#[test]
 fn the_xacro_program_says_the_same() {
     let folder = workspace("chassis");
     let file = folder.path().join("car/urdf/car.urdf.xacro");

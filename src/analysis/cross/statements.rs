@@ -250,7 +250,10 @@ fn chain_of(world: &World, rank: Rank, target: &FrameId, source_frame: &FrameId)
         pose,
         has_rotation: true,
         has_translation: true,
-        who: format!("the chain of {} transforms", steps.len()),
+        who: match steps.len() {
+            1 => "the transform of the tree".to_owned(),
+            several => format!("the chain of {several} transforms"),
+        },
         place: of_numbers(world, last)?,
         reading: Confidence::Certain,
         label: "chain".to_owned(),

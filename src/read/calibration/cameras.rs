@@ -37,6 +37,7 @@ pub(super) fn collect(root: &Node, source: SourceId, text: &str) -> (Option<Came
     let faults: Vec<(Span, String)> = miscounted.collect();
     let pixels = |key: &str| root.get(key)?.text()?.trim().parse().ok();
     let made = || {
+        let matrix = root.get("camera_matrix")?;
         Some(CameraFile {
             name: root
                 .get("camera_name")
@@ -44,7 +45,7 @@ pub(super) fn collect(root: &Node, source: SourceId, text: &str) -> (Option<Came
                 .filter(|name| !name.trim().is_empty())
                 .unwrap_or("camera")
                 .to_owned(),
-            place: Place::text(source, root.get("camera_matrix")?.span),
+            place: Place::text(source, matrix.get("data").unwrap_or(matrix).span),
             camera: CameraModel {
                 size: [pixels("image_width")?, pixels("image_height")?],
                 model: root

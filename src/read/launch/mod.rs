@@ -15,7 +15,7 @@ mod yaml;
 
 use std::path::Path;
 
-use crate::source::{Place, ReadStatus, Source, SourceId, Span};
+use crate::source::{LineIndex, Place, ReadStatus, Source, SourceId, Span};
 use crate::world::launch::PROGRAM;
 use crate::world::{Facts, FrameRole, FrameUse};
 
@@ -91,10 +91,15 @@ fn finish(found: Found, source: &mut Source) -> Facts {
             "{open} static transform(s) with arguments that are not known here"
         ));
     }
-    if off > 0 {
-        notes.push(format!(
-            "{off} static transform(s) under a condition that is false by default"
-        ));
+    if !off.is_empty() {
+        let lines = LineIndex::new(&source.text);
+        let named = off.into_iter().map(|(name, span)| {
+            let line = lines.locate(&source.text, span.start).line;
+            name.map_or_else(|| format!("line {line}"), |name| format!("`{name}` (line {line})"))
+        });
+        let named: Vec<String> = named.collect();
+        let what = "not judged, under a condition that is false by default";
+        source.notes.push(format!("{what}: {}", named.join(", ")));
     }
     if source.detail.is_none() && !notes.is_empty() {
         source.detail = Some(notes.join("; "));
@@ -142,8 +147,8 @@ struct Found {
     source: SourceId,
     facts: Facts,
     faults: Vec<(Span, String)>,
-    /// Calls that are not made by default.
-    off: usize,
+    /// Calls that are not made by default: names and places.
+    off: Vec<(Option<String>, Span)>,
 }
 
 impl Found {
@@ -152,13 +157,13 @@ impl Found {
             source,
             facts: Facts::default(),
             faults: Vec::new(),
-            off: 0,
+            off: Vec::new(),
         }
     }
 
     fn call(&mut self, call: &Call) {
         if call.when == When::Off {
-            self.off += 1;
+            self.off.push((call.name.clone(), call.span));
             return;
         }
         let ordinal = self.facts.publishers.len() + 1;

@@ -16,7 +16,8 @@ use super::recordings;
 
 pub(super) fn ending(run: &Run, options: &Options, out: &mut String) {
     let summary = run.summary(options.fail_on);
-    let _ = writeln!(out, "{}", counts(run, &summary, options.style));
+    let counts = counts(run, &summary, options.style);
+    let _ = writeln!(out, "{}", wrap(&counts, options.style.width, "", "  "));
     let (ink, words) = verdict(run, &summary, options);
     let words = wrap(&words, options.style.width, "", "  ");
     // Painted line by line, so that a pager that works by lines keeps the colour.

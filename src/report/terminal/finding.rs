@@ -227,10 +227,8 @@ fn fix_lines(fix: &Fix, locator: &Locator, style: Style, out: &mut String) {
             text if text.chars().count() > 80 => format!("write `{}...`", text.chars().take(77).collect::<String>()),
             text => format!("write `{text}`"),
         };
-        push(
-            out,
-            &format!("       {}: {replacement}", one_line(&locator.short(&edit.place))),
-        );
+        let line = format!("{}: {replacement}", one_line(&locator.short(&edit.place)));
+        push(out, &wrap(&line, style.width, "       ", "         "));
     }
     if fix.edits.len() > MAX_EDITS {
         push(

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use crate::run::Run;
-use crate::source::{At, Examined, ReadStatus, Source};
+use crate::source::{At, Examined, ReadStatus, Source, SourceKind};
 
 use super::super::Style;
 use super::super::place::Locator;
@@ -20,15 +20,19 @@ const MAX_SKIPPED: usize = 12;
 
 /// More inputs are only counted, unless all checks are listed.
 const MAX_TAKEN: usize = 20;
+/// More inputs with nothing in them are only counted, unless all checks are listed.
+const MAX_SILENT: usize = 3;
 
 /// What was taken from each input, in a line, and what is to be said of how it was judged.
 pub(super) fn taken(run: &Run, options: &Options, locator: &Locator, out: &mut String) {
-    let sources: Vec<&Source> = run
+    let has_words = |source: &&Source| source.understood().is_some() || !source.notes.is_empty();
+    let sources: Vec<&Source> = run.sources.iter().filter(has_words).collect();
+    let silent: Vec<&Source> = run
         .sources
         .iter()
-        .filter(|source| source.understood().is_some() || !source.notes.is_empty())
+        .filter(|source| is_text(source.kind) && source.status == ReadStatus::Read && !has_words(source))
         .collect();
-    if sources.is_empty() {
+    if sources.is_empty() && silent.is_empty() {
         return;
     }
     let shown = if options.verbose { sources.len() } else { MAX_TAKEN };
@@ -49,7 +53,24 @@ pub(super) fn taken(run: &Run, options: &Options, locator: &Locator, out: &mut S
             plural(sources.len() - shown, "more input")
         );
     }
+    if !silent.is_empty() {
+        let named = if options.verbose { silent.len() } else { MAX_SILENT };
+        let mut names: Vec<String> = silent.iter().take(named).map(|one| locator.name(one.id)).collect();
+        if silent.len() > named {
+            names.push(format!("{} more", silent.len() - named));
+        }
+        let line = format!("nothing that a rule uses in {}", names.join(", "));
+        let _ = writeln!(out, "{}", wrap(&one_line(&line), options.style.width, "  ", "    "));
+    }
     out.push('\n');
+}
+
+/// Whether files of this kind may hold transforms in text.
+fn is_text(kind: SourceKind) -> bool {
+    matches!(
+        kind,
+        SourceKind::Yaml | SourceKind::Json | SourceKind::Text | SourceKind::Launch
+    )
 }
 
 /// Inputs with problems, each with place and help.

@@ -34,7 +34,7 @@ fn judge_bag(world: &World, bag: &BagEvidence, out: &mut Judge) {
             subject, "no topic with inertial messages or odometry",
         );
     }
-    if world.conventions.is_empty() {
+    if !world.conventions.declare_of(world.path(bag.source)) {
         let why = "nothing is declared: `conventions:` in frames-lint.yaml says what each topic is expressed in";
         return out.missing(subject, why);
     }

@@ -115,10 +115,12 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
                 words,
                 "not-rescaled",
                 "scale fx, fy, cx and cy with the image, or set binning",
+                // No lens looks past its image.
+                if x.max(y) > 2.0 { Severity::Error } else { Severity::Warning },
             )
         } else {
             let help = "of a cropped image set `roi`, and leave K that of the whole one (REP-104)";
-            (words, "centre", help)
+            (words, "centre", help, Severity::Warning)
         })
     } else if (fx / fy - 1.0).abs() > limits.aspect {
         let words = format!(
@@ -129,6 +131,7 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
             words,
             "aspect",
             "pixels are square in all but few cameras: an image that was stretched needs another fx or fy",
+            Severity::Warning,
         ))
     } else if !(limits.least_view_deg..=limits.most_view_deg).contains(&view_deg) {
         let words = format!("the camera sees {view_deg:.1} deg across by K and the width of the image");
@@ -136,15 +139,17 @@ fn judge_k(published: &Intrinsics, limits: &Limits, out: &mut Judge) {
             words,
             "view",
             "look for a focal length in millimetres, or an image of another size",
+            Severity::Warning,
         ))
     } else {
         None
     };
     match what {
         None => out.pass(subject, measured),
-        Some((words, relation, help)) => {
+        Some((words, relation, help, severity)) => {
             let message = format!("K {}: {words}", published.whose);
-            let finding = Finding::warning(subject, message, published.place.clone()).likely();
+            let mut finding = Finding::warning(subject, message, published.place.clone()).likely();
+            finding.severity = severity;
             let finding = finding.relation(relation).help(help);
             out.fail(finding.measured(measured));
         }

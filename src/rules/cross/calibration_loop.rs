@@ -220,9 +220,21 @@ impl Loop<'_> {
         if let Some(relation) = relation {
             finding = finding.relation(relation);
         }
+        // One that disagrees with another source on its own two frames opens the loop.
+        finding = culprits
+            .iter()
+            .fold(finding, |finding, (culprit, _)| finding.unless_about(codes::CROSS02, culprit.who.clone()));
+        if culprits.is_empty() {
+            finding = finding.unless(codes::CROSS01);
+        }
         finding = settled_by_user(finding, self.edges.iter().map(|(_, one)| (*one, None)));
+        let at = finding.places.first().map(|label| label.place.clone());
         for (_, statement) in &self.edges {
-            finding = finding.related(statement.place.clone(), statement.who.clone());
+            finding = if Some(&statement.place) == at.as_ref() {
+                finding.label(statement.who.clone())
+            } else {
+                finding.related(statement.place.clone(), statement.who.clone())
+            };
         }
         out.fail(finding.measured(measured));
     }

@@ -182,7 +182,7 @@ fn corrected(world: &World, pair: &Pair, relation: Relation, found: &Classificat
     if left.best != Some(Relation::Equal) {
         return None;
     }
-    let claim = claim_of(world, pair)?;
+    let claim = pair.other.claim(world)?;
     if pair.other.direction == Direction::TurnedRound {
         corrected = corrected.inverse();
         // The tree that a launch file starts has the edge the other way round: its two frames are exchanged, the numbers are right.
@@ -191,13 +191,6 @@ fn corrected(world: &World, pair: &Pair, relation: Relation, found: &Classificat
         }
     }
     restated(world, claim, &corrected)
-}
-
-/// The claim behind the statement that is held against the other, where it is one.
-fn claim_of<'w>(world: &'w World, pair: &Pair) -> Option<&'w Claim> {
-    let is_its = |claim: &&Claim| claim.place == pair.other.place && claim.label == pair.other.label;
-    let mut claims = world.claims.iter().filter(is_its);
-    claims.next().filter(|_| claims.next().is_none())
 }
 
 /// What the program that publishes it wants, where that is what was missed.
@@ -209,7 +202,7 @@ fn publisher_wants(world: &World, pair: &Pair, relation: Relation) -> &'static s
         }
         _ => return "",
     };
-    if claim_of(world, pair).is_some_and(Claim::is_published) {
+    if pair.other.claim(world).is_some_and(Claim::is_published) {
         wants
     } else {
         ""

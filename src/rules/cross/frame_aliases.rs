@@ -32,12 +32,13 @@ impl Rule for FrameAliases {
         let exact = world.limits::<exact::Limits>();
         let mut asked: Vec<Asked> = Vec::new();
         for claim in &world.claims {
+            let file = world.path(claim.place.source);
             let confirmed = claim.frames.iter().flat_map(|(target, source)| [target, source]);
             let confirmed = confirmed
-                .filter(|frame| aliases.iter().any(|alias| alias.frame == **frame))
+                .filter(|frame| aliases.iter().any(|alias| alias.frame == **frame && alias.holds(file)))
                 .count();
             if let (ClaimKind::File { roles: false, .. }, 1..) = (&claim.kind, confirmed) {
-                let subject = format!("frames of `{}` of {}", claim.label, world.path(claim.place.source));
+                let subject = format!("frames of `{}` of {file}", claim.label);
                 out.pass(subject, [Measured::count("frames that an alias confirms", confirmed)]);
                 continue;
             }

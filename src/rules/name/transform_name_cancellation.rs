@@ -76,7 +76,7 @@ fn with_aliases(world: &World, chain: &DeclaredChain) -> DeclaredChain {
     let mut chain = chain.clone();
     for (name, _) in chain.factors.iter_mut().chain(&mut chain.result) {
         for frame in [&mut name.target, &mut name.source] {
-            if let Some(known) = world.conventions.frame_of(&FrameId::new(frame.as_str())) {
+            if let Some(known) = world.conventions.frame_of(world.path(chain.place.source), &FrameId::new(frame.as_str())) {
                 known.as_str().clone_into(frame);
             }
         }

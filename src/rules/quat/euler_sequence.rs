@@ -1,6 +1,9 @@
 //! QUAT03: angles that give another source's rotation, or the turning of the gyro, once they are put together in another
 //! order.
 
+use nalgebra::Isometry3;
+
+use crate::advice::{literal::with_fix, restate::restated};
 use crate::analysis::axes::sensors::{Sensor, Sensors};
 use crate::analysis::cross::angles::{Explained, Limits, Unit};
 use crate::analysis::cross::pair::{Pair, Statement};
@@ -8,7 +11,9 @@ use crate::analysis::motion::{Imu, Motion};
 use crate::analysis::{axes::causes::Turn, cross::angles, cross::statements::pairs, quat::by_gyro::Ordered};
 use crate::math::euler::Order;
 use crate::rules::prelude::*;
-use crate::world::World;
+use crate::source::Confidence;
+use crate::verdict::Safety;
+use crate::world::{Claim, World};
 
 pub(crate) struct EulerSequence;
 
@@ -46,7 +51,7 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
         return out.pass(subject, [measured]);
     }
     if let Some(found) = angles::explained(pair, limits) {
-        let finding = finding(pair, subject, &found, limits);
+        let finding = finding(world, pair, subject, &found, limits);
         return out.fail(pair.point_at_all(finding));
     }
     let stated = [pair.reference.rpy, pair.other.rpy];
@@ -62,7 +67,7 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
     out.not_applicable(subject, why);
 }
 
-fn finding(pair: &Pair, subject: String, found: &Explained, limits: &Limits) -> Finding {
+fn finding(world: &World, pair: &Pair, subject: String, found: &Explained, limits: &Limits) -> Finding {
     let (angles, against): (&Statement, &Statement) = if found.of_other {
         (&pair.other, &pair.reference)
     } else {
@@ -87,12 +92,23 @@ fn finding(pair: &Pair, subject: String, found: &Explained, limits: &Limits) -> 
     let [roll, pitch, yaw] = Order::ROS.numbers_of(&found.meant).unwrap_or([f64::NAN; 3]);
     let [r, p, y] = found.rpy;
     let q = Order::ROS.compose([r, p, y]).coords;
+    let claim = angles.claim(world);
+    let write = if claim.is_some_and(Claim::is_published) {
+        format!("yaw, pitch, roll {yaw:.6} {pitch:.6} {roll:.6} rad for {} (static_transform_publisher reads them in this order)", angles.who)
+    } else {
+        format!("roll, pitch, yaw {roll:.6} {pitch:.6} {yaw:.6} rad for {}", angles.who)
+    };
     let help = format!(
-        "if {} is right, write roll, pitch, yaw {roll:.6} {pitch:.6} {yaw:.6} rad for {}; if the angles are right as ROS reads them, \
-         the rotation is x y z w = {:.6} {:.6} {:.6} {:.6}",
-        against.who, angles.who, q.x, q.y, q.z, q.w
+        "if {} is right, write {write}; if the angles are right as ROS reads them, the rotation is x y z w = {:.6} {:.6} {:.6} {:.6}",
+        against.who, q.x, q.y, q.z, q.w
     );
-    Finding::error(subject, message, pair.other.place.clone())
+    let is_sure = found.alike.is_empty() && pair.reading() >= Confidence::Certain;
+    let edits = claim.filter(|claim| is_sure && claim.is_published()).and_then(|claim| {
+        let translation = claim.pose?.isometry().translation;
+        restated(world, claim, &Isometry3::from_parts(translation, found.meant))
+    });
+    let finding = Finding::error(subject, message, pair.other.place.clone());
+    with_fix(finding, "write the angles in the order that is read", Safety::ChangesBehaviour, edits)
         .help(help)
         .relation(word(found))
         .measured(
