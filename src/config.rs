@@ -322,6 +322,22 @@ impl Config {
         self.layers.iter().rev().find_map(|layer| layer.asked.fail_on)
     }
 
+    /// Its keys that count for platforms alone, and not for single files.
+    pub fn keys_of_platforms(&self) -> impl Iterator<Item = &'static str> {
+        let has = |test: fn(&Layer) -> bool| self.layers.iter().any(test);
+        let keys = [
+            ("dataset", has(|layer| layer.dataset.is_some())),
+            ("limits", has(|layer| !layer.asked.limits.is_empty())),
+            ("projections", has(|layer| !layer.projections.is_empty())),
+            (
+                "require",
+                has(|layer| !layer.asked.required.is_empty() || layer.asked.share.is_some()),
+            ),
+            ("rules: select", has(|layer| layer.asked.select.is_some())),
+        ];
+        keys.into_iter().filter_map(|(key, has)| has.then_some(key))
+    }
+
     /// The last file, as it is shown.
     pub fn path(&self) -> &str {
         self.layers.last().map_or("", |layer| &layer.path)
@@ -413,6 +429,7 @@ mod tests {
                 parse("c.yaml", text.to_owned(), Path::new(""))
                     .unwrap()
                     .conventions(None)
+                    .declarations
                     .is_empty(),
                 "{text:?}"
             );

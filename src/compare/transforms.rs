@@ -112,6 +112,46 @@ fn is_same(a: &Isometry3<f64>, b: &Isometry3<f64>) -> bool {
 }
 
 pub(super) fn compare(a: &Run, b: &Run, out: &mut Comparison) {
+    let [named_a, named_b] = [a, b].map(by_name);
+    if named_a.len() < 2 || named_a.len() != a.worlds.len() || !named_a.keys().eq(named_b.keys()) {
+        let all = |run| Side {
+            run,
+            worlds: run.worlds.iter().collect(),
+        };
+        return compare_sides(&all(a), &all(b), out);
+    }
+    for (name, before) in named_a {
+        let Some(after) = named_b.get(&name) else { continue };
+        let known = out.changes.len();
+        let one = |run, world| Side {
+            run,
+            worlds: vec![world],
+        };
+        compare_sides(&one(a, before), &one(b, *after), out);
+        for change in out.changes.iter_mut().skip(known) {
+            change.subject = format!("{name}: {}", change.subject);
+            change.message = format!("{name}: {}", change.message);
+        }
+    }
+}
+
+/// One of the two, or one platform of it.
+struct Side<'r> {
+    run: &'r Run,
+    worlds: Vec<&'r World>,
+}
+
+/// The platforms of a run by their names below the folder that holds all of them.
+fn by_name(run: &Run) -> BTreeMap<String, &World> {
+    let labels = || run.worlds.iter().map(|world| world.label.as_str());
+    let first: Vec<&str> = labels().next().unwrap_or_default().split('/').collect();
+    let common = |label: &str| label.split('/').zip(&first).take_while(|(a, b)| a == *b).count();
+    let common = labels().map(common).min().unwrap_or_default();
+    let name = |world: &World| world.label.split('/').skip(common).collect::<Vec<_>>().join("/");
+    run.worlds.iter().map(|world| (name(world), world)).collect()
+}
+
+fn compare_sides(a: &Side, b: &Side, out: &mut Comparison) {
     let (tree_a, tree_b) = (Tree::of(a), Tree::of(b));
     frames(&tree_a, &tree_b, out);
     let mut moved: BTreeMap<&FrameId, Vec<(&Pair, Held)>> = BTreeMap::new();
@@ -280,7 +320,7 @@ fn frames(a: &Tree, b: &Tree, out: &mut Comparison) {
 }
 
 /// What files beside the tree state: what is otherwise, and what only one has.
-fn files(a: &Run, b: &Run, out: &mut Comparison) {
+fn files(a: &Side, b: &Side, out: &mut Comparison) {
     let (before, after) = (statements(a), statements(b));
     for (first, second, is_gone) in [(&before, &after, true), (&after, &before, false)] {
         for (subject, stated) in first.iter().filter(|(subject, _)| !second.contains_key(*subject)) {
@@ -317,10 +357,10 @@ fn files(a: &Run, b: &Run, out: &mut Comparison) {
 }
 
 /// What files state, by the frames that it is about, in words; where a file does not say, by the key.
-fn statements(run: &Run) -> BTreeMap<String, Vec<Stated>> {
+fn statements(side: &Side) -> BTreeMap<String, Vec<Stated>> {
     let mut found: BTreeMap<String, Vec<Stated>> = BTreeMap::new();
     let mut told: BTreeSet<&Place> = BTreeSet::new();
-    for claim in run.worlds.iter().flat_map(|world| &world.claims) {
+    for claim in side.worlds.iter().flat_map(|world| &world.claims) {
         // A file may be judged with several robots.
         let (ClaimKind::File { .. }, Some(pose), true) = (&claim.kind, &claim.pose, told.insert(&claim.place)) else {
             continue;
@@ -343,18 +383,18 @@ fn statements(run: &Run) -> BTreeMap<String, Vec<Stated>> {
             label: claim.label.clone(),
             pose,
             has,
-            who: format!("`{}`, {}", claim.label, place_words(run, &claim.place)),
+            who: format!("`{}`, {}", claim.label, place_words(side.run, &claim.place)),
         });
     }
     found
 }
 
 /// Where files put the origin of a map on the Earth.
-fn origins(a: &Run, b: &Run, out: &mut Comparison) {
-    let of = |run: &Run| -> BTreeMap<String, (EarthOrigin, String)> {
-        let all = run.worlds.iter().flat_map(|world| &world.origins);
+fn origins(a: &Side, b: &Side, out: &mut Comparison) {
+    let of = |side: &Side| -> BTreeMap<String, (EarthOrigin, String)> {
+        let all = side.worlds.iter().flat_map(|world| &world.origins);
         all.map(|origin| {
-            let words = format!("`{}`, {}", origin.label, place_words(run, &origin.place));
+            let words = format!("`{}`, {}", origin.label, place_words(side.run, &origin.place));
             (format!("{} {}", origin.format, origin.label), (origin.clone(), words))
         })
         .collect()
@@ -395,7 +435,7 @@ fn origins(a: &Run, b: &Run, out: &mut Comparison) {
 
 /// The trees of a run, put together.
 struct Tree<'r> {
-    worlds: &'r [World],
+    worlds: Vec<&'r World>,
     frames: BTreeSet<FrameId>,
     parents: BTreeMap<FrameId, BTreeSet<FrameId>>,
     /// Children of edges that move.
@@ -404,19 +444,19 @@ struct Tree<'r> {
 }
 
 impl<'r> Tree<'r> {
-    fn of(run: &'r Run) -> Self {
+    fn of(side: &Side<'r>) -> Self {
         let mut tree = Self {
-            worlds: &run.worlds,
+            worlds: side.worlds.clone(),
             frames: BTreeSet::new(),
             parents: BTreeMap::new(),
             moving: BTreeSet::new(),
             rigid: BTreeMap::new(),
         };
-        for world in &run.worlds {
+        for world in &side.worlds {
             let graph = world.graph();
             tree.frames.extend(graph.frames.iter().cloned());
             for edge in &graph.edges {
-                tree.add(run, world, edge);
+                tree.add(side.run, world, edge);
             }
         }
         tree

@@ -112,7 +112,7 @@ mod tests {
         let ignored: Vec<&str> = config.rules().1.map(|(word, _)| word.as_str()).collect();
         assert_eq!(ignored, ["NAME01", "NAME02"]);
         let conventions = config.conventions(Some(4));
-        let frame = conventions.frame_of("a.yaml", &FrameId::new("lidar"));
+        let frame = conventions.frame_of("a.yaml", &crate::world::FrameId::new("lidar"));
         assert_eq!(frame.unwrap().as_str(), "ouster");
         let place = config.dataset(Some(4)).unwrap().place.unwrap();
         assert_eq!(place.source.0, 4);

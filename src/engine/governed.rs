@@ -3,7 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::sync::{Arc, Mutex};
 
 use globset::GlobMatcher;
 
@@ -12,7 +12,7 @@ use crate::policy::Force;
 use crate::read::discover::Inputs;
 use crate::read::input::Input;
 use crate::run::FailOn;
-use crate::source::{Source, SourceId};
+use crate::source::{Source, SourceId, SourceKind};
 use crate::tables::Tables;
 use crate::verdict::waiver::Waiver;
 use crate::world::World;
@@ -53,6 +53,8 @@ pub(super) struct Governed {
     of_input: Vec<usize>,
     /// The same of documents of evidence.
     of_document: Vec<usize>,
+    /// Those that a platform was asked for.
+    in_force: Mutex<BTreeSet<usize>>,
 }
 
 impl Governed {
@@ -85,6 +87,7 @@ impl Governed {
             outer: Governance::new(options, options.config.as_deref().or(outer.as_deref()), PathBuf::new())?,
             of_input: of_inputs.iter().map(number).collect(),
             of_document: of_documents.iter().map(number).collect(),
+            in_force: Mutex::default(),
         };
         governed.nest(inputs);
         Ok(governed)
@@ -143,10 +146,30 @@ impl Governed {
             let deepest = all.max_by_key(|(_, one)| one.folder.components().count());
             deepest.filter(|_| !own.is_empty()).map(|(at, _)| at)
         };
-        governs(world.bags.iter().map(|bag| bag.source).collect())
+        let at = governs(world.bags.iter().map(|bag| bag.source).collect())
             .or_else(|| governs(world.robots.iter().map(|robot| robot.source).collect()))
             .or_else(|| governs(world.members.clone()))
-            .unwrap_or_default()
+            .unwrap_or_default();
+        if let Ok(mut known) = self.in_force.lock() {
+            known.insert(at);
+        }
+        at
+    }
+
+    /// Says of configurations that govern no platform what has no effect there. Behind all judging.
+    pub(super) fn note_idle(&self, sources: &mut [Source]) {
+        let in_force = self.in_force.lock().map(|known| known.clone()).unwrap_or_default();
+        let idle = (1..).zip(&self.deeper).filter(|(at, _)| !in_force.contains(at));
+        for config in idle.filter_map(|(_, one)| one.config.as_ref()) {
+            let keys: Vec<String> = config.keys_of_platforms().map(|key| format!("`{key}`")).collect();
+            let is_it = |source: &&mut Source| source.kind == SourceKind::Configuration && source.path == config.path();
+            let source = sources.iter_mut().find(is_it).filter(|_| !keys.is_empty());
+            if let Some(source) = source {
+                let keys = keys.join(", ");
+                let why = "the platform's recordings or description lie outside of this folder";
+                source.notes.push(format!("no effect of {keys}: {why}"));
+            }
+        }
     }
 
     /// The number of the one that governs a document of evidence.

@@ -82,9 +82,12 @@ pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Resu
     let sessions = if is_one { Vec::new() } else { sessions::of(&inputs) };
     let in_saved = |saved: &Saved| sessions::of_worlds(&saved.worlds, &saved.sources).len();
     if sessions.len() + saved.iter().map(in_saved).sum::<usize>() > 1 && !is_one {
-        return recordings::check(&setup, &inputs, &sessions, saved, told);
+        let mut run = recordings::check(&setup, &inputs, &sessions, saved, told)?;
+        setup.governed.note_idle(&mut run.sources);
+        return Ok(run);
     }
     let mut run = together(&setup, inputs, saved)?;
+    setup.governed.note_idle(&mut run.sources);
     run.verdict.sort();
     told(&run, &Grown::all(&run));
     Ok(run)

@@ -3,13 +3,14 @@
 //! A platform forms around a robot: a whole description. A tree of folders with one robot is one platform, but for a folder that holds
 //! statements and recordings of its own where the robot's has some, too. With several robots, a file goes up from its folder to the first
 //! that holds a robot, in it or below. If that is one robot, the file belongs to it. If there are several, it belongs to the one whose frames
-//! it names most; where that is not one, it is judged with each of them, and its source says so. A folder beside that of a robot which holds
-//! what that one has itself (statements, recordings) is of another platform. Without any robot, platforms form around the folders of
-//! recordings; without these, each folder is one.
+//! it names most; where that is not one, to the one whose transforms it states; where that is not one either, it is judged with each of them,
+//! and its source says so. A folder beside that of a robot which holds what that one has itself (statements, recordings) is of another
+//! platform. Without any robot, platforms form around the folders of recordings; without these, each folder is one.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
+use crate::analysis::cross::fit::Fit;
 use crate::read::discover::Inputs;
 use crate::read::input::Input;
 use crate::source::{Derived, Source, SourceId};
@@ -221,8 +222,8 @@ const MAX_CANDIDATES: usize = 4;
 enum Home {
     /// To these anchors, each of them.
     With(Vec<usize>),
-    /// To none. Set is what it might have belonged to.
-    Alone(Option<String>),
+    /// To none. These are what it might have belonged to.
+    Alone(Vec<usize>),
 }
 
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -258,7 +259,7 @@ impl Layout<'_> {
             let here: Vec<usize> = near.iter().copied().filter(is_here).collect();
             return match (here.as_slice(), unit.dir == folder) {
                 // In a large collection the top folder makes no neighbours.
-                ([], false) if near.len() > MAX_CANDIDATES && *folder == *self.root => Home::Alone(None),
+                ([], false) if near.len() > MAX_CANDIDATES && *folder == *self.root => Home::Alone(Vec::new()),
                 ([], false) => {
                     let here = self.side(folder, &unit.dir);
                     let open = near.iter().copied().filter(|at| self.is_open(folder, *at, here));
@@ -268,7 +269,7 @@ impl Layout<'_> {
                 _ => self.choose(here.clone(), &here, unit),
             };
         }
-        Home::Alone(None)
+        Home::Alone(Vec::new())
     }
 
     /// What stands in that folder below this one in which another stands, or which that one is.
@@ -299,7 +300,7 @@ impl Layout<'_> {
         }
         if self.around == Around::Recordings {
             return if open.is_empty() {
-                Home::Alone(None)
+                Home::Alone(open)
             } else {
                 Home::With(open)
             };
@@ -326,7 +327,7 @@ impl Layout<'_> {
         if beside.is_empty() && unit.kinds.states {
             beside = self.nearest(near.to_vec(), &unit.dir);
         }
-        Home::Alone((!beside.is_empty()).then(|| self.names(&beside)))
+        Home::Alone(beside)
     }
 
     /// Those of these anchors that the fewest steps from folder to folder lead to.
@@ -422,16 +423,33 @@ fn distributed(
         notes: Vec::new(),
     };
     let mut alone = Vec::new();
+    let mut robots = Robots::default();
     for unit in units {
         let id = unit.members.first().map(|first| first.id);
-        match layout.home(&unit) {
+        let mut home = layout.home(&unit);
+        let mut is_by_numbers = false;
+        if let Home::With(homes) = &mut home
+            && homes.len() > 1
+            && around != Around::Recordings
+        {
+            let fitting = robots.fitting(homes, &clusters, &unit);
+            is_by_numbers = !fitting.is_empty();
+            if is_by_numbers {
+                *homes = fitting;
+            }
+        }
+        match home {
             Home::With(homes) => {
-                if homes.len() > 1 && around != Around::Recordings {
-                    let names = layout.names(&homes);
-                    let note =
-                        format!("judged with each of {names}: folders and names of frames do not tell whose it is");
-                    clusters.notes.extend(id.map(|id| (id, note)));
-                }
+                let names = layout.names(&homes);
+                let note = match homes.len() {
+                    _ if around == Around::Recordings => None,
+                    1 if is_by_numbers => Some(format!("judged with {names}, whose transforms it states")),
+                    0 | 1 => None,
+                    _ => Some(format!(
+                        "judged with each of {names}: folders and names of frames do not tell whose it is"
+                    )),
+                };
+                clusters.notes.extend(id.zip(note));
                 for home in homes {
                     if let Some(cluster) = clusters.members.get_mut(home) {
                         cluster.extend(unit.members.iter().cloned());
@@ -439,15 +457,41 @@ fn distributed(
                 }
             }
             Home::Alone(beside) => {
-                let note = |beside| {
-                    format!("judged without {beside}: folders and names of frames do not tell whether it belongs there")
-                };
-                clusters.notes.extend(id.zip(beside.map(note)));
+                if !beside.is_empty() {
+                    let names = layout.names(&beside);
+                    let note = format!(
+                        "judged without {names}: folders and names of frames do not tell whether it belongs there"
+                    );
+                    clusters.notes.extend(id.map(|id| (id, note)));
+                }
                 alone.push(unit);
             }
         }
     }
     (clusters, alone)
+}
+
+/// The robots that files were held against, by their numbers.
+#[derive(Default)]
+struct Robots(BTreeMap<usize, World>);
+
+impl Robots {
+    /// Of these robots, those whose transforms the unit states, of several the ones that fit best.
+    fn fitting(&mut self, among: &[usize], clusters: &Clusters, unit: &Unit) -> Vec<usize> {
+        let mut known: Vec<(Fit, usize)> = Vec::new();
+        for at in among {
+            let alone = || {
+                let robot = clusters.members.get(*at).and_then(|members| members.first());
+                world(robot.cloned().into_iter().collect())
+            };
+            let robot = self.0.entry(*at).or_insert_with(alone);
+            let claims = unit.members.iter().flat_map(|member| &member.facts.claims);
+            known.push((Fit::new(robot, claims), *at));
+        }
+        let best = known.iter().map(|(fit, _)| *fit).max();
+        known.retain(|(fit, _)| Some(*fit) == best && fit.is_any());
+        known.into_iter().map(|(_, at)| at).collect()
+    }
 }
 
 /// The frames that a member names, or its keys that may be names of frames.

@@ -196,6 +196,11 @@ impl Claim {
         matches!(&self.kind, ClaimKind::File { dialect, .. } if dialect == super::launch::PROGRAM)
     }
 
+    /// Whether it is a row of a table of sensors, for one of perhaps many cars: nuScenes' `calibrated_sensor.json`.
+    pub fn is_row(&self) -> bool {
+        matches!(&self.kind, ClaimKind::File { dialect, .. } if dialect == "nuscenes")
+    }
+
     /// Whether the claim holds at all times: not the zero position of a moving joint.
     pub fn is_rigid(&self) -> bool {
         !matches!(self.kind, ClaimKind::Joint { fixed: false, .. })

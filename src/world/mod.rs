@@ -295,9 +295,7 @@ impl World {
 
     /// Calls the sensors of a dataset what its table of sensors calls them, and not by their tokens.
     pub fn name_sensors(&mut self, channels: &BTreeMap<FrameId, FrameId>) {
-        let is_of_records =
-            |claim: &&mut Claim| matches!(&claim.kind, ClaimKind::File { dialect, .. } if dialect == "nuscenes");
-        for claim in self.claims.iter_mut().filter(is_of_records) {
+        for claim in self.claims.iter_mut().filter(|claim| claim.is_row()) {
             claim.rename(|token| channels.get(token).cloned());
         }
     }

@@ -1,4 +1,5 @@
-//! Every rule's page is a test: its Bad, Good and Not evaluated blocks are run, and must give what the page says.
+//! Every rule's page is a test: its Bad, Good and Not evaluated blocks are run, and must give what the page says. Each is laid out and judged
+//! once: what is saved of it is judged the same, what is wrong can be seen, and fixes leave nothing.
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::string_slice)]
 
@@ -7,6 +8,7 @@ use std::fs;
 use std::path::Path;
 
 use crate::support;
+use crate::{evidence, fixes, views};
 use frames_lint::engine::{self, Options, Sights, Verdicts};
 use frames_lint::page::{self, Block, Front};
 use frames_lint::rules::RULES;
@@ -191,7 +193,7 @@ fn reasons(run: &Run, code: &str) -> String {
     said.join("; ")
 }
 
-fn check_bad(front: &Front, case: &Case<'_>, faults: &mut Vec<String>) {
+fn check_bad(front: &Front, case: &Case<'_>, (folder, run): (&Path, &Run), faults: &mut Vec<String>) {
     let expected = expectations(case);
     if expected.is_empty() {
         faults.push(format!(
@@ -199,19 +201,17 @@ fn check_bad(front: &Front, case: &Case<'_>, faults: &mut Vec<String>) {
             front.code, case.title
         ));
     }
-    let (folder, run) = run_case(case);
-    compare(&run, folder.path(), &front.code, &expected, faults, &case.title);
+    compare(run, folder, &front.code, &expected, faults, &case.title);
 }
 
-fn check_good(front: &Front, case: &Case<'_>, faults: &mut Vec<String>) {
-    let (_folder, run) = run_case(case);
+fn check_good(front: &Front, case: &Case<'_>, run: &Run, faults: &mut Vec<String>) {
     let code = &front.code;
-    faults.extend(input_problems(&run, code, &case.title));
-    if rows(&run, code, Outcome::Pass) == 0 {
+    faults.extend(input_problems(run, code, &case.title));
+    if rows(run, code, Outcome::Pass) == 0 {
         faults.push(format!(
             "{code} {}: a good case must pass, and nothing passed: {}",
             case.title,
-            reasons(&run, code)
+            reasons(run, code)
         ));
     }
     for finding in &run.verdict.findings {
@@ -224,10 +224,9 @@ fn check_good(front: &Front, case: &Case<'_>, faults: &mut Vec<String>) {
     }
 }
 
-fn check_not_evaluated(front: &Front, case: &Case<'_>, faults: &mut Vec<String>) {
-    let (_folder, run) = run_case(case);
+fn check_not_evaluated(front: &Front, case: &Case<'_>, run: &Run, faults: &mut Vec<String>) {
     let code = &front.code;
-    if rows(&run, code, Outcome::Pass) + rows(&run, code, Outcome::Fail) > 0 {
+    if rows(run, code, Outcome::Pass) + rows(run, code, Outcome::Fail) > 0 {
         faults.push(format!("{code} {}: was evaluated", case.title));
     }
     for line in expectations(case) {
@@ -260,23 +259,53 @@ pub(crate) fn pages() -> Vec<String> {
     pages.map(|file| fs::read_to_string(file).unwrap()).collect()
 }
 
-fn check_page(page: &str, front: &Front, faults: &mut Vec<String>) {
+/// A case, with the page and the section that it is of.
+struct Asked<'a> {
+    front: &'a Front,
+    section: &'a str,
+    case: Case<'a>,
+}
+
+impl Asked<'_> {
+    fn faults(&self) -> Vec<String> {
+        let (front, case) = (self.front, &self.case);
+        let mut faults = Vec::new();
+        let (folder, run) = run_case(case);
+        let folder = folder.path();
+        match self.section {
+            "Bad" => check_bad(front, case, (folder, &run), &mut faults),
+            "Good" => check_good(front, case, &run, &mut faults),
+            _ => check_not_evaluated(front, case, &run, &mut faults),
+        }
+        evidence::is_the_same(&[folder], &format!("{} {}", front.code, case.title), Some(&run));
+        if self.section == "Bad" {
+            faults.extend(views::unseen(front, &case.title, folder));
+            // Last: files are changed.
+            faults.extend(fixes::uncorrected(front, &case.title, folder, &run));
+        }
+        faults
+    }
+}
+
+fn asked<'a>(page: &'a str, front: &'a Front, faults: &mut Vec<String>) -> Vec<Asked<'a>> {
     let (_, body) = page::split(page).unwrap();
+    let mut all = Vec::new();
     for section in page::sections(body) {
-        let check = match section.title {
-            "Bad" => check_bad,
-            "Good" => check_good,
-            "Not evaluated" => check_not_evaluated,
-            _ => continue,
+        if !["Bad", "Good", "Not evaluated"].contains(&section.title) {
+            continue;
+        }
+        let known = all.len();
+        let of = |case| Asked {
+            front,
+            section: section.title,
+            case,
         };
-        let cases = cases(&section);
-        if cases.is_empty() {
+        all.extend(cases(&section).into_iter().map(of));
+        if all.len() == known {
             faults.push(format!("{}: section {} has no case", front.code, section.title));
         }
-        for case in &cases {
-            check(front, case, faults);
-        }
     }
+    all
 }
 
 #[test]
@@ -284,17 +313,18 @@ fn every_page_gives_what_it_says() {
     let only = std::env::var("ONLY").unwrap_or_default();
     let pages = pages();
     assert_eq!(pages.len(), RULES.len());
-    let asked: Vec<(&String, Front)> = pages
+    let pages: Vec<(&String, Front)> = pages
         .iter()
         .map(|page| (page, Front::parse(page).unwrap()))
         .filter(|(_, front)| only.is_empty() || only.split(',').any(|code| front.code.starts_with(code)))
         .collect();
-    let of_page = |(page, front): &(&String, Front)| {
-        let mut faults = Vec::new();
-        check_page(page, front, &mut faults);
-        faults
-    };
-    let mut faults: Vec<String> = asked.par_iter().flat_map_iter(of_page).collect();
+    let mut faults = Vec::new();
+    let mut all = Vec::new();
+    for (page, front) in &pages {
+        all.extend(asked(page, front, &mut faults));
+    }
+    assert!(all.len() > 500 || !only.is_empty(), "{}", all.len());
+    faults.extend(all.par_iter().flat_map_iter(Asked::faults).collect::<Vec<_>>());
     faults.sort();
     assert!(faults.is_empty(), "{} faults:\n{}", faults.len(), faults.join("\n"));
 }

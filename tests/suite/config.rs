@@ -188,6 +188,19 @@ fn each_configuration_counts_for_its_folder_and_below() {
     assert_eq!(found(&named), ["a ROT01", "b ROT01", "c ROT01"]);
 }
 
+#[test]
+fn a_configuration_that_governs_no_platform_says_what_has_no_effect() {
+    let folder = tempfile::tempdir().unwrap();
+    robot(folder.path());
+    let text = "limits: {CROSS02: {mount_m: 12 m}}\nwaivers: [{rule: ROT01, reason: being replaced}]\n";
+    fs::write(folder.path().join("calib/frames-lint.yaml"), text).unwrap();
+    let said = run(folder.path(), ["check", "."]).text();
+    assert!(
+        said.contains("calib/frames-lint.yaml: no effect of `limits`: the platform"),
+        "{said}"
+    );
+}
+
 /// What one folder's configuration calls its frames, and declares of its files, is not another's.
 #[test]
 fn aliases_and_declarations_of_a_folder_stay_there() {
@@ -210,6 +223,7 @@ fn aliases_and_declarations_of_a_folder_stay_there() {
     let config =
         "aliases: {lidar: [velo]}\nconventions:\n  - {file: '*.yaml', quaternion: {order: wxyz, algebra: hamilton}}\n";
     fs::write(folder.path().join("a/frames-lint.yaml"), config).unwrap();
+    fs::create_dir(folder.path().join("drive")).unwrap();
     support::write(NED, &folder.path().join("drive/drive.mcap"));
     let alone: Vec<String> = found(&check(&folder.path().join("old"), &["."]));
     let ran = check(folder.path(), &["."]);

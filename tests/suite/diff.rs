@@ -361,3 +361,27 @@ fn nothing_in_common_is_no_agreement_and_what_cannot_be_read_is_said() {
     let none = run(folder.path(), ["diff", "a.urdf", "nobody.urdf"]);
     assert_ne!(none.code, 0, "{}", none.text());
 }
+
+#[test]
+fn each_of_several_robots_is_compared_with_its_own() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut moved = CAR.to_vec();
+    moved[2].2 = "0.6 0 0.5";
+    for (side, name, joints) in [
+        ("a", "one", CAR),
+        ("a", "two", CAR),
+        ("b", "one", CAR),
+        ("b", "two", &moved),
+    ] {
+        let there = folder.path().join(side).join(name);
+        fs::create_dir_all(&there).unwrap();
+        fs::write(there.join("car.urdf"), urdf(joints)).unwrap();
+    }
+    let (code, document) = document(&run(folder.path(), ["diff", "--format", "json", "a", "b"]));
+    let subjects: Vec<String> = changes(&document).into_iter().map(|(subject, ..)| subject).collect();
+    assert_eq!(
+        (code, subjects.as_slice()),
+        (1, ["two/car.urdf: `base_link` from `imu`".to_owned()].as_slice())
+    );
+    assert_eq!(run(folder.path(), ["diff", "a", "a"]).code, 0);
+}

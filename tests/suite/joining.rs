@@ -238,27 +238,33 @@ fn two_robots(above: &str) -> tempfile::TempDir {
     root
 }
 
+/// The notes on a file in the folder above two robots, and the rules that find something.
+fn above(x: f64) -> (Vec<String>, Vec<String>) {
+    let root = two_robots(&stated("lidar", [x, 0.1, 1.8]));
+    let run = check(root.path());
+    let is_above = |source: &&frames_lint::source::Source| source.path.ends_with("above.yaml");
+    let above = run.sources.iter().find(is_above).unwrap();
+    let rules = run.verdict.open().map(|finding| finding.rule.clone());
+    (above.notes.clone(), rules.collect())
+}
+
+#[test]
+fn what_states_the_transforms_of_one_robot_is_of_it() {
+    let (notes, rules) = above(0.9);
+    assert_eq!(notes.len(), 1, "{notes:?}");
+    assert!(notes[0].contains("a/car.urdf`, whose transforms"), "{notes:?}");
+    assert_eq!(rules, Vec::<String>::new());
+}
+
 #[test]
 fn what_may_be_of_either_robot_is_judged_with_both_and_says_so() {
-    let root = two_robots(&stated("lidar", [0.9, 0.1, 1.8]));
-    let run = check(root.path());
-    let above = run
-        .sources
-        .iter()
-        .find(|source| source.path.ends_with("above.yaml"))
-        .unwrap();
-    assert_eq!(above.notes.len(), 1, "{:?}", above.notes);
+    let (notes, rules) = above(2.9);
+    assert_eq!(notes.len(), 1, "{notes:?}");
     assert!(
-        above.notes[0].contains("a/car.urdf") && above.notes[0].contains("b/car.urdf"),
-        "{:?}",
-        above.notes
+        notes[0].contains("a/car.urdf") && notes[0].contains("b/car.urdf"),
+        "{notes:?}"
     );
-    let rules: Vec<&str> = run.verdict.open().map(|finding| finding.rule.as_str()).collect();
-    assert_eq!(
-        rules,
-        ["CROSS01"],
-        "half a metre off the second robot's, and right of the first"
-    );
+    assert_eq!(rules, ["CROSS01", "CROSS01"], "metres off both");
 }
 
 /// Keys that may be names of frames count where nothing else tells.
@@ -288,9 +294,13 @@ fn a_file_that_names_frames_by_its_keys_alone_is_judged_with_the_robots_beside_i
         .iter()
         .find(|source| source.path.ends_with("lidar.yaml"))
         .unwrap();
-    assert!(file.notes[0].starts_with("judged with each of"), "{:?}", file.notes);
+    assert!(
+        file.notes[0].ends_with("b.urdf`, whose transforms it states"),
+        "{:?}",
+        file.notes
+    );
     let rules: BTreeSet<&str> = run.verdict.open().map(|finding| finding.rule.as_str()).collect();
-    assert!(rules.contains("CROSS02"), "{rules:?}");
+    assert_eq!(rules, BTreeSet::from(["CROSS02"]));
 }
 
 #[test]
@@ -308,4 +318,33 @@ fn a_folder_beside_a_robot_that_has_its_own_calibration_is_not_its() {
         .find(|source| source.path.ends_with("c/sensors.yaml"))
         .unwrap();
     assert!(alone.notes[0].starts_with("judged without"), "{:?}", alone.notes);
+}
+
+/// A table of sensors has a row for each car, and these are calibrated one by one.
+#[test]
+fn the_rows_of_several_cars_do_not_contradict_each_other() {
+    let root = tempfile::tempdir().unwrap();
+    let sensors = r#"[{"token": "s1", "channel": "LIDAR_TOP", "modality": "lidar"}, {"token": "s2", "channel": "CAM_FRONT", "modality": "camera"}]"#;
+    let row = |token: &str, sensor: &str, x: f64, rotation: &str| {
+        format!(
+            r#"{{"token": "{token}", "sensor_token": "{sensor}", "translation": [{x}, 0.01, 1.8], "rotation": [{rotation}], "camera_intrinsic": []}}"#
+        )
+    };
+    let lidar = "0.7077955119, -0.0064922421, 0.0106462147, -0.7063073143";
+    let camera = "0.4998015430, -0.5030316162, 0.4997798114, -0.4973708382";
+    let rows = [
+        row("a1", "s1", 0.94, lidar),
+        row("b1", "s1", 0.99, lidar),
+        row("a2", "s2", 1.70, camera),
+        row("b2", "s2", 1.75, camera),
+    ];
+    fs::write(root.path().join("sensor.json"), sensors).unwrap();
+    fs::write(
+        root.path().join("calibrated_sensor.json"),
+        format!("[{}]", rows.join(",\n")),
+    )
+    .unwrap();
+    let run = check(root.path());
+    let rules: Vec<&str> = run.verdict.open().map(|finding| finding.rule.as_str()).collect();
+    assert!(rules.is_empty(), "{rules:?}");
 }

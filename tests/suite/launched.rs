@@ -1,6 +1,6 @@
 //! What launch files publish: edges of the tree that they start.
 
-#![allow(clippy::unwrap_used)]
+#![allow(clippy::unwrap_used, clippy::indexing_slicing)]
 
 use std::fs;
 use std::path::Path;
@@ -155,6 +155,7 @@ fn what_is_not_launched_by_default_is_said() {
 #[test]
 fn a_transform_that_is_inverted_is_one_finding_whatever_loops_it_is_in() {
     let folder = platform("0.95 0.12 1.85 0.35 0.021 0.004 base_link lidar");
+    fs::remove_file(folder.path().join("bringup.launch")).unwrap();
     let imu = "<link name=\"imu\"/><joint name=\"imu_joint\" type=\"fixed\"><parent link=\"base_link\"/><child link=\"imu\"/>\
                <origin xyz=\"0.2 0.1 0.4\" rpy=\"0 0 0.1\"/></joint></robot>";
     fs::write(folder.path().join("robot.urdf"), ROBOT.replace("</robot>", imu)).unwrap();
@@ -172,4 +173,15 @@ fn a_transform_that_is_inverted_is_one_finding_whatever_loops_it_is_in() {
     };
     assert_eq!(rules("findings"), ["CROSS02"]);
     assert!(rules("explained").contains(&"CROSS03".to_owned()), "{report:#}");
+}
+
+#[test]
+fn a_finding_points_to_the_publisher_and_not_to_the_arguments_that_it_uses() {
+    let folder = platform("$(arg x) 0.12 1.85 0.35 0.021 0.004 lidar base_link");
+    let text = launched(folder.path()).replace("<launch>\n", "<launch>\n  <arg name=\"x\" default=\"0.95\"/>\n");
+    fs::write(folder.path().join("bringup.launch"), text).unwrap();
+    let report = run(folder.path(), ["check", "--format", "json", "."]).report();
+    let of = |finding: &&serde_json::Value| finding["rule"] == "CROSS02";
+    let finding = report["findings"].as_array().unwrap().iter().find(of).unwrap();
+    assert_eq!(finding["places"][0]["line"], 3, "{finding:#}");
 }

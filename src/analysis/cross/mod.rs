@@ -5,6 +5,7 @@ pub(crate) mod angles;
 pub(crate) mod blame;
 pub(crate) mod direction;
 pub(crate) mod exact;
+pub(crate) mod fit;
 pub(crate) mod fold;
 pub(crate) mod halves;
 pub(crate) mod hand_eye;

@@ -1,6 +1,6 @@
-//! Intrinsics that files of camera_info_manager hold: `camera_matrix`, `distortion_coefficients`, `rectification_matrix`, `projection_matrix`.
+//! Intrinsics that files hold: of camera_info_manager, and messages sensor_msgs/CameraInfo that were written down.
 //!
-//! Owns their keys. Source: camera_calibration_parsers (parse_yml.cpp). Must not know whether they fit a camera.
+//! Owns their keys. Source: camera_calibration_parsers (parse_yml.cpp); CameraInfo.msg of ROS 1 and ROS 2. Must not know whether they fit a camera.
 
 use crate::source::{Place, SourceId, Span};
 use crate::world::camera::{CameraFile, CameraModel};
@@ -8,62 +8,81 @@ use crate::world::camera::{CameraFile, CameraModel};
 use super::document::Node;
 use super::numbers;
 
-/// The keys of the matrices, and how many numbers each holds.
-const MATRICES: [(&str, usize); 3] = [
-    ("camera_matrix", 9),
-    ("rectification_matrix", 9),
-    ("projection_matrix", 12),
+/// The keys of one form.
+struct Form {
+    width: &'static str,
+    height: &'static str,
+    k: &'static str,
+    d: &'static str,
+    r: &'static str,
+    p: &'static str,
+}
+
+/// camera_info_manager's, and those of the message in ROS 2 and ROS 1.
+const FORMS: [Form; 3] = [
+    Form {
+        width: "image_width",
+        height: "image_height",
+        k: "camera_matrix",
+        d: "distortion_coefficients",
+        r: "rectification_matrix",
+        p: "projection_matrix",
+    },
+    Form {
+        width: "width",
+        height: "height",
+        k: "k",
+        d: "d",
+        r: "r",
+        p: "p",
+    },
+    Form {
+        width: "width",
+        height: "height",
+        k: "K",
+        d: "D",
+        r: "R",
+        p: "P",
+    },
 ];
 
 /// The camera of a document. A matrix with another count of numbers is a fault of the file.
 pub(super) fn collect(root: &Node, source: SourceId, text: &str) -> (Option<CameraFile>, Vec<(Span, String)>) {
-    let is_one = [
-        "image_width",
-        "image_height",
-        "camera_matrix",
-        "distortion_coefficients",
-    ]
-    .iter()
-    .all(|key| root.get(key).is_some());
-    if !is_one {
+    let is_in = |form: &&Form| {
+        let keys = [form.width, form.height, form.k, form.d];
+        keys.iter().all(|key| root.get(key).is_some())
+    };
+    let Some(form) = FORMS.iter().find(is_in) else {
         return (None, Vec::new());
-    }
+    };
     let values = |key: &str| numbers::numbers(root.get(key)?, text).map(|found| numbers::values(found.literals()));
-    let miscounted = MATRICES.iter().filter_map(|(key, count)| {
+    let matrices = [(form.k, 9), (form.r, 9), (form.p, 12)];
+    let miscounted = matrices.iter().filter_map(|(key, count)| {
         let node = root.get(key)?;
         let found = values(key)?.len();
         (found != *count && found > 0).then(|| (node.span, format!("`{key}` holds {found} numbers; it has {count}")))
     });
     let faults: Vec<(Span, String)> = miscounted.collect();
-    let pixels = |key: &str| root.get(key)?.text()?.trim().parse().ok();
+    let pixels = |node: &Node, key: &str| node.get(key)?.text()?.trim().parse().ok();
+    let words = |node: Option<&Node>| Some(node?.text()?.trim().to_owned()).filter(|text| !text.is_empty());
     let made = || {
-        let matrix = root.get("camera_matrix")?;
+        let matrix = root.get(form.k)?;
+        let frame = || root.get("header").and_then(|header| words(header.get("frame_id")));
+        let name = words(root.get("camera_name")).or_else(frame);
+        let region = |key: &str| root.get("roi").and_then(|roi| pixels(roi, key)).unwrap_or_default();
         Some(CameraFile {
-            name: root
-                .get("camera_name")
-                .and_then(Node::text)
-                .filter(|name| !name.trim().is_empty())
-                .unwrap_or("camera")
-                .to_owned(),
+            name: name.unwrap_or_else(|| "camera".to_owned()),
             place: Place::text(source, matrix.get("data").unwrap_or(matrix).span),
             camera: CameraModel {
-                size: [pixels("image_width")?, pixels("image_height")?],
-                model: root
-                    .get("distortion_model")
-                    .and_then(Node::text)
-                    .unwrap_or_default()
-                    .to_owned(),
-                d: values("distortion_coefficients").unwrap_or_default(),
-                k: values("camera_matrix")?.try_into().ok()?,
+                size: [pixels(root, form.width)?, pixels(root, form.height)?],
+                model: words(root.get("distortion_model")).unwrap_or_default(),
+                d: values(form.d).unwrap_or_default(),
+                k: values(form.k)?.try_into().ok()?,
                 // All zeros is what was not filled in.
-                r: values("rectification_matrix")
-                    .and_then(|r| r.try_into().ok())
-                    .unwrap_or_default(),
-                p: values("projection_matrix")
-                    .and_then(|p| p.try_into().ok())
-                    .unwrap_or_default(),
-                binning: [0; 2],
-                roi: [0; 4],
+                r: values(form.r).and_then(|r| r.try_into().ok()).unwrap_or_default(),
+                p: values(form.p).and_then(|p| p.try_into().ok()).unwrap_or_default(),
+                binning: ["binning_x", "binning_y"].map(|key| pixels(root, key).unwrap_or_default()),
+                roi: ["x_offset", "y_offset", "width", "height"].map(region),
             },
         })
     };

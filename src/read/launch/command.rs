@@ -26,9 +26,15 @@ struct Arguments<'w> {
 pub(super) fn read(call: &Call, source: SourceId, ordinal: usize) -> (StaticPublisher, Option<Claim>) {
     let words = without_ros(&call.words);
     let has_period = !is_flagged(&words) && words.last().is_some_and(|word| is_number(word)) && words.len() > 7;
-    let span = words
-        .first()
-        .zip(words.last())
+    // What a substitution brought stands elsewhere.
+    let own = || {
+        words
+            .iter()
+            .filter(|word| call.span.start <= word.span.start && word.span.end <= call.span.end)
+    };
+    let span = own()
+        .next()
+        .zip(own().next_back())
         .map_or(call.span, |(a, b)| a.span.cover(b.span));
     let mut publisher = StaticPublisher {
         label: call.name.clone().unwrap_or_else(|| format!("{PROGRAM} {ordinal}")),

@@ -1,8 +1,11 @@
 //! CROSS01: two sources state different transforms for one pair of frames.
 
-use crate::analysis::{cross::pair::Pair, cross::statements::pairs};
+use crate::analysis::{
+    cross::pair::{Pair, Statement},
+    cross::statements::pairs,
+};
 use crate::rules::prelude::*;
-use crate::world::World;
+use crate::world::{Claim, World};
 
 pub(crate) struct ExtrinsicConsistency;
 
@@ -46,6 +49,11 @@ fn judge_pair(world: &World, pair: &Pair, limits: &Limits, out: &mut Judge) {
     if pair.alternatives {
         let why =
             "the same key in sibling files: two devices, or two versions; only a named convention error is reported";
+        return out.not_applicable(subject, why);
+    }
+    let is_row = |one: &Statement| one.claim(world).is_some_and(Claim::is_row);
+    if pair.reference.place.source == pair.other.place.source && is_row(&pair.reference) && is_row(&pair.other) {
+        let why = "rows of one table for one sensor: of several cars, or of several dates; only a named convention error is reported";
         return out.not_applicable(subject, why);
     }
     let small = angle_deg <= limits.warn_deg && distance_m <= limits.warn_m;

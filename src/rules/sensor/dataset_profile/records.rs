@@ -5,7 +5,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use crate::tables::{Dataset, QuaternionWord};
 use crate::verdict::Judge;
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::{Claim, ClaimKind, NamedDataset, Spelling, World};
+use crate::world::{Claim, NamedDataset, Spelling, World};
 
 use crate::analysis::sensor::dataset::{Limits, rotation};
 
@@ -15,9 +15,8 @@ pub(crate) fn judge(world: &World, dataset: &NamedDataset, limits: &Limits, out:
     if dataset.row.quaternion != Some(QuaternionWord::Wxyz) {
         return 0;
     }
-    let is_record = |claim: &&Claim| matches!(&claim.kind, ClaimKind::File { dialect, .. } if dialect == "nuscenes");
     let mut count = 0;
-    for claim in world.claims.iter().filter(is_record) {
+    for claim in world.claims.iter().filter(|claim| claim.is_row()) {
         let Spelling::Quaternion { xyzw, .. } = &claim.spelling else {
             continue;
         };

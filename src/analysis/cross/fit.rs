@@ -1,0 +1,42 @@
+//! Whose transforms a file states, where neither folders nor names tell: a robot that has the same ones.
+
+use std::cmp::Reverse;
+
+use crate::math::relation::{Relation, Tolerance, classify};
+use crate::world::{Claim, World};
+
+/// How many transforms of a file a robot has. Of two, the greater one fits better.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
+pub(crate) struct Fit {
+    same: usize,
+    inverse: usize,
+    /// Between two of its frames, and neither.
+    others: Reverse<usize>,
+}
+
+impl Fit {
+    /// Holds the claims of a file against the joints of a robot, both as `target_from_source`.
+    pub(crate) fn new<'c>(robot: &World, claims: impl IntoIterator<Item = &'c Claim>) -> Self {
+        let mut fit = Self::default();
+        for claim in claims.into_iter().filter(|one| one.has_rotation && one.has_translation) {
+            let (Some((target, source)), Some(pose)) = (&claim.frames, &claim.pose) else {
+                continue;
+            };
+            let chain = robot
+                .graph()
+                .chain(&target.canonical(), &source.canonical(), |edge| edge.is_rigid);
+            let Some((known, _)) = chain else { continue };
+            match classify(&known, &pose.isometry(), &Tolerance::default()).best {
+                Some(Relation::Equal) => fit.same += 1,
+                Some(Relation::Inverse) => fit.inverse += 1,
+                _ => fit.others.0 += 1,
+            }
+        }
+        fit
+    }
+
+    /// Whether any transform is the robot's.
+    pub(crate) fn is_any(self) -> bool {
+        self.same + self.inverse > 0
+    }
+}
