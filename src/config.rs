@@ -144,7 +144,7 @@ pub fn parse(path: &str, text: String, folder: &Path) -> Result<Config, ConfigEr
 }
 
 /// A path as it is shown: from the working directory where it lies there.
-fn shown(path: &Path) -> String {
+pub(crate) fn shown(path: &Path) -> String {
     let here = std::env::current_dir().ok();
     let shown = here.and_then(|here| path.strip_prefix(here).ok()).unwrap_or(path);
     shown.display().to_string()

@@ -238,6 +238,14 @@ pub fn settings_of(options: &Options, file: &Path) -> Result<Vec<(&'static str, 
     };
     let files: Vec<String> = config.sources(0).into_iter().map(|source| source.path).rev().collect();
     let mut said = vec![("configuration", files.join(", which extends "))];
+    // What lies above counts for a platform that reaches out of the folder.
+    let further = |file: &Path| file.parent().and_then(Path::parent).and_then(config::nearest);
+    let mut above = near.as_deref().and_then(further);
+    while let Some(file) = above {
+        let shown = config::shown(&file);
+        said.push(("above", format!("{shown}, for platforms that reach out of this folder")));
+        above = further(&file);
+    }
     said.push(("rules", format!("{} of {all}", one.choice.rules.len())));
     let (select, ignore) = config.rules();
     let named = |word: &'static str, (rule, origin): &(String, String)| (word, format!("{rule} ({origin})"));

@@ -121,8 +121,8 @@ fn packages_of_the_input_around_the_file_and_beside_it_are_at_hand() {
     assert_eq!(found["arm_description"], folder.path().join("arm"));
     assert_eq!(
         found["gripper"],
-        folder.path().join("elsewhere"),
-        "the input comes first"
+        folder.path().join("gripper"),
+        "the nearest comes first"
     );
 }
 

@@ -285,6 +285,7 @@ fn the_settings_of_a_file_are_shown() {
         "ignore         NAME01 (a/../frames-lint.yaml:1:18)",
         "limit          CROSS02 mount_m: 12 m (a/frames-lint.yaml:3:",
         "require        TREE01 (a/frames-lint.yaml:4)",
+        "above          frames-lint.yaml, for platforms that reach out of this folder",
     ] {
         assert!(shown.contains(line), "{line} is not in\n{shown}");
     }

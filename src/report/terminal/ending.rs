@@ -74,7 +74,12 @@ fn verdict(run: &Run, summary: &Summary, options: &Options) -> (Ink, String) {
         (summary.crashed > 0).then(|| format!("{} crashed, a fault of frames-lint.", plural(summary.crashed, "check")));
     let ink = match summary.verdict {
         VerdictWord::Findings => {
-            sentences.push(format!("Not clean: {}.", counting(run, options.fail_on)));
+            let counting = counting(run, options.fail_on);
+            sentences.push(if options.fail_on == FailOn::default() {
+                format!("Not clean: {counting}.")
+            } else {
+                format!("Not clean: {counting} by {}.", fail_on_words(run, options.fail_on))
+            });
             sentences.extend(recordings::sentence(run));
             sentences.extend(crash);
             sentences.extend(unread(run));
@@ -153,11 +158,8 @@ fn not_counting(run: &Run, fail_on: FailOn) -> Option<String> {
     let mut parts = Vec::new();
     if mild > 0 {
         let relation = if fail_on == FailOn::Never { "under" } else { "below" };
-        parts.push(format!(
-            "{} {relation} --fail-on {}",
-            plural(mild, "finding"),
-            fail_on.word()
-        ));
+        let findings = plural(mild, "finding");
+        parts.push(format!("{findings} {relation} {}", fail_on_words(run, fail_on)));
     }
     if hints > 0 {
         parts.push(plural(hints, "hint"));
@@ -169,6 +171,16 @@ fn not_counting(run: &Run, fail_on: FailOn) -> Option<String> {
     }
     let _ = write!(sentence, " {verb} not count.");
     Some(sentence)
+}
+
+/// From where on findings count, and who says so.
+fn fail_on_words(run: &Run, fail_on: FailOn) -> String {
+    let by = if run.fail_on == Some(fail_on) {
+        " of the configuration"
+    } else {
+        ""
+    };
+    format!("--fail-on {}{by}", fail_on.word())
 }
 
 fn unread(run: &Run) -> Option<String> {

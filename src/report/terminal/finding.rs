@@ -104,7 +104,8 @@ fn places(finding: &Finding, locator: &Locator, painter: &Painter, style: Style,
                 continue;
             }
         }
-        push(out, &place_line(&label.place, &label.note, locator, style));
+        let line = place_line(&label.place, &label.note, locator, style);
+        push(out, &wrap(line.trim_start(), style.width, "  ", "    "));
     }
     if finding.places.len() > shown.len() {
         let more = plural(finding.places.len() - shown.len(), "more place");

@@ -1,9 +1,10 @@
 //! What was not read: broken inputs with their place, recordings read in part, files without a reader.
 
+use std::collections::BTreeSet;
 use std::fmt::Write;
 
 use crate::run::Run;
-use crate::source::{At, Examined, ReadStatus, Source, SourceKind};
+use crate::source::{At, Examined, ReadStatus, Source, SourceId, SourceKind};
 
 use super::super::Style;
 use super::super::place::Locator;
@@ -27,11 +28,12 @@ const MAX_SILENT: usize = 3;
 pub(super) fn taken(run: &Run, options: &Options, locator: &Locator, out: &mut String) {
     let has_words = |source: &&Source| source.understood().is_some() || !source.notes.is_empty();
     let sources: Vec<&Source> = run.sources.iter().filter(has_words).collect();
-    let silent: Vec<&Source> = run
-        .sources
-        .iter()
-        .filter(|source| is_text(source.kind) && source.status == ReadStatus::Read && !has_words(source))
-        .collect();
+    let places = run.verdict.findings.iter().flat_map(|finding| &finding.places);
+    let found: BTreeSet<SourceId> = places.map(|label| label.place.source).collect();
+    let is_silent = |source: &&Source| {
+        is_text(source.kind) && source.status == ReadStatus::Read && !has_words(source) && !found.contains(&source.id)
+    };
+    let silent: Vec<&Source> = run.sources.iter().filter(is_silent).collect();
     if sources.is_empty() && silent.is_empty() {
         return;
     }

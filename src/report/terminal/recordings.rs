@@ -9,8 +9,12 @@ use super::super::style::Ink;
 use super::super::text::{list, one_line, plural};
 use super::heading;
 
-/// What decides is cut off behind so many characters: it stands in full above.
+/// What decides is cut off behind so many characters, or at the width of the terminal: it stands in full above.
 const WIDTH: usize = 120;
+/// The width of the numbers of a line.
+const NUMBERS: usize = 55;
+/// The indent of what stands below.
+const INDENT: &str = "              ";
 
 /// The table; nothing where there is one recording, or none.
 pub(super) fn table(run: &Run, style: Style, out: &mut String) {
@@ -31,23 +35,33 @@ pub(super) fn table(run: &Run, style: Style, out: &mut String) {
             VerdictWord::Incomplete => Ink::Warning,
         };
         let word = summary.verdict.word();
+        let label = one_line(&recording.label);
+        let is_wide = style.width.is_none_or(|width| NUMBERS + label.chars().count() <= width);
+        let label = if is_wide {
+            format!("  {label}")
+        } else {
+            format!("\n{INDENT}{label}")
+        };
         let _ = writeln!(
             out,
-            "  {}  {:>6}  {:>8}  {:>6}  {:>13}  {}",
+            "  {}  {:>6}  {:>8}  {:>6}  {:>13}{label}",
             style.paint(ink, &format!("{word:<10}")),
             summary.errors,
             summary.warnings,
             summary.passed,
             summary.not_evaluated,
-            one_line(&recording.label)
         );
         if let Some(because) = &recording.because {
             let because = one_line(because);
-            let mut words: String = because.chars().take(WIDTH).collect();
+            let dots = style.pick("…", "...");
+            let room = style.width.map_or(WIDTH, |width| {
+                width.saturating_sub(INDENT.len() + dots.len()).max(WIDTH / 4)
+            });
+            let mut words: String = because.chars().take(room.min(WIDTH)).collect();
             if words.len() < because.len() {
-                words.push_str(style.pick("…", "..."));
+                words.push_str(dots);
             }
-            let _ = writeln!(out, "              {words}");
+            let _ = writeln!(out, "{INDENT}{words}");
         }
     }
     out.push('\n');

@@ -176,6 +176,9 @@ fn nothing_checked_is_never_a_pass() {
     assert_eq!(
         plain(&run),
         "\
+Understood (0 inputs)
+  nothing that a rule uses in calib.yaml
+
 Passed over, no reader for them: 12 .stl, 3 .png
 
 Not evaluated: 4 without an input, what would help most: URDF (3 more checks); --verbose lists them

@@ -101,7 +101,7 @@ fn finding(
 ) -> Finding {
     let also: Vec<&str> = found.class.iter().skip(1).map(|other| other.word()).collect();
     let message = format!(
-        "{} states `{}` from `{}` as {} does, but with a convention error: {}{}{}",
+        "{} states `{}` from `{}` as {} does, but by another convention: {}{}{}",
         pair.other.who,
         pair.reference.target,
         pair.reference.source_frame,

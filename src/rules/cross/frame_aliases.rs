@@ -232,7 +232,7 @@ fn suspicion(
     candidate: &Candidate<'_>,
 ) -> Finding {
     let message = format!(
-        "`{}` and `{}` of {} taken for `{}` and `{}`: the file holds their transform with a convention error: {}",
+        "`{}` and `{}` of {} taken for `{}` and `{}`: the file holds their transform by another convention: {}",
         names.0,
         names.1,
         world.path(claim.place.source),
