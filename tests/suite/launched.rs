@@ -159,8 +159,7 @@ fn a_transform_that_is_inverted_is_one_finding_whatever_loops_it_is_in() {
     let imu = "<link name=\"imu\"/><joint name=\"imu_joint\" type=\"fixed\"><parent link=\"base_link\"/><child link=\"imu\"/>\
                <origin xyz=\"0.2 0.1 0.4\" rpy=\"0 0 0.1\"/></joint></robot>";
     fs::write(folder.path().join("robot.urdf"), ROBOT.replace("</robot>", imu)).unwrap();
-    let lidar = "parent_frame: base_link\nchild_frame: lidar\ntranslation: [-0.894499, 0.205550, -1.870032]\n\
-                 rotation_xyzw: [-0.000141245, -0.010687615, -0.174077513, 0.984673944]\n";
+    let lidar = include_str!("../../fixtures/first-finding/lidar.yaml");
     fs::write(folder.path().join("lidar.yaml"), lidar).unwrap();
     let imu = "parent_frame: base_link\nchild_frame: imu\ntranslation: [0.2, 0.1, 0.4]\nrotation_xyzw: [0, 0, 0.049979169, 0.998750260]\n";
     fs::write(folder.path().join("imu.yaml"), imu).unwrap();
