@@ -201,7 +201,7 @@ pub struct Alias {
 impl Alias {
     /// Whether it counts for a file.
     pub(crate) fn holds(&self, file: &str) -> bool {
-        self.file.as_ref().is_none_or(|glob| ends_with(glob, file))
+        is_for(self.file.as_ref(), file)
     }
 }
 
@@ -234,7 +234,7 @@ pub struct Subject<'a> {
 impl Conventions {
     /// Whether anything is declared that may be about this file.
     pub fn declare_of(&self, file: &str) -> bool {
-        let holds = |one: &Declaration| one.scope.file.as_ref().is_none_or(|glob| ends_with(glob, file));
+        let holds = |one: &Declaration| is_for(one.scope.file.as_ref(), file);
         self.declarations.iter().any(holds)
     }
 
@@ -249,9 +249,7 @@ impl Conventions {
 
     /// The frames and direction that are declared for a statement; what stands later overrides.
     pub fn transform_of(&self, file: &str, key: &str) -> Option<(&FrameId, &FrameId)> {
-        let holds = |one: &&DeclaredTransform| {
-            one.key.is_match(key) && one.file.as_ref().is_none_or(|glob| ends_with(glob, file))
-        };
+        let holds = |one: &&DeclaredTransform| one.key.is_match(key) && is_for(one.file.as_ref(), file);
         self.transforms
             .iter()
             .rev()
@@ -287,15 +285,20 @@ impl Scope {
         };
         self.topic.as_ref().is_none_or(topic)
             && self.frame.as_ref().is_none_or(frame)
-            && self.file.as_ref().is_none_or(|glob| ends_with(glob, subject.file))
+            && is_for(self.file.as_ref(), subject.file)
     }
+}
+
+/// Whether a file is one of those that are meant; all are where none are named.
+fn is_for(files: Option<&GlobMatcher>, path: &str) -> bool {
+    files.is_none_or(|glob| ends_with(glob, path))
 }
 
 /// Whether the whole path, or what stands behind one of its slashes, is meant. A glob that begins with a slash means the whole path behind it.
 pub(crate) fn ends_with(glob: &GlobMatcher, path: &str) -> bool {
     let behind = path.match_indices('/').filter_map(|(at, _)| path.get(at + 1..));
     let is_end = glob.is_match(path) || behind.into_iter().any(|end| glob.is_match(end));
-    is_end || glob.is_match(format!("/{path}"))
+    is_end || glob.glob().glob().starts_with('/') && glob.is_match(format!("/{path}"))
 }
 
 #[cfg(test)]
@@ -307,6 +310,15 @@ mod tests {
 
     fn glob(text: &str) -> GlobMatcher {
         Glob::new(text).unwrap().compile_matcher()
+    }
+
+    #[test]
+    fn a_path_is_meant_by_its_end_or_from_its_start() {
+        let meant = |text: &str, path: &str| ends_with(&glob(text), path);
+        assert!(meant("*.yaml", "old/a/x.yaml") && meant("a/x.yaml", "old/a/x.yaml"));
+        assert!(meant("/a/**/*", "a/b/x.yaml") && meant("/a/**/*", "a/x.yaml"));
+        assert!(!meant("/a/**/*", "old/a/x.yaml"), "another folder of that name");
+        assert!(!meant("*/x.yaml", "x.yaml"), "it lies in no folder");
     }
 
     fn declaration(scope: Scope, convention: Convention, line: u32) -> Declaration {
