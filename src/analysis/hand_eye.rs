@@ -4,7 +4,7 @@
 
 use nalgebra::{Isometry2, Isometry3, Translation3, UnitQuaternion, Vector2, Vector3};
 
-use crate::analysis::motion::{Motion, Stream, Turned};
+use crate::analysis::motion::{BagMotion, Motion, Stream, Turned};
 use crate::analysis::scan_motion::moved::{Moment, Moved};
 use crate::analysis::scan_motion::{ScanMotion, Steps};
 use crate::analysis::{Estimates, lidar::Clouds, time::sweep::sweeps_the_other_way};
@@ -236,8 +236,8 @@ pub(crate) fn tied<'m>(
     clouds: &Clouds,
     lidar: &FrameId,
 ) -> Vec<(&'m Stream<PoseRow>, FrameId, Isometry3<f64>)> {
-    let poses = motion.bags.get(clouds.index).map_or(&[][..], |bag| &bag.poses);
-    let tied = poses.iter().filter(|poses| poses.is_way()).filter_map(|poses| {
+    let ways = motion.bags.get(clouds.index).into_iter().flat_map(BagMotion::ways);
+    let tied = ways.filter_map(|poses| {
         let body = poses.child.clone()?;
         let (told, _) = world.graph().chain(&body, lidar, |edge| edge.is_rigid)?;
         Some((poses, body, told))

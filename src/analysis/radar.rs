@@ -127,23 +127,19 @@ impl Way {
         let (Some(frame), Some(bag)) = (radar.frame(), motion.bags.get(radar.index)) else {
             return Vec::new();
         };
-        let poses = bag
-            .poses
-            .iter()
-            .filter(|poses| poses.is_way())
-            .filter_map(|poses: &Stream<PoseRow>| {
-                let body = poses.child.clone()?;
-                let (body_from_radar, _) = world.graph().chain(&body, &frame, |edge| edge.is_rigid)?;
-                Some(Self {
-                    subject: poses.subject.clone(),
-                    place: poses.place(),
-                    body,
-                    radar: frame.clone(),
-                    body_from_radar,
-                    stamp_offset_s: poses.stamp_offset_s,
-                    by: By::Poses(Turned::of(poses), poses.track()),
-                })
-            });
+        let poses = bag.ways().filter_map(|poses: &Stream<PoseRow>| {
+            let body = poses.child.clone()?;
+            let (body_from_radar, _) = world.graph().chain(&body, &frame, |edge| edge.is_rigid)?;
+            Some(Self {
+                subject: poses.subject.clone(),
+                place: poses.place(),
+                body,
+                radar: frame.clone(),
+                body_from_radar,
+                stamp_offset_s: poses.stamp_offset_s,
+                by: By::Poses(Turned::of(poses), poses.track()),
+            })
+        });
         let fixes = bag.fixes.iter().filter_map(|fixes| {
             let mount = mount(world, &frame)?;
             Some(Self {

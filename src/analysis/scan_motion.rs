@@ -102,7 +102,9 @@ impl ScanMotion {
         world.once(|world| {
             let moves = |clouds: &Clouds| {
                 let bag = motion.bags.get(clouds.index);
-                clouds.is_of_a_lidar() && bag.is_some_and(|bag| !bag.imus.is_empty() || !bag.poses.is_empty())
+                clouds.is_of_a_lidar()
+                    && bag
+                        .is_some_and(|bag| !bag.imus.is_empty() || !bag.poses.is_empty() || bag.ways().next().is_some())
             };
             Self {
                 by_topic: Clouds::scanners(world)

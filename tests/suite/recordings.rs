@@ -228,6 +228,34 @@ fn what_was_recorded_at_the_same_time_is_of_one_drive() {
 }
 
 #[test]
+fn clouds_of_one_file_are_held_against_the_odometry_of_the_other() {
+    // The one begins 2 s after the other.
+    let head = "duration_s: 14\ndrive: {vehicle: car, motion: turning, seed: 3}\ntopics:\n";
+    let odometry = "  - {topic: /tf_static, transforms: [{parent: base_link, child: velodyne, xyz: [0, 0, 1.8]}]}
+  - {topic: /odom, from_drive: odometry, rate_hz: 20, frame_id: odom, child_frame_id: base_link}\n";
+    for (yaw_deg, wanted) in [(0, Outcome::Pass), (60, Outcome::Fail)] {
+        let clouds = format!(
+            "  - {{topic: /points, from_drive: lidar, rate_hz: 10, from_s: 2, frame_id: velodyne, xyz: [0, 0, 1.8], rpy_deg: [0, 0, {yaw_deg}], lidar: {{beams: 16, columns: 360, driver: velodyne}}}}\n"
+        );
+        let folder = folder(
+            &[
+                ("clouds.mcap", &(head.to_owned() + &clouds)),
+                ("odometry.mcap", &(head.to_owned() + odometry)),
+            ],
+            &[],
+        );
+        let run = check(&[folder.path()]);
+        assert!(run.recordings.is_empty(), "one drive: {:?}", verdicts(&run));
+        let rows = run.verdict.rows.iter().filter(|row| row.rule == "AXES12");
+        let outcomes: Vec<_> = rows.map(|row| (&row.outcome, &row.reason)).collect();
+        assert!(
+            matches!(outcomes[..], [(outcome, _)] if *outcome == wanted),
+            "{yaw_deg} deg: {outcomes:#?}"
+        );
+    }
+}
+
+#[test]
 fn recordings_of_one_time_in_folders_side_by_side_are_each_judged() {
     let folder = tempfile::tempdir().unwrap();
     for (name, drive) in [("a", drive(0, 1.85)), ("b", late(&drive(0, 1.85)))] {

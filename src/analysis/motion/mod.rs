@@ -50,6 +50,8 @@ pub(crate) struct BagMotion {
     pub(crate) fixes: Vec<Stream<FixRow>>,
     /// Odometry, poses on topics, and moving transforms.
     pub(crate) poses: Vec<Stream<PoseRow>>,
+    /// Where none of these is the way of the platform: the ways that recordings state that ran beside it, on its clock.
+    beside: Vec<Stream<PoseRow>>,
     /// Velocities on topics of their own.
     pub(crate) twists: Vec<Stream<TwistRow>>,
     /// The simulator that names in the recording tell.
@@ -65,19 +67,50 @@ pub(crate) struct BagMotion {
 impl Motion {
     /// The motion of a world; worked out once.
     pub(crate) fn of(world: &Estimates) -> Rc<Self> {
-        world.once(|world| Self {
-            bags: world.bags.iter().map(|bag| BagMotion::of(world, bag)).collect(),
+        world.once(|world| {
+            let mut bags: Vec<BagMotion> = world.bags.iter().map(|bag| BagMotion::of(world, bag)).collect();
+            let beside: Vec<_> = (0..bags.len())
+                .map(|index| ways_beside(&world.bags, &bags, index))
+                .collect();
+            for (bag, beside) in bags.iter_mut().zip(beside) {
+                bag.beside = beside;
+            }
+            Self { bags }
         })
     }
 }
 
+/// The ways of the platform by recordings that were made while this one was, on its clock.
+fn ways_beside(bags: &[BagEvidence], motions: &[BagMotion], index: usize) -> Vec<Stream<PoseRow>> {
+    let (Some(own), Some(motion)) = (bags.get(index), motions.get(index)) else {
+        return Vec::new();
+    };
+    if motion.ways().next().is_some() {
+        return Vec::new();
+    }
+    let others = bags.iter().zip(motions).filter(|(other, _)| other.source != own.source);
+    let on_clock = |(other, motion): (&BagEvidence, &BagMotion)| {
+        let (start_ns, end_ns) = other.start_ns.zip(other.end_ns)?;
+        let is_while = start_ns < own.end_ns? && own.start_ns? < end_ns;
+        let later_s = start_ns.saturating_sub(own.start_ns?) as f64 * 1e-9;
+        is_while.then(|| motion.ways().map(|way| way.later(later_s)).collect::<Vec<_>>())
+    };
+    others.filter_map(on_clock).flatten().collect()
+}
+
 impl BagMotion {
+    /// The poses that say how the platform went: its own, else those of recordings that were made at the same time.
+    pub(crate) fn ways(&self) -> impl Iterator<Item = &Stream<PoseRow>> {
+        self.poses.iter().filter(|poses| poses.is_way()).chain(&self.beside)
+    }
+
     fn of(world: &Estimates, bag: &BagEvidence) -> Self {
         let limits = world.limits::<crate::analysis::geo::kinds::Limits>();
         let mut motion = Self {
             imus: Vec::new(),
             fixes: Vec::new(),
             poses: Vec::new(),
+            beside: Vec::new(),
             twists: Vec::new(),
             simulator: bag
                 .topics

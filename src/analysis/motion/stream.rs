@@ -133,6 +133,15 @@ impl<R: Row> Stream<R> {
         self.frame.as_ref().is_none_or(names::is_world)
     }
 
+    /// The same stream with times after the start of a recording that began `by_s` earlier.
+    pub(crate) fn later(&self, by_s: f64) -> Self {
+        let mut later = self.clone();
+        for timed in later.stretches.iter_mut().flatten() {
+            timed.t_s += by_s;
+        }
+        later
+    }
+
     /// Where the stream begins.
     pub(crate) fn place(&self) -> Place {
         Place::of(self.source, self.first.as_ref())
