@@ -27,6 +27,7 @@ use std::path::{Path, PathBuf};
 use clap::{CommandFactory, Parser};
 
 use crate::engine::{self, UsageError, evidence};
+use crate::files::{self, Outputs};
 use crate::page::{Front, PageError};
 use crate::report::{ReportError, Style, explain, rules_table, terminal};
 use crate::rules::RULES;
@@ -242,12 +243,19 @@ fn refuse(error: &clap::Error, arguments: &[OsString], surroundings: Surrounding
 
 /// Writes what a command made to the file that the user named.
 fn save(file: &Path, made: impl AsRef<[u8]>) -> Result<(), Failure> {
-    std::fs::write(file, made).map_err(|error| Failure::Usage(format!("cannot write `{}`: {error}", file.display())))
+    files::write(file, made.as_ref())
+        .map_err(|error| Failure::Usage(format!("cannot write `{}`: {error}", file.display())))
 }
 
 fn run_collect(collect: Collect, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
     let paths = paths(collect.input.paths, stdin)?;
-    let run = engine::collect(&collect.input.reading.options(paths, surroundings))?;
+    let run = engine::collect(&engine::Options {
+        outputs: Outputs {
+            files: collect.output.iter().cloned().collect(),
+            force: collect.force,
+        },
+        ..collect.input.reading.options(paths, surroundings)
+    })?;
     let mut out = evidence::write(&run)?;
     if let Some(file) = collect.output {
         save(&file, std::mem::take(&mut out))?;

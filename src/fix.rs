@@ -4,10 +4,11 @@
 //! recording, the expansion of a macro) is left as it is, with the reason.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use similar::TextDiff;
 
+use crate::files;
 use crate::run::Run;
 use crate::source::{Source, SourceId, Span};
 use crate::verdict::{Edit, Finding, Safety};
@@ -39,8 +40,9 @@ pub struct Plan {
     pub not_asked: usize,
 }
 
-/// The fixes of the findings that nobody accepts; of those that change behaviour only where `all` are asked for.
-pub fn plan(run: &Run, all: bool) -> Plan {
+/// The fixes of the findings that nobody accepts; of those that change behaviour only where `all` are asked for. Of files that
+/// may not be written, have several names, or lie outside of what was `checked`, only where that is `None`.
+pub fn plan(run: &Run, all: bool, checked: Option<&[PathBuf]>) -> Plan {
     let mut plan = Plan::default();
     let mut edits: BTreeMap<SourceId, Vec<(Span, &str)>> = BTreeMap::new();
     let mut texts: BTreeMap<SourceId, Result<bool, String>> = BTreeMap::new();
@@ -50,7 +52,7 @@ pub fn plan(run: &Run, all: bool) -> Plan {
             plan.not_asked += 1;
             continue;
         }
-        match fits(&fix.edits, run, &edits, &mut texts) {
+        match fits(&fix.edits, run, checked, &edits, &mut texts) {
             Ok(new) => {
                 for (source, span, text) in new {
                     edits.entry(source).or_default().push((span, text));
@@ -88,6 +90,7 @@ fn about(finding: &Finding) -> String {
 fn fits<'e>(
     wanted: &'e [Edit],
     run: &Run,
+    checked: Option<&[PathBuf]>,
     known: &BTreeMap<SourceId, Vec<(Span, &str)>>,
     texts: &mut BTreeMap<SourceId, Result<bool, String>>,
 ) -> Result<Vec<(SourceId, Span, &'e str)>, String> {
@@ -95,7 +98,7 @@ fn fits<'e>(
     for edit in wanted {
         let id = edit.place.source;
         let source = run.sources.get(id.0 as usize).ok_or("it is in no file")?;
-        texts.entry(id).or_insert_with(|| has_mark(source)).clone()?;
+        texts.entry(id).or_insert_with(|| has_mark(source, checked)).clone()?;
         let span = edit.place.span().ok_or("it is in no text")?;
         if source.text.get(span.start..span.end).is_none() {
             return Err(format!("{}: the place is not in the text", source.path));
@@ -121,12 +124,15 @@ fn fits<'e>(
 }
 
 /// Whether the file opens with a byte order mark; why it can't be written, where it is not the text that was read.
-fn has_mark(source: &Source) -> Result<bool, String> {
+fn has_mark(source: &Source, checked: Option<&[PathBuf]>) -> Result<bool, String> {
     let path = &source.path;
     if source.derived.is_some() {
         return Err(format!(
             "{path}: the text is inside it, or is its expansion: fix it where it comes from"
         ));
+    }
+    if let Some(why) = checked.and_then(|checked| files::unmeant(Path::new(path), checked)) {
+        return Err(format!("{path}: {why}; --force replaces it all the same"));
     }
     let bytes = std::fs::read(path).map_err(|error| format!("{path}: {error}"))?;
     let text = String::from_utf8(bytes).map_err(|_| format!("{path}: it is not UTF-8; save it so first"))?;
@@ -160,7 +166,7 @@ impl Plan {
     /// The path and what the system says of it.
     pub fn write(&self) -> Result<(), String> {
         for patch in &self.patches {
-            replace(Path::new(&patch.path), &patch.after)
+            files::write(Path::new(&patch.path), patch.after.as_bytes())
                 .map_err(|error| format!("cannot write `{}`: {error}", patch.path))?;
         }
         Ok(())
@@ -178,18 +184,6 @@ impl Plan {
             })
             .collect()
     }
-}
-
-fn replace(path: &Path, text: &str) -> std::io::Result<()> {
-    use std::io::Write;
-    // A link stays a link: what it points at is replaced.
-    let path = std::fs::canonicalize(path)?;
-    let folder = path.parent().unwrap_or(Path::new("."));
-    let mut file = tempfile::NamedTempFile::new_in(folder)?;
-    file.write_all(text.as_bytes())?;
-    std::fs::set_permissions(file.path(), std::fs::metadata(&path)?.permissions())?;
-    file.persist(&path).map_err(|error| error.error)?;
-    Ok(())
 }
 
 #[cfg(test)]
@@ -240,7 +234,7 @@ mod tests {
                 (Safety::ChangesBehaviour, &[(3, 5, "")]),
             ],
         );
-        let safe = plan(&run, false);
+        let safe = plan(&run, false, None);
         assert_eq!((safe.fixed, safe.not_asked, safe.patches.len()), (1, 1, 1));
         safe.write().unwrap();
         assert_eq!(
@@ -263,7 +257,7 @@ mod tests {
                 (Safety::Safe, &[(2, 4, "x"), (6, 7, "w")]),
             ],
         );
-        let plan = plan(&run, false);
+        let plan = plan(&run, false, None);
         assert_eq!((plan.fixed, plan.left.len()), (2, 1));
         assert!(plan.left[0].contains("run again"), "{:?}", plan.left);
         assert_eq!(plan.patches[0].after, "01x45w789");
@@ -272,7 +266,7 @@ mod tests {
     #[test]
     fn what_is_not_what_was_read_stays() {
         let (_folder, path) = file("other");
-        let changed = plan(&run(&path, "text", &[(Safety::Safe, &[(0, 1, "T")])]), false);
+        let changed = plan(&run(&path, "text", &[(Safety::Safe, &[(0, 1, "T")])]), false, None);
         assert_eq!((changed.fixed, changed.patches.len()), (0, 0));
         assert!(
             changed.left[0].contains("not the text that was read"),
@@ -280,14 +274,14 @@ mod tests {
             changed.left
         );
         std::fs::write(&path, [0x74, 0xe9]).unwrap();
-        let latin = plan(&run(&path, "t\u{e9}", &[(Safety::Safe, &[(0, 1, "T")])]), false);
+        let latin = plan(&run(&path, "t\u{e9}", &[(Safety::Safe, &[(0, 1, "T")])]), false, None);
         assert!(latin.left[0].contains("not UTF-8"), "{:?}", latin.left);
     }
 
     #[test]
     fn a_diff_is_one_that_tools_take() {
         let (_folder, path) = file("a\nb\n");
-        let mut plan = plan(&run(&path, "a\nb\n", &[(Safety::Safe, &[(2, 3, "c")])]), false);
+        let mut plan = plan(&run(&path, "a\nb\n", &[(Safety::Safe, &[(2, 3, "c")])]), false, None);
         plan.patches[0].path = "dir/a.urdf".to_owned();
         assert_eq!(
             plan.diff(),
@@ -305,6 +299,6 @@ mod tests {
             until: None,
             origin: "o".to_owned(),
         });
-        assert_eq!(plan(&run, true), Plan::default());
+        assert_eq!(plan(&run, true, None), Plan::default());
     }
 }

@@ -10,6 +10,7 @@ use clap_complete::{ArgValueCandidates, ArgValueCompleter};
 
 use crate::config::PROFILES;
 use crate::engine::{self, Extent};
+use crate::files::Outputs;
 use crate::report::Format;
 use crate::report::terminal::Parts;
 use crate::run::{FailOn, Run};
@@ -224,6 +225,9 @@ pub(super) struct View {
     /// Write the views to a file (`rerun FILE` opens it)
     #[arg(short, long, value_name = "FILE", group = "where", value_hint = ValueHint::FilePath)]
     pub(super) output: Option<PathBuf>,
+    /// Replace a file that is there and holds no views
+    #[arg(long)]
+    pub(super) force: bool,
     /// Start the viewer, the program `rerun`
     #[arg(long, group = "where")]
     pub(super) spawn: bool,
@@ -295,9 +299,22 @@ pub(super) struct Reporting {
     /// (`--output sarif=frames.sarif --output junit=frames.xml`); may be repeated
     #[arg(short, long, value_name = "[FORMAT=]FILE", value_parser = output, add = ArgValueCompleter::new(outputs))]
     pub(super) output: Vec<Output>,
+    /// Replace files that are there and are no reports; with --fix, files that may not be written, have several names or lie outside of
+    /// what is checked. Inputs are never replaced by outputs
+    #[arg(long)]
+    pub(super) force: bool,
 }
 
 impl Reporting {
+    /// The files that are written: reports, and others.
+    pub(super) fn outputs<'o>(&self, others: impl IntoIterator<Item = &'o Option<PathBuf>>) -> Outputs {
+        let reports = self.output.iter().map(|output| output.file.clone());
+        Outputs {
+            files: reports.chain(others.into_iter().flatten().cloned()).collect(),
+            force: self.force,
+        }
+    }
+
     /// From which severity on findings fail the run.
     pub(super) fn fail_on(&self, run: &Run) -> FailOn {
         self.fail_on.or(run.fail_on).unwrap_or_default()
@@ -363,6 +380,9 @@ pub(super) struct Convert {
     /// Write to a file instead of standard output; a name that ends in .feather makes a Feather file
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) output: Option<PathBuf>,
+    /// Replace a file that is there
+    #[arg(long)]
+    pub(super) force: bool,
 }
 
 const DIFF_EXIT_CODES: &str = "\
@@ -417,6 +437,9 @@ pub(super) struct Collect {
     /// Write the evidence to a file instead of standard output
     #[arg(short, long, value_name = "FILE", value_hint = ValueHint::FilePath)]
     pub(super) output: Option<PathBuf>,
+    /// Replace a file that is there and is no report or evidence
+    #[arg(long)]
+    pub(super) force: bool,
 }
 
 #[derive(Debug, Args)]

@@ -38,6 +38,7 @@ pub(super) fn run(
         baseline: check.baseline,
         today: Some(today),
         fail_on: check.reporting.fail_on,
+        outputs: check.reporting.outputs([&check.write_baseline, &check.views.rrd]),
         verdicts: engine::Verdicts::Each,
         sights: match (&check.views.rrd, check.reporting.has(Format::Html)) {
             (Some(_), _) => engine::Sights::Everything,
@@ -80,7 +81,7 @@ pub(super) fn run(
     // The program ends with the report: freeing every name one by one first would be time for nothing.
     let mut run = ManuallyDrop::new(checked?);
     if fixing.diff {
-        return Ok(fixes::show(&run, fixing.unsafe_fixes, &check.reporting));
+        return Ok(fixes::show(&run, &options, fixing.unsafe_fixes, &check.reporting));
     }
     let mut said = String::new();
     if fixing.fix || fixing.unsafe_fixes {
@@ -119,6 +120,7 @@ pub(super) fn chain(
     let mut run = engine::check(&engine::Options {
         paths: paths(chain.paths, stdin)?,
         wanted: engine::Wanted::Code,
+        outputs: chain.reporting.outputs([]),
         select: vec![codes::NAME08.to_string()],
         progress: surroundings.progress,
         ..engine::Options::default()

@@ -4,6 +4,7 @@ use std::io::Read;
 
 use crate::convert::{self, Wish};
 use crate::engine;
+use crate::files::Outputs;
 use crate::report::{Style, terminal};
 use crate::tables::Tables;
 
@@ -14,6 +15,10 @@ use super::{Answer, Failure, Surroundings, paths, save};
 pub(super) fn run(asked: Convert, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
     let run = engine::read(&engine::Options {
         config: asked.config,
+        outputs: Outputs {
+            files: asked.output.iter().cloned().collect(),
+            force: asked.force,
+        },
         ..asked
             .input
             .reading

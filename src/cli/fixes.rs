@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 use std::mem::ManuallyDrop;
+use std::path::PathBuf;
 
 use crate::engine::{self, Options};
 use crate::fix;
@@ -15,8 +16,8 @@ use super::{Answer, Failure};
 const ROUNDS: usize = 8;
 
 /// What would be fixed, as a diff on standard output. The ending of the report goes to standard error, and the exit code is the report's.
-pub(super) fn show(run: &Run, all: bool, reporting: &Reporting) -> Answer {
-    let plan = fix::plan(run, all);
+pub(super) fn show(run: &Run, options: &Options, all: bool, reporting: &Reporting) -> Answer {
+    let plan = fix::plan(run, all, checked(options));
     let fail_on = reporting.fail_on(run);
     let mut err = words(&plan, "would fix");
     err.push_str(&terminal::plain_ending(run, fail_on));
@@ -32,7 +33,7 @@ pub(super) fn show(run: &Run, all: bool, reporting: &Reporting) -> Answer {
 pub(super) fn apply(run: &mut ManuallyDrop<Run>, options: &Options, all: bool) -> Result<String, Failure> {
     let mut said = String::new();
     for _ in 0..ROUNDS {
-        let plan = fix::plan(run, all);
+        let plan = fix::plan(run, all, checked(options));
         if plan.patches.is_empty() {
             if said.is_empty() || !plan.left.is_empty() {
                 said.push_str(&words(&plan, "fixed"));
@@ -44,6 +45,11 @@ pub(super) fn apply(run: &mut ManuallyDrop<Run>, options: &Options, all: bool) -
         **run = engine::check(options)?;
     }
     Ok(said)
+}
+
+/// What alone may be replaced: what was checked; everything where the user says so.
+fn checked(options: &Options) -> Option<&[PathBuf]> {
+    (!options.outputs.force).then_some(&options.paths)
 }
 
 /// `fixed 3 findings in 2 files`, what was left and why, and what --unsafe-fixes would do.

@@ -4,6 +4,7 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use crate::engine;
+use crate::files::Outputs;
 use crate::report::init;
 
 use super::args::Init;
@@ -28,6 +29,10 @@ pub(super) fn run(init: Init, stdin: &mut dyn Read, surroundings: Surroundings) 
     }
     let run = engine::check(&engine::Options {
         without_config: true,
+        outputs: Outputs {
+            files: target.iter().cloned().collect(),
+            force: init.force,
+        },
         verdicts: engine::Verdicts::One,
         ..init.input.reading.options(inputs, surroundings)
     })?;

@@ -1,8 +1,8 @@
 //! `--format json-lines`: written while the run goes on, a recording after the other.
 
-use std::fs::File;
 use std::io::{ErrorKind, Write};
 
+use crate::files::Draft;
 use crate::report::{Format, ReportError, json_lines};
 use crate::run::{FailOn, Grown, Run};
 
@@ -11,24 +11,43 @@ use super::args::Reporting;
 
 /// Where the lines go, and why they no longer do.
 pub(super) struct Stream<'w> {
-    sinks: Vec<(String, Box<dyn Write + 'w>)>,
+    sinks: Vec<Sink<'w>>,
     failed: Option<Failure>,
+}
+
+enum Sink<'w> {
+    Stdout(&'w mut dyn Write),
+    /// By its name. It stands in its place once all lines are there.
+    File(String, Draft),
+}
+
+impl Sink<'_> {
+    fn write(&mut self, lines: &str) -> std::io::Result<()> {
+        let to: &mut dyn Write = match self {
+            Self::Stdout(stdout) => stdout,
+            Self::File(_, draft) => draft,
+        };
+        to.write_all(lines.as_bytes()).and_then(|()| to.flush())
+    }
+}
+
+fn unwritten(name: &str, error: &std::io::Error) -> Failure {
+    Failure::Usage(format!("cannot write `{name}`: {error}"))
 }
 
 impl<'w> Stream<'w> {
     /// Opens everything that lines are wanted in. `None` where they are wanted nowhere.
     pub(super) fn open(reporting: &Reporting, stdout: &'w mut dyn Write) -> Result<Option<Self>, Failure> {
-        let mut sinks: Vec<(String, Box<dyn Write + 'w>)> = Vec::new();
+        let mut sinks: Vec<Sink<'w>> = Vec::new();
         for output in &reporting.output {
             if reporting.format_of(output) == Format::JsonLines {
                 let name = output.file.display().to_string();
-                let file = File::create(&output.file)
-                    .map_err(|error| Failure::Usage(format!("cannot write `{name}`: {error}")))?;
-                sinks.push((name, Box::new(file)));
+                let draft = Draft::of(&output.file).map_err(|error| unwritten(&name, &error))?;
+                sinks.push(Sink::File(name, draft));
             }
         }
         if reporting.format == Format::JsonLines && !reporting.is_in_file() {
-            sinks.push((String::new(), Box::new(stdout)));
+            sinks.push(Sink::Stdout(stdout));
         }
         let mut stream = Self { sinks, failed: None };
         stream.write(json_lines::start());
@@ -43,7 +62,15 @@ impl<'w> Stream<'w> {
     /// The last lines; the error, where something could not be written.
     pub(super) fn end(mut self, run: &Run, fail_on: FailOn) -> Result<(), Failure> {
         self.write(json_lines::end(run, fail_on));
-        self.failed.map_or(Ok(()), Err)
+        if let Some(failed) = self.failed {
+            return Err(failed);
+        }
+        for sink in self.sinks {
+            if let Sink::File(name, draft) = sink {
+                draft.keep().map_err(|error| unwritten(&name, &error))?;
+            }
+        }
+        Ok(())
     }
 
     fn write(&mut self, lines: Result<String, serde_json::Error>) {
@@ -56,18 +83,19 @@ impl<'w> Stream<'w> {
             }
         };
         let mut failed = None;
-        self.sinks.retain_mut(
-            |(name, sink)| match sink.write_all(lines.as_bytes()).and_then(|()| sink.flush()) {
-                Ok(()) => true,
-                // Whoever reads has seen enough.
-                Err(error) if name.is_empty() && error.kind() == ErrorKind::BrokenPipe => false,
-                Err(error) => {
-                    let name = if name.is_empty() { "standard output" } else { name };
-                    failed = Some(Failure::Usage(format!("cannot write `{name}`: {error}")));
-                    false
-                }
-            },
-        );
+        self.sinks.retain_mut(|sink| match (sink.write(&lines), sink) {
+            (Ok(()), _) => true,
+            // Whoever reads has seen enough.
+            (Err(error), Sink::Stdout(_)) if error.kind() == ErrorKind::BrokenPipe => false,
+            (Err(error), sink) => {
+                let name = match sink {
+                    Sink::Stdout(_) => "standard output",
+                    Sink::File(name, _) => name,
+                };
+                failed = Some(unwritten(name, &error));
+                false
+            }
+        });
         self.failed = failed;
     }
 }

@@ -19,6 +19,7 @@ mod sampling;
 mod sessions;
 
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use crate::collect::How;
@@ -280,7 +281,19 @@ fn inputs(options: &Options) -> Result<Inputs, UsageError> {
     if options.paths.is_empty() && options.evidence.is_empty() {
         return Err(UsageError("no path was given".to_owned()));
     }
-    Ok(discover_of(&options.paths, options.wanted))
+    let mut inputs = discover_of(&options.paths, options.wanted);
+    let files = inputs.files.iter();
+    let found = files.flat_map(|input| std::iter::once(&input.path).chain(&input.parts));
+    let given = options.evidence.iter().chain(&options.config);
+    let refused = options
+        .outputs
+        .refused(found.map(PathBuf::as_path), given.map(PathBuf::as_path));
+    if let Some(why) = refused {
+        return Err(UsageError(why));
+    }
+    // What the last run reported is no input of this one.
+    inputs.files.retain(|input| !options.outputs.contain(&input.path));
+    Ok(inputs)
 }
 
 fn definitions(options: &Options) -> Result<Arc<Definitions>, UsageError> {

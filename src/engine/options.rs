@@ -4,6 +4,7 @@ use std::fmt;
 use std::path::PathBuf;
 
 use crate::config::ConfigError;
+use crate::files::Outputs;
 use crate::read::discover::Wanted;
 use crate::read::xacro::Means;
 use crate::run::FailOn;
@@ -44,6 +45,8 @@ pub struct Options {
     pub today: Option<Day>,
     /// How much of recordings is read.
     pub extent: Extent,
+    /// The files that will be written.
+    pub outputs: Outputs,
     /// Folders with definitions of messages, for recordings that carry none.
     pub msg_paths: Vec<PathBuf>,
     /// Whether to draw a progress bar on a terminal.

@@ -5,6 +5,7 @@ use std::path::Path;
 use std::time::SystemTime;
 
 use crate::config::Config;
+use crate::files;
 use crate::page::Front;
 use crate::policy::baseline::{self, Document};
 use crate::policy::{self, Context, Laid, Policy};
@@ -172,7 +173,7 @@ pub fn write_baseline(run: &mut Run, path: &Path) -> Result<usize, UsageError> {
     );
     let failed = |what: String| UsageError(format!("cannot write `{}`: {what}", path.display()));
     let text = serde_json::to_string_pretty(&document).map_err(|error| failed(error.to_string()))?;
-    std::fs::write(path, text + "\n").map_err(|error| failed(error.to_string()))?;
+    files::write(path, (text + "\n").as_bytes()).map_err(|error| failed(error.to_string()))?;
     baseline::accept_all(&mut run.verdict, &path.display().to_string());
     Ok(document.findings.iter().map(|entry| entry.count).sum())
 }

@@ -43,7 +43,7 @@ fn correct(folder: &Path, select: &[&str]) -> (Run, usize) {
     let mut fixed = 0;
     for _ in 0..8 {
         let run = check(folder, select);
-        let plan = fix::plan(&run, true);
+        let plan = fix::plan(&run, true, None);
         if plan.patches.is_empty() {
             return (run, fixed);
         }
@@ -282,7 +282,7 @@ fn corrected(healthy: &str, broken: &str, rule: &str) -> Result<bool, String> {
     }
     fs::write(&file, broken).map_err(|error| error.to_string())?;
     // Nor is a fix of a text that xacro expanded one for the file.
-    if fix::plan(&check(folder.path(), &[rule]), true).patches.is_empty() {
+    if fix::plan(&check(folder.path(), &[rule]), true, None).patches.is_empty() {
         return Ok(false);
     }
     let (after, _) = correct(folder.path(), &[rule]);
@@ -479,7 +479,7 @@ fn calibration_fixed(name: &str, healthy: &str, at: usize, misstate: Misstate) -
         return Ok(false);
     }
     wrote(&restated(healthy, &own, &words))?;
-    if fix::plan(&check(folder.path(), &[rule]), true).patches.is_empty() {
+    if fix::plan(&check(folder.path(), &[rule]), true, None).patches.is_empty() {
         return Ok(false);
     }
     let (after, _) = correct(folder.path(), &[rule]);
@@ -547,7 +547,7 @@ fn a_plan_of_a_healthy_platform_is_empty() {
     for robot in fs::read_dir(Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/robots")).unwrap() {
         let folder = tempfile::tempdir().unwrap();
         support::copy_platform(&robot.unwrap().path(), folder.path());
-        assert_eq!(fix::plan(&check(folder.path(), &[]), true), Plan::default());
+        assert_eq!(fix::plan(&check(folder.path(), &[]), true, None), Plan::default());
     }
 }
 

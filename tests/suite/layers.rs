@@ -14,12 +14,13 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
     BTreeMap::from([
         ("math", &[] as &[&str]),
         ("source", &[]),
+        ("files", &[]),
         ("tables", &[]),
         // What is known of devices is part of a world, for the user may add to it.
         ("world", &["source", "math", "tables"]),
         ("verdict", &["source"]),
         ("page", &["source", "verdict"]),
-        ("read", &["source", "world", "math", "tables"]),
+        ("read", &["source", "world", "math", "tables", "files"]),
         ("collect", &["source", "world", "read", "math"]),
         ("analysis", &["source", "world", "verdict", "math", "tables"]),
         (
@@ -44,14 +45,14 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
             "config",
             &["source", "world", "read", "tables", "verdict", "run", "policy"],
         ),
-        ("fix", &["source", "verdict", "run"]),
+        ("fix", &["source", "verdict", "run", "files"]),
         ("policy", &["source", "world", "verdict", "page", "run"]),
         ("view", &["source", "world", "verdict", "run", "math", "tables"]),
         (
             "engine",
             &[
                 "source", "world", "verdict", "page", "rules", "analysis", "read", "collect", "config", "run",
-                "progress", "policy", "tables",
+                "progress", "policy", "tables", "files",
             ],
         ),
         ("convert", &["run", "world", "source", "tables", "math"]),
@@ -59,7 +60,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
             "cli",
             &[
                 "engine", "report", "run", "verdict", "page", "rules", "convert", "tables", "config", "fix", "compare",
-                "view",
+                "view", "files",
             ],
         ),
     ])

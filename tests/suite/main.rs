@@ -34,6 +34,7 @@ mod launched;
 mod layers;
 mod limits;
 mod messages;
+mod outputs;
 mod pages;
 mod policy;
 mod readers;

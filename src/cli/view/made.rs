@@ -7,6 +7,7 @@ use std::path::Path;
 use crate::cli::args::View;
 use crate::cli::{Answer, Failure, Surroundings, paths};
 use crate::engine;
+use crate::files::{Draft, Outputs};
 use crate::report::rerun::{Sink, write};
 use crate::run::Run;
 use crate::view::{LeftOut, estimate, fit, scene};
@@ -15,6 +16,10 @@ use crate::view::{LeftOut, estimate, fit, scene};
 pub(in crate::cli) fn run(view: View, stdin: &mut dyn Read, surroundings: Surroundings) -> Result<Answer, Failure> {
     let run = engine::check(&engine::Options {
         config: view.config,
+        outputs: Outputs {
+            files: view.output.iter().cloned().collect(),
+            force: view.force,
+        },
         verdicts: engine::Verdicts::One,
         sights: engine::Sights::Everything,
         ..view
@@ -53,11 +58,14 @@ pub(in crate::cli) fn save(run: &Run, file: &Path, max_bytes: u64) -> Result<Str
     let mut scene = scene(run);
     let mut aim = usize::try_from(max_bytes).unwrap_or(usize::MAX);
     let (mut left_out, mut size) = (LeftOut::NOTHING, 0);
+    let shown = file.display().to_string();
+    let draft = Draft::of(file).map_err(|error| failed(&shown, &error.to_string()))?;
+    let path = draft.path().unwrap_or(file);
     for round in 0..ROUNDS {
         let more = fit(&mut scene, aim);
         left_out = left_out.and(more);
-        write(&scene, &name(run), Sink::File(file)).map_err(|error| failed(&file.display().to_string(), &error))?;
-        size = std::fs::metadata(file).map_or(0, |meta| meta.len());
+        write(&scene, &name(run), Sink::File(path)).map_err(|error| failed(&shown, &error))?;
+        size = std::fs::metadata(path).map_or(0, |meta| meta.len());
         if size <= max_bytes || round > 0 && more == LeftOut::NOTHING {
             break;
         }
@@ -65,7 +73,8 @@ pub(in crate::cli) fn save(run: &Run, file: &Path, max_bytes: u64) -> Result<Str
         let share = max_bytes as f64 / size as f64 * 0.95;
         aim = (estimate(&scene) as f64 * share) as usize;
     }
-    let mut text = told(&file.display().to_string(), left_out);
+    draft.keep().map_err(|error| failed(&shown, &error.to_string()))?;
+    let mut text = told(&shown, left_out);
     if size > max_bytes {
         let _ = writeln!(
             text,

@@ -7,10 +7,10 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{Read, Write};
 
-use tempfile::NamedTempFile;
 use zstd::bulk::Decompressor;
 use zstd::zstd_safe::get_frame_content_size;
 
+use crate::files::Temporary;
 use crate::source::{Place, ReadStatus, Source};
 
 use super::{Channel, MAX_MESSAGE, Message, Progress, Visit};
@@ -29,7 +29,7 @@ const STEP: usize = 1 << 20;
 /// A file that was unpacked.
 pub(super) struct Unpacked {
     /// What came out; removed when this is dropped.
-    pub(super) file: NamedTempFile,
+    pub(super) file: Temporary,
     /// Its size, bytes.
     pub(super) size: u64,
     /// Why it is not all.
@@ -44,7 +44,7 @@ pub(super) fn unpack(file: File, total: u64, progress: Progress<'_>) -> Result<U
 
 fn unpack_within(bound: u64, file: File, total: u64, progress: Progress<'_>) -> Result<Unpacked, String> {
     let cannot = |error: std::io::Error| format!("cannot be unpacked: {error}");
-    let mut out = NamedTempFile::with_prefix("frames-lint-").map_err(cannot)?;
+    let (temporary, mut out) = Temporary::file().map_err(cannot)?;
     let mut counted = Counted { file, done: 0 };
     let mut decoder = zstd::Decoder::new(&mut counted).map_err(cannot)?;
     let mut buffer = vec![0; STEP];
@@ -74,7 +74,11 @@ fn unpack_within(bound: u64, file: File, total: u64, progress: Progress<'_>) -> 
         progress(decoder.get_ref().get_ref().done.min(total), total);
     }
     out.flush().map_err(cannot)?;
-    Ok(Unpacked { file: out, size, fault })
+    Ok(Unpacked {
+        file: temporary,
+        size,
+        fault,
+    })
 }
 
 struct Counted {

@@ -10,9 +10,9 @@ use std::io::Read;
 use std::path::{Path, PathBuf};
 
 use roxmltree::Node;
-use tempfile::TempDir;
 
 use super::super::urdf;
+use crate::files::Temporary;
 use crate::source::{Place, SourceId, Span, Written};
 
 /// The attribute that is the mark: `file:offset`.
@@ -35,7 +35,7 @@ pub struct Template {
 
 /// The marked copies of a file, the first, and of those that it includes. They are gone with this value.
 pub(super) struct Copies {
-    folder: TempDir,
+    folder: Temporary,
     templates: Vec<Template>,
 }
 
@@ -43,7 +43,7 @@ impl Copies {
     /// `None` where the file cannot be copied, or is no XML.
     pub(super) fn new(path: &Path, packages: &BTreeMap<String, PathBuf>) -> Option<Self> {
         let mut copies = Self {
-            folder: tempfile::tempdir().ok()?,
+            folder: Temporary::folder().ok()?,
             templates: Vec::new(),
         };
         copies.add(path)?;

@@ -1,0 +1,374 @@
+//! Files that are written: whole or not at all, and none that was not meant.
+//!
+//! A file is written beside the place where it will stand, flushed to the disk and put in its place; what stood there stays until then, and
+//! its owner, mode and extended attributes are kept. What is temporary is removed when the program is interrupted as well.
+
+use std::collections::BTreeSet;
+use std::fs::{self, File, OpenOptions};
+use std::io::{self, ErrorKind, Read, Write};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, Once, PoisonError};
+
+/// Temporary files and folders that are there.
+static KNOWN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// Whether signals end this process, and nobody else waits for them.
+static IS_PROGRAM: AtomicBool = AtomicBool::new(false);
+
+/// Bytes at the start of a file by which a report is known.
+const HEAD: u64 = 4096;
+
+/// What reports, evidence, baselines and views open with, whatever their form.
+const MARKS: &[&str] = &[
+    "\"schema\": \"frames-lint",
+    "\"schema\":\"frames-lint",
+    "\"name\": \"frames-lint\"",
+    "<testsuites name=\"frames-lint\"",
+    "name=\"generator\" content=\"frames-lint",
+    ": frames-lint\n",
+    " checks passed · ",
+];
+
+/// From now on temporary files are removed when the process is told to end.
+pub fn remove_on_signals() {
+    IS_PROGRAM.store(true, Ordering::Relaxed);
+}
+
+#[cfg(unix)]
+fn wait_for_signals() {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
+    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGHUP, SIGINT, SIGTERM]) else {
+        return;
+    };
+    std::thread::spawn(move || {
+        if let Some(signal) = signals.forever().next() {
+            // Held until the end, so that nothing new comes to be.
+            let known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
+            for path in known.iter() {
+                remove(path);
+            }
+            let _ = signal_hook::low_level::emulate_default_handler(signal);
+        }
+    });
+}
+
+#[cfg(not(unix))]
+fn wait_for_signals() {}
+
+fn remove(path: &Path) {
+    // What cannot be removed is left to whoever cleans up temporary files.
+    let _ = if path.is_dir() {
+        fs::remove_dir_all(path)
+    } else {
+        fs::remove_file(path)
+    };
+}
+
+/// A file or folder that is gone when this is dropped, and when the program is interrupted.
+#[derive(Debug)]
+pub struct Temporary {
+    path: PathBuf,
+}
+
+impl Temporary {
+    /// An empty file in the system's folder for such.
+    pub fn file() -> io::Result<(Self, File)> {
+        Self::file_in(&std::env::temp_dir(), "frames-lint-", 0o600)
+    }
+
+    /// An empty folder in the system's folder for such, for this user alone.
+    pub fn folder() -> io::Result<Self> {
+        let mut builder = fs::DirBuilder::new();
+        #[cfg(unix)]
+        std::os::unix::fs::DirBuilderExt::mode(&mut builder, 0o700);
+        let make = |path: &Path| builder.create(path);
+        Ok(Self::make(&std::env::temp_dir(), "frames-lint-", make)?.0)
+    }
+
+    fn file_in(folder: &Path, prefix: &str, mode: u32) -> io::Result<(Self, File)> {
+        let mut options = OpenOptions::new();
+        options.read(true).write(true).create_new(true);
+        #[cfg(unix)]
+        std::os::unix::fs::OpenOptionsExt::mode(&mut options, mode);
+        #[cfg(not(unix))]
+        let _ = mode;
+        Self::make(folder, prefix, |path| options.open(path))
+    }
+
+    /// Known before it is there, so that no signal comes between. Its name is one that nobody else has.
+    fn make<T>(folder: &Path, prefix: &str, make: impl FnOnce(&Path) -> io::Result<T>) -> io::Result<(Self, T)> {
+        static SIGNALS: Once = Once::new();
+        if IS_PROGRAM.load(Ordering::Relaxed) {
+            SIGNALS.call_once(wait_for_signals);
+        }
+        let path = folder.join(format!("{prefix}{:032x}", fastrand::u128(..)));
+        KNOWN
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
+            .insert(path.clone());
+        let temporary = Self { path };
+        let made = make(&temporary.path)?;
+        Ok((temporary, made))
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+impl Drop for Temporary {
+    fn drop(&mut self) {
+        remove(&self.path);
+        KNOWN.lock().unwrap_or_else(PoisonError::into_inner).remove(&self.path);
+    }
+}
+
+/// A file that is being written. Until it is [kept](Draft::keep), nothing is seen of it.
+#[derive(Debug)]
+pub struct Draft {
+    file: File,
+    /// Where it is written, and where it will stand; `None` where it is written at once: to a terminal, a pipe or a device.
+    place: Option<(Temporary, PathBuf)>,
+}
+
+impl Draft {
+    /// Of the file at `path`, which may be there already, or a link to it.
+    pub fn of(path: &Path) -> io::Result<Self> {
+        let target = behind_links(path);
+        let old = match fs::metadata(&target) {
+            Ok(old) if old.is_dir() => return Err(ErrorKind::IsADirectory.into()),
+            Ok(old) if !old.is_file() => {
+                let file = OpenOptions::new().write(true).open(&target)?;
+                return Ok(Self { file, place: None });
+            }
+            Ok(old) => Some(old),
+            Err(error) if error.kind() == ErrorKind::NotFound => None,
+            Err(error) => return Err(error),
+        };
+        let folder = match target.parent() {
+            Some(folder) if !folder.as_os_str().is_empty() => folder,
+            _ => Path::new("."),
+        };
+        let mode = if old.is_some() { 0o600 } else { 0o666 };
+        let (temporary, file) = Temporary::file_in(folder, ".frames-lint-", mode)?;
+        if let Some(old) = old {
+            keep_attributes(&target, &old, &temporary.path, &file)?;
+        }
+        Ok(Self {
+            file,
+            place: Some((temporary, target)),
+        })
+    }
+
+    /// Puts it in its place, on the disk.
+    pub fn keep(mut self) -> io::Result<()> {
+        self.file.flush()?;
+        let Some((temporary, target)) = self.place else {
+            return Ok(());
+        };
+        self.file.sync_all()?;
+        fs::rename(&temporary.path, &target)?;
+        let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty());
+        // There are systems that cannot sync a folder. The file is whole by then.
+        let _ = File::open(folder.unwrap_or(Path::new("."))).and_then(|folder| folder.sync_all());
+        Ok(())
+    }
+
+    /// The path that it is written to, for those who write files by their paths.
+    pub fn path(&self) -> Option<&Path> {
+        self.place.as_ref().map(|(temporary, _)| temporary.path())
+    }
+}
+
+impl Write for Draft {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.file.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.file.flush()
+    }
+}
+
+/// Writes a file, whole or not at all.
+pub fn write(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    let mut draft = Draft::of(path)?;
+    draft.write_all(bytes)?;
+    draft.keep()
+}
+
+/// What a link points at, whether that is there or not: a link stays a link.
+fn behind_links(path: &Path) -> PathBuf {
+    if let Ok(target) = fs::canonicalize(path) {
+        return target;
+    }
+    match fs::read_link(path) {
+        Ok(target) => path.parent().unwrap_or(Path::new("")).join(target),
+        Err(_) => path.to_path_buf(),
+    }
+}
+
+#[cfg(unix)]
+fn keep_attributes(target: &Path, old: &fs::Metadata, new: &Path, file: &File) -> io::Result<()> {
+    use std::os::unix::fs::MetadataExt;
+    let made = file.metadata()?;
+    if (made.uid(), made.gid()) != (old.uid(), old.gid()) {
+        std::os::unix::fs::fchown(file, Some(old.uid()), Some(old.gid())).map_err(|error| {
+            let what = format!("it belongs to another user or group, and that cannot be kept: {error}");
+            io::Error::new(error.kind(), what)
+        })?;
+    }
+    // Systems without extended attributes have none to keep.
+    for name in xattr::list(target).into_iter().flatten() {
+        let value = xattr::get(target, &name)?;
+        let kept = value.map_or(Ok(()), |value| xattr::set(new, &name, &value));
+        // Those of the system's own guards are the system's to set.
+        let is_of_system = ["security.", "trusted."].map(|space| name.to_string_lossy().starts_with(space));
+        if !is_of_system.contains(&true) {
+            kept?;
+        }
+    }
+    file.set_permissions(old.permissions())
+}
+
+#[cfg(not(unix))]
+fn keep_attributes(_target: &Path, old: &fs::Metadata, _new: &Path, file: &File) -> io::Result<()> {
+    file.set_permissions(old.permissions())
+}
+
+/// The files that a run writes.
+#[derive(Clone, Debug, Default)]
+pub struct Outputs {
+    /// Their paths.
+    pub files: Vec<PathBuf>,
+    /// Whether the user allows to replace what is no report.
+    pub force: bool,
+}
+
+impl Outputs {
+    /// Whether a file is one of them, by whatever name.
+    pub fn contain(&self, path: &Path) -> bool {
+        self.files
+            .iter()
+            .any(|file| identity(file).is_some_and(|own| identity(path) == Some(own)))
+    }
+
+    /// Why they may not be written: one is an input of the run, by whatever name, two are the same, or one is there and no report of ours.
+    /// A report that was met in a folder is no input: `found` may be replaced then, what was `given` may not.
+    pub fn refused<'p>(
+        &self,
+        found: impl Iterator<Item = &'p Path>,
+        given: impl Iterator<Item = &'p Path>,
+    ) -> Option<String> {
+        let mut known: Vec<(Identity, &Path)> = Vec::new();
+        for file in &self.files {
+            let shown = file.display();
+            let is_stream = fs::metadata(file).is_ok_and(|about| !about.is_file() && !about.is_dir());
+            let Some(identity) = identity(file).filter(|_| !is_stream) else {
+                continue;
+            };
+            if let Some((_, other)) = known.iter().find(|(other, _)| *other == identity) {
+                return Some(format!(
+                    "`{shown}` and `{}` are one file; each output needs its own",
+                    other.display()
+                ));
+            }
+            known.push((identity, file));
+        }
+        let mut inputs = given.map(|path| (path, true)).chain(found.map(|path| (path, false)));
+        let input = inputs.find_map(|(input, is_given)| {
+            let own = identity(input)?;
+            let (_, output) = known.iter().find(|(identity, _)| *identity == own)?;
+            (is_given || !is_ours(output)).then_some((input, *output))
+        });
+        if let Some((input, output)) = input {
+            let (input, output) = (input.display(), output.display());
+            return Some(format!("`{output}` is not written: it is the input `{input}`"));
+        }
+        let foreign = known.iter().find(|(_, file)| !self.force && !is_ours(file));
+        foreign.map(|(_, file)| {
+            let shown = file.display();
+            format!("`{shown}` is there already, and is no report of frames-lint; --force replaces it")
+        })
+    }
+}
+
+#[cfg(unix)]
+type Identity = (u64, u64);
+
+/// What a file is known by, whatever its name: device and inode.
+#[cfg(unix)]
+fn identity(path: &Path) -> Option<Identity> {
+    use std::os::unix::fs::MetadataExt;
+    let about = fs::metadata(path).ok()?;
+    Some((about.dev(), about.ino()))
+}
+
+#[cfg(not(unix))]
+type Identity = PathBuf;
+
+#[cfg(not(unix))]
+fn identity(path: &Path) -> Option<Identity> {
+    fs::canonicalize(path).ok()
+}
+
+/// Whether a file is empty, or a report, evidence, a baseline or a view that frames-lint wrote.
+fn is_ours(path: &Path) -> bool {
+    let mut head = Vec::new();
+    let read = File::open(path).and_then(|file| file.take(HEAD).read_to_end(&mut head));
+    let head = String::from_utf8_lossy(&head);
+    // Forms of lines name the rule of each finding: `error[CROSS02 extrinsic-relation]`.
+    let names_rule = || head.split_whitespace().any(is_code);
+    let is_view = || head.starts_with("RRF") && head.contains("frames-lint");
+    let is_known = MARKS.iter().any(|mark| head.contains(mark));
+    read.is_ok() && (head.is_empty() || head.trim() == "[]" || is_known || names_rule() || is_view())
+}
+
+/// Whether a word ends in the code of a rule, as the findings of a report have it: `error[CROSS02`, `title=CROSS02`, `"CROSS02`.
+fn is_code(word: &str) -> bool {
+    let Some((_, code)) = word.rsplit_once(['[', '=', '"']) else {
+        return false;
+    };
+    let letters = code.trim_end_matches(|c: char| c.is_ascii_digit());
+    code.len() == letters.len() + 2 && letters.len() > 2 && letters.bytes().all(|byte| byte.is_ascii_uppercase())
+}
+
+/// Why a fix may not replace a file without a word of the user: it may not be written, has several names, or lies outside of what was
+/// checked.
+pub fn unmeant(path: &Path, checked: &[PathBuf]) -> Option<String> {
+    let target = fs::canonicalize(path).ok()?;
+    let about = fs::metadata(&target).ok()?;
+    if about.permissions().readonly() || !may_be_written(&target) {
+        return Some("it may not be written".to_owned());
+    }
+    let names = names(&about);
+    if names > 1 {
+        return Some(format!(
+            "it has {names} names (hard links), and the fix would part them"
+        ));
+    }
+    let is_checked = |checked: &PathBuf| fs::canonicalize(checked).is_ok_and(|checked| target.starts_with(checked));
+    (!checked.iter().any(is_checked)).then(|| "it lies outside of what was checked".to_owned())
+}
+
+#[cfg(unix)]
+fn may_be_written(path: &Path) -> bool {
+    nix::unistd::access(path, nix::unistd::AccessFlags::W_OK).is_ok()
+}
+
+#[cfg(not(unix))]
+fn may_be_written(_path: &Path) -> bool {
+    true
+}
+
+#[cfg(unix)]
+fn names(about: &fs::Metadata) -> u64 {
+    std::os::unix::fs::MetadataExt::nlink(about)
+}
+
+#[cfg(not(unix))]
+fn names(_about: &fs::Metadata) -> u64 {
+    1
+}
