@@ -22,6 +22,9 @@ use super::gather::source_id;
 use super::plan::{self, Choice};
 use super::{Options, Sights, UsageError};
 
+/// Which configuration counts for a platform, whose files may lie under several.
+const PLATFORMS: &str = "each is governed by the configuration nearest above its recordings, else above its robot";
+
 /// A configuration, and what follows from it for the platforms that it governs.
 pub(super) struct Governance {
     /// `None` where there is none.
@@ -233,6 +236,7 @@ pub fn settings_of(options: &Options, file: &Path) -> Result<Vec<(&'static str, 
     let Some(config) = one.config else {
         return Ok(vec![
             ("configuration", "none".to_owned()),
+            ("platforms", PLATFORMS.to_owned()),
             ("rules", format!("{} of {all}", one.choice.rules.len())),
         ]);
     };
@@ -246,6 +250,7 @@ pub fn settings_of(options: &Options, file: &Path) -> Result<Vec<(&'static str, 
         said.push(("above", format!("{shown}, for platforms that reach out of this folder")));
         above = further(&file);
     }
+    said.push(("platforms", PLATFORMS.to_owned()));
     said.push(("rules", format!("{} of {all}", one.choice.rules.len())));
     let (select, ignore) = config.rules();
     let named = |word: &'static str, (rule, origin): &(String, String)| (word, format!("{rule} ({origin})"));

@@ -5,9 +5,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use crate::analysis::{Estimates, Settings};
 use crate::page::Status;
 use crate::rules::Kind;
-use crate::source::{Confidence, ReadStatus};
+use crate::source::{Confidence, Place, ReadStatus, Span};
 use crate::verdict::waiver::{Applied, Misspelt};
-use crate::verdict::{Finding, Judge, Measured, NotEvaluated, Outcome, Row, Verdict, deference};
+use crate::verdict::{Finding, Fix, Judge, Measured, NotEvaluated, Outcome, Row, Verdict, deference};
 use crate::world::{BagEvidence, World};
 
 use super::enabled::Enabled;
@@ -52,7 +52,10 @@ pub(super) fn judge<'r>(
     }
     deference::match_up(&mut verdict.findings);
     deference::settle(&mut verdict);
-    // What stands in an expansion is shown where it is written.
+    // What stands in an expansion is shown, and fixed, where it is written.
+    for finding in verdict.findings.iter_mut().chain(&mut verdict.explained) {
+        finding.fix = finding.fix.take().and_then(|fix| written_fix(world, fix));
+    }
     let findings = verdict.findings.iter_mut().chain(&mut verdict.explained);
     for label in findings.flat_map(|finding| &mut finding.places) {
         let source = world.source(label.place.source);
@@ -70,6 +73,26 @@ pub(super) fn judge<'r>(
         }
     }
     verdict
+}
+
+/// A fix whose edits are where their text is written; none where that is computed, or stands there more than once.
+fn written_fix(world: &World, mut fix: Fix) -> Option<Fix> {
+    for edit in &mut fix.edits {
+        let source = world.source(edit.place.source);
+        let Some((source, place)) = source.and_then(|source| Some((source, source.written(&edit.place)?))) else {
+            continue;
+        };
+        let text = |place: &Place| {
+            let (source, span) = (world.source(place.source)?, place.span()?);
+            source.text.get(span.start..span.end)
+        };
+        let old = source.text.get(edit.place.span()?.start..edit.place.span()?.end)?;
+        let (from, mut found) = (place.span()?.start, text(&place)?.match_indices(old));
+        let (at, _) = found.next().filter(|_| !old.is_empty() && found.next().is_none())?;
+        let span = Span::new(from + at, from + at + old.len());
+        edit.place = Place::text(place.source, span);
+    }
+    Some(fix)
 }
 
 /// What the rules say of what the user accepts.

@@ -39,6 +39,7 @@ use plan::Choice;
 use platform::{Member, Platforms};
 use policy::{Demanded, RunPolicy};
 use renumber::Renumber;
+use sessions::Sessions;
 
 pub use crate::read::discover::Wanted;
 pub use crate::read::xacro::own::expand as expand_xacro;
@@ -80,9 +81,13 @@ pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Resu
         })
         .collect();
     let is_one = options.verdicts == Verdicts::One;
-    let sessions = if is_one { Vec::new() } else { sessions::of(&inputs) };
+    let sessions = if is_one {
+        Sessions::default()
+    } else {
+        sessions::of(&inputs)
+    };
     let in_saved = |saved: &Saved| sessions::of_worlds(&saved.worlds, &saved.sources).len();
-    if sessions.len() + saved.iter().map(in_saved).sum::<usize>() > 1 && !is_one {
+    if sessions.drives.len() + saved.iter().map(in_saved).sum::<usize>() > 1 && !is_one {
         let mut run = recordings::check(&setup, &inputs, &sessions, saved, told)?;
         setup.governed.note_idle(&mut run.sources);
         return Ok(run);

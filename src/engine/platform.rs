@@ -3,8 +3,8 @@
 //! A platform forms around a robot: a whole description. A tree of folders with one robot is one platform, but for a folder that holds
 //! statements and recordings of its own where the robot's has some, too. With several robots, a file goes up from its folder to the first
 //! that holds a robot, in it or below. If that is one robot, the file belongs to it. If there are several, it belongs to the one whose frames
-//! it names most; where that is not one, to the one whose transforms it states; where that is not one either, it is judged with each of them,
-//! and its source says so. A folder beside that of a robot which holds what that one has itself (statements, recordings) is of another
+//! it names most; where that is not one, to the one that its own name or folder names; where that is not one, to the one whose transforms it
+//! states; where that is not one either, it is judged with each of them, and its source says so. A folder beside that of a robot which holds what that one has itself (statements, recordings) is of another
 //! platform. Without any robot, platforms form around the folders of recordings; without these, each folder is one.
 
 use std::collections::{BTreeMap, BTreeSet};
@@ -211,6 +211,8 @@ fn units(members: Vec<Member>) -> Vec<Unit> {
 /// What a platform forms around.
 struct Anchor {
     dir: PathBuf,
+    /// The file; the folder, where that is what it is.
+    path: PathBuf,
     frames: BTreeSet<FrameId>,
     name: String,
 }
@@ -312,7 +314,7 @@ impl Layout<'_> {
             };
             let most = among.iter().map(shared).max().unwrap_or_default();
             let best = among.iter().copied().filter(|at| most > 0 && shared(at) == most);
-            self.nearest(best.collect(), &unit.dir)
+            self.called_alike(self.nearest(best.collect(), &unit.dir), unit)
         };
         let best = |among: &[usize]| {
             let by_names = unit.names.iter().map(|names| sharing_most(among, names));
@@ -328,6 +330,40 @@ impl Layout<'_> {
             beside = self.nearest(near.to_vec(), &unit.dir);
         }
         Home::Alone(beside)
+    }
+
+    /// Of these anchors, those that a file has its name from, or a folder in which it stands: `calibration/alpha.yaml` of `urdf/alpha.urdf`.
+    fn called_alike(&self, anchors: Vec<usize>, unit: &Unit) -> Vec<usize> {
+        let path = unit
+            .members
+            .first()
+            .map_or(unit.dir.as_path(), |first| first.path.as_path());
+        let is_named = |test: &dyn Fn(&Path) -> bool| -> Vec<usize> {
+            let paths = anchors
+                .iter()
+                .filter(|at| self.anchors.get(**at).is_some_and(|anchor| test(&anchor.path)));
+            paths.copied().collect()
+        };
+        let own = stem(path);
+        let extends = |long: &str, short: &str| {
+            let rest = long.strip_prefix(short).filter(|_| !short.is_empty());
+            rest.is_some_and(|rest| rest.starts_with(|letter: char| !letter.is_alphanumeric()))
+        };
+        let is_in_folder = |anchor: &Path| {
+            let common = common_folder([anchor, path].into_iter()).components().count();
+            let folders = |path: &Path| {
+                let names = path.parent().into_iter().flat_map(Path::components).skip(common);
+                names.map(|name| name.as_os_str().to_owned()).collect::<BTreeSet<_>>()
+            };
+            !folders(anchor).is_disjoint(&folders(path))
+        };
+        let tests: [&dyn Fn(&Path) -> bool; 3] = [
+            &|anchor| stem(anchor) == own,
+            &|anchor| extends(&own, &stem(anchor)) || extends(&stem(anchor), &own),
+            &is_in_folder,
+        ];
+        let found = tests.into_iter().map(is_named).find(|named| !named.is_empty());
+        found.unwrap_or(anchors)
     }
 
     /// Those of these anchors that the fewest steps from folder to folder lead to.
@@ -360,6 +396,7 @@ fn around_robots(robots: Vec<Member>, units: Vec<Unit>, recorded: &BTreeSet<Path
     }
     let anchor = |robot: &Member| Anchor {
         dir: robot.dir.clone(),
+        path: robot.path.clone(),
         frames: names_of(robot, false).collect(),
         name: robot.display.clone(),
     };
@@ -381,6 +418,7 @@ fn around_robots(robots: Vec<Member>, units: Vec<Unit>, recorded: &BTreeSet<Path
 fn around_recordings(units: Vec<Unit>, recorded: &BTreeSet<PathBuf>, root: &Path) -> Clusters {
     let anchor = |dir: &PathBuf| Anchor {
         dir: dir.clone(),
+        path: dir.clone(),
         frames: BTreeSet::new(),
         name: dir.display().to_string(),
     };
@@ -497,8 +535,17 @@ impl Robots {
 /// The frames that a member names, or its keys that may be names of frames.
 fn names_of(member: &Member, are_keys: bool) -> impl Iterator<Item = FrameId> {
     let used = member.facts.frames.iter();
-    used.filter(move |used| (used.role == FrameRole::CalibrationLabel) == are_keys)
-        .map(|used| used.frame.canonical())
+    let used = used.filter(move |used| (used.role == FrameRole::CalibrationLabel) == are_keys);
+    // Of sensors in a list, the key is the frame (`extrinsics: {lidar: ...}`).
+    let claims = member.facts.claims.iter().filter(move |_| are_keys);
+    let keys = claims.flat_map(|claim| claim.frames.iter().flat_map(|(target, source)| [target, source]));
+    used.map(|used| &used.frame).chain(keys).map(FrameId::canonical)
+}
+
+/// The name of a file up to its first dot: `alpha` of `alpha.urdf.xacro`.
+fn stem(path: &Path) -> String {
+    let name = path.file_name().unwrap_or_default().to_string_lossy();
+    name.split('.').next().unwrap_or_default().to_lowercase()
 }
 
 /// The lowest folder that holds all of these.

@@ -18,7 +18,17 @@ const TOGETHER: f64 = 0.5;
 /// Log times before this, in September 2001, are of no clock that several recordings share.
 const EARLIEST_NS: i64 = 1_000_000_000_000_000_000;
 
+/// The recordings of a run, by their numbers among the inputs.
+#[derive(Default)]
+pub(super) struct Sessions {
+    /// A list for each drive, in the order of the inputs.
+    pub(super) drives: Vec<Vec<usize>>,
+    /// Of a recording, one that was made at the same time and lies in a folder beside its own.
+    pub(super) beside: BTreeMap<usize, usize>,
+}
+
 /// What tells which drive a recording is of.
+#[derive(Clone)]
 struct Known {
     number: usize,
     folder: Folder,
@@ -36,8 +46,8 @@ impl Known {
     }
 }
 
-/// The numbers of the inputs that are recordings: a list for each drive, in the order of the inputs.
-pub(super) fn of(inputs: &Inputs) -> Vec<Vec<usize>> {
+/// The recordings of the inputs.
+pub(super) fn of(inputs: &Inputs) -> Sessions {
     let recordings: Vec<(usize, &Input)> = inputs
         .files
         .iter()
@@ -47,18 +57,48 @@ pub(super) fn of(inputs: &Inputs) -> Vec<Vec<usize>> {
     let folder_of = |input: &Input| (input.group, folder(&input.path, input.kind));
     let mut neighbours: BTreeMap<Folder, usize> = BTreeMap::new();
     for (_, input) in &recordings {
-        *neighbours.entry(folder_of(input)).or_default() += 1;
-    }
-    drives(parallel::map(recordings, |(number, input)| {
         let folder = folder_of(input);
-        // A recording that is alone in its folder need not be looked into.
-        let is_asked = input.refusal.is_none() && neighbours.get(&folder).is_some_and(|count| *count > 1);
+        *neighbours.entry(above(&folder)).or_default() += 1;
+        *neighbours.entry(folder).or_default() += 1;
+    }
+    let known = parallel::map(recordings, |(number, input)| {
+        let folder = folder_of(input);
+        // A recording that is alone in its folder, and in those beside it, need not be looked into.
+        let is_near = |folder: &Folder| neighbours.get(folder).is_some_and(|count| *count > 1);
+        let is_asked = input.refusal.is_none() && (is_near(&folder) || is_near(&above(&folder)));
         Known {
             number,
             folder,
             span_ns: is_asked.then(|| span_ns(input)).flatten(),
         }
-    }))
+    });
+    Sessions {
+        beside: beside(&known),
+        drives: drives(known),
+    }
+}
+
+/// The folder in which a folder stands.
+fn above((group, folder): &Folder) -> Folder {
+    (*group, folder.as_deref().and_then(Path::parent).map(Path::to_path_buf))
+}
+
+/// Of recordings with a time, the first one of a neighbouring folder that was made at the same time.
+fn beside(known: &[Known]) -> BTreeMap<usize, usize> {
+    let mut timed: Vec<(&Known, (i64, i64))> = known.iter().filter_map(|one| Some((one, one.span_ns?))).collect();
+    timed.sort_by_key(|(one, span)| (span.0, one.number));
+    let mut beside = BTreeMap::new();
+    for (at, (one, span)) in timed.iter().enumerate() {
+        let later = timed.iter().skip(at + 1).take_while(|(_, other)| other.0 <= span.1);
+        for (other, its) in later {
+            let is_near = one.folder != other.folder && above(&one.folder) == above(&other.folder);
+            if is_near && overlap(*span, *its) {
+                beside.entry(one.number).or_insert(other.number);
+                beside.entry(other.number).or_insert(one.number);
+            }
+        }
+    }
+    beside
 }
 
 /// The same for the recordings of saved worlds: the numbers of their sources.

@@ -226,10 +226,10 @@ impl Claim {
         }
     }
 
-    /// Puts the platform's names in the place of names that the user says stand for them.
-    pub(super) fn rename(&mut self, platform_name: impl Fn(&FrameId) -> Option<FrameId>) {
+    /// Puts the platform's names in the place of names that the user says stand for them. Says whether both are known.
+    pub(super) fn rename(&mut self, platform_name: impl Fn(&FrameId) -> Option<FrameId>) -> bool {
         let Some((target, source)) = &mut self.frames else {
-            return;
+            return false;
         };
         let new = (platform_name(target), platform_name(source));
         let is_known = new.0.is_some() && new.1.is_some();
@@ -242,6 +242,7 @@ impl Claim {
         if let (true, ClaimKind::File { roles, .. }) = (is_known, &mut self.kind) {
             *roles = false;
         }
+        is_known
     }
 
     /// Reads a quaternion as it is declared to be written. An order that keys or the format fix stays.

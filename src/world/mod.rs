@@ -31,7 +31,7 @@ use std::sync::{Arc, OnceLock};
 
 use serde::{Deserialize, Serialize};
 
-use crate::source::{At, Place, Placed, Source, SourceId};
+use crate::source::{At, Confidence, Place, Placed, Source, SourceId};
 use crate::tables::{Dataset, Tables};
 
 use launch::{LocalizationSettings, StaticPublisher};
@@ -318,7 +318,13 @@ impl World {
                 // A name of the platform's own needs no alias.
                 let own = |name: &FrameId| platform.get(&name.canonical()).cloned();
                 if !conventions.aliases.is_empty() {
-                    claim.rename(|name| own(name).or_else(|| conventions.frame_of(file, name).cloned()));
+                    let alias = |name: &FrameId| conventions.frame_of(file, name).filter(|_| own(name).is_none());
+                    let has_alias = claim.frames.iter().any(|(a, b)| alias(a).or(alias(b)).is_some());
+                    let is_known = claim.rename(|name| own(name).or_else(|| alias(name).cloned()));
+                    // Whoever says what the names stand for has read the file.
+                    if has_alias && is_known {
+                        claim.reading = claim.reading.max(Confidence::Likely);
+                    }
                 }
             }
             let frames: Vec<FrameId> = claim.frames.iter().flat_map(|(a, b)| [a.clone(), b.clone()]).collect();

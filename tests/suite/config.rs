@@ -272,7 +272,11 @@ fn the_settings_of_a_file_are_shown() {
     let folder = tempfile::tempdir().unwrap();
     robot(&folder.path().join("a"));
     let show = |file: &str| run(folder.path(), ["check", "--show-settings", file]);
-    assert!(show("a/car.urdf").text().starts_with("configuration  none\n"));
+    let none = show("a/car.urdf").text();
+    assert!(
+        none.starts_with("configuration  none\n") && none.contains("nearest above its recordings"),
+        "{none}"
+    );
     fs::write(folder.path().join("frames-lint.yaml"), "rules: {ignore: [NAME01]}\n").unwrap();
     fs::write(
         folder.path().join("a/frames-lint.yaml"),
@@ -477,6 +481,59 @@ fn the_schema_and_the_reader_take_and_refuse_the_same() {
         assert!(!by_schema(&text).is_empty(), "the schema takes\n{text}");
         assert!(by_reader(&text).is_some(), "the reader takes\n{text}");
     }
+}
+
+#[test]
+fn what_an_alias_confirms_stays_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "robot.urdf",
+        "<robot name='r'><link name='base_link'/><link name='lidar'/><joint name='j' type='fixed'><parent link='base_link'/>\
+         <child link='lidar'/><origin xyz='0.5334 -0.0213 0.8671' rpy='0.0113 -0.0231 0.3517'/></joint></robot>\n",
+    );
+    // The inverse.
+    write(
+        "sensors.yaml",
+        "extrinsics:\n  lidar:\n    xyz: [-0.51331, 0.19407, -0.85772]\n    rpy: [-0.018569, 0.017791, -0.351996]\n",
+    );
+    let found = || {
+        let ran = check(folder.path(), &["."]);
+        assert_eq!(ran.code, 1, "{}", ran.text());
+        ran.report()["findings"][0].clone()
+    };
+    let before = found();
+    assert_eq!(before["rule"], "CROSS07");
+    assert!(
+        before["help"]
+            .as_str()
+            .unwrap()
+            .contains("aliases: {base_link: [base]}"),
+        "{before:#}"
+    );
+    write("frames-lint.yaml", "aliases: {base_link: [base]}\n");
+    let after = found();
+    assert_eq!(
+        (&after["rule"], &after["confidence"]),
+        (&"CROSS02".into(), &"likely".into())
+    );
+}
+
+#[test]
+fn a_matrix_whose_key_and_frames_contradict_each_other_is_not_rewritten() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| fs::write(folder.path().join(name), text).unwrap();
+    write(
+        "robot.urdf",
+        "<robot name='r'><link name='base_link'/><link name='velo'/><joint name='j' type='fixed'><parent link='base_link'/>\
+         <child link='velo'/><origin xyz='0.5334 -0.0213 0.8671' rpy='0.0113 -0.0231 0.3517'/></joint></robot>\n",
+    );
+    let matrix = "ego_T_lidar:\n  - [0.938537967, -0.344717276, -0.017789998, 0.533400000]\n  - [0.344402336, 0.938638580, -0.018564685, -0.021300000]\n  - [0.023097946, 0.011296745, 0.999669380, 0.867100000]\n  - [0, 0, 0, 1]\n";
+    let text = format!("parent_frame: velo\nchild_frame: base_link\n{matrix}");
+    write("velo.yaml", &text);
+    let ran = run(folder.path(), ["check", ".", "--unsafe-fixes"]);
+    assert!(ran.text().contains("contradict each other"), "{}", ran.text());
+    assert_eq!(fs::read_to_string(folder.path().join("velo.yaml")).unwrap(), text);
 }
 
 #[test]

@@ -267,6 +267,56 @@ fn what_may_be_of_either_robot_is_judged_with_both_and_says_so() {
     assert_eq!(rules, ["CROSS01", "CROSS01"], "metres off both");
 }
 
+/// Three robots of one make, sorted by kinds of files. Their lidars are nearly at one place, closer than a drawing is to a calibration.
+/// `calibration_of` says whose numbers stand in the calibration that is called after a robot.
+fn fleet(calibration_of: impl Fn(usize) -> usize) -> (tempfile::TempDir, Run) {
+    let root = tempfile::tempdir().unwrap();
+    let robot = |at: usize| Platform {
+        lidar: [0.9 + 0.02 * at as f64, 0.11, 1.8, 0.01, 0.02, 0.3],
+        layout: Layout::ByKind,
+        has_drive: false,
+    };
+    for kind in ["urdf", "calibration"] {
+        fs::create_dir(root.path().join(kind)).unwrap();
+    }
+    for (at, name) in ["alpha", "beta", "gamma"].iter().enumerate() {
+        let file = |kind: &str, ending: &str| root.path().join(kind).join(format!("{name}{ending}"));
+        fs::write(file("urdf", ".urdf"), robot(at).urdf()).unwrap();
+        let calibration = robot(calibration_of(at)).calibration(Mistake::None);
+        fs::write(file("calibration", "_lidar.yaml"), calibration).unwrap();
+    }
+    let run = check(root.path());
+    (root, run)
+}
+
+#[test]
+fn a_calibration_is_of_the_robot_that_it_is_called_after() {
+    let (_root, healthy) = fleet(|at| at);
+    let rules: Vec<&str> = healthy.verdict.open().map(|finding| finding.rule.as_str()).collect();
+    assert_eq!(rules, Vec::<&str>::new());
+    assert!(healthy.sources.iter().all(|source| source.notes.is_empty()));
+    // The numbers of another robot do not make it that one's.
+    let (_root, exchanged) = fleet(|at| 2 - at);
+    let found: Vec<String> = exchanged.verdict.open().map(|finding| finding.rule.clone()).collect();
+    assert_eq!(found, ["CROSS01", "CROSS01"], "4 cm off, where 5 mm may be");
+}
+
+#[test]
+fn of_robots_that_are_nearly_alike_the_one_with_the_very_numbers_is_taken() {
+    let (root, _) = fleet(|at| at);
+    for (name, other) in [("alpha", "eins"), ("beta", "zwei"), ("gamma", "drei")] {
+        let file = |name: &str| root.path().join(format!("calibration/{name}_lidar.yaml"));
+        fs::rename(file(name), file(other)).unwrap();
+    }
+    let run = check(root.path());
+    let notes: Vec<&String> = run.sources.iter().flat_map(|source| &source.notes).collect();
+    assert!(
+        notes.len() == 3 && notes.iter().all(|note| note.contains("whose transforms")),
+        "{notes:?}"
+    );
+    assert_eq!(run.verdict.open().count(), 0);
+}
+
 /// Keys that may be names of frames count where nothing else tells.
 #[test]
 fn a_file_that_names_frames_by_its_keys_alone_is_judged_with_the_robots_beside_it() {

@@ -57,6 +57,44 @@ fn exchanged_frames_are_exchanged_by_the_fix_and_the_numbers_stay() {
 }
 
 #[test]
+fn exchanged_frames_are_seen_where_the_numbers_allow_other_names_for_it() {
+    // Without a turn the inverse is the negated translation; half a turn is its own inverse; over few centimetres much fits.
+    for (xyz, [roll, yaw]) in [
+        ("0.4123 0.0832 1.3127", ["0", "0"]),
+        ("0.0412 0 0.1927", ["0", "3.14159265"]),
+        ("-0.0412 0.0032 0.1927", ["0", "1.5707963267948966"]),
+    ] {
+        let folder = platform(&format!("{xyz} {yaw} 0 {roll} lidar base_link"));
+        let robot = ROBOT
+            .replace("0.95 0.12 1.85", xyz)
+            .replace("0.004 0.021 0.35", &format!("{roll} 0 {yaw}"));
+        fs::write(folder.path().join("robot.urdf"), robot).unwrap();
+        let before = run(folder.path(), ["check", "."]);
+        assert!(before.text().contains("convention: inverse\n"), "{}", before.text());
+        let after = run(folder.path(), ["check", "--unsafe-fixes", "."]);
+        assert_eq!(
+            launched(folder.path()),
+            launch(&format!("{xyz} {yaw} 0 {roll} base_link lidar"))
+        );
+        assert_eq!(after.code, 0, "{}", after.text());
+    }
+}
+
+#[test]
+fn six_arguments_hold_no_quaternion() {
+    let folder = platform("0.95 0.12 1.85 0 0 1.5707963267948966 base_link lidar");
+    let robot = ROBOT.replace("0.004 0.021 0.35", "0 0 1.5707963267948966");
+    fs::write(folder.path().join("robot.urdf"), robot).unwrap();
+    let before = run(folder.path(), ["check", "."]);
+    assert!(before.text().contains("convention: ypr\n"), "{}", before.text());
+    run(folder.path(), ["check", "--unsafe-fixes", "."]);
+    assert_eq!(
+        launched(folder.path()),
+        launch("0.95 0.12 1.85 1.570796326795 0 0 base_link lidar")
+    );
+}
+
+#[test]
 fn angles_in_the_order_of_a_description_are_put_in_that_of_the_publisher() {
     is_corrected(
         "0.95 0.12 1.85 0.004 0.021 0.35 base_link lidar",

@@ -278,6 +278,16 @@ fn recordings_of_one_time_in_folders_side_by_side_are_each_judged() {
     }
     let codes: Vec<u8> = run.recordings.iter().map(|one| one.code).collect();
     assert_eq!(codes, [0, 1], "the second one's sensor is 18 s ahead");
+    for (of, other) in [("a", "b"), ("b", "a")] {
+        let source = run
+            .sources
+            .iter()
+            .find(|source| source.path.ends_with(&format!("{of}/drive.mcap")));
+        let notes = &source.unwrap().notes;
+        let is_said =
+            |note: &String| note.contains("at the same time") && note.contains(&format!("{other}/drive.mcap"));
+        assert!(notes.iter().any(is_said), "{notes:?}");
+    }
 }
 
 #[test]

@@ -122,6 +122,27 @@ fn a_finding_points_to_the_macro() {
 }
 
 #[test]
+fn a_fix_is_made_where_the_number_is_written() {
+    let folder = tempfile::tempdir().unwrap();
+    let text = robot(
+        "<xacro:macro name=\"imu\" params=\"name z\">\n<link name=\"${name}\"/>\n<joint name=\"${name}_joint\" type=\"fixed\">\n\
+         <parent link=\"base_link\"/><child link=\"${name}\"/>\n<origin xyz=\"0.1 0 ${z}\" rpy=\"3.1416 0 -1.5708\"/>\n</joint>\n\
+         </xacro:macro>\n<link name=\"base_link\"/>\n<xacro:imu name=\"imu\" z=\"0.2\"/>\n",
+    );
+    write(folder.path(), "car.urdf.xacro", &text);
+    let ran = run(folder.path(), ["check", ".", "--fix"]);
+    assert!(
+        ran.err.contains("fixed 1 finding in 1 file"),
+        "{}{}",
+        ran.err,
+        ran.text()
+    );
+    let fixed = fs::read_to_string(folder.path().join("car.urdf.xacro")).unwrap();
+    let wanted = text.replace("3.1416 0 -1.5708", "3.141592653589793 0 -1.5707963267948966");
+    assert_eq!(fixed, wanted);
+}
+
+#[test]
 fn a_comment_in_a_macro_is_for_what_is_made_of_it() {
     let folder = workspace("chasis");
     let wheel = folder.path().join("parts/urdf/wheel.xacro");

@@ -7,6 +7,7 @@ use serde::Deserialize;
 
 use crate::analysis::cross::pair::Pair;
 use crate::math::relation::{Classification, Relation};
+use crate::math::rotation::rotation_angle_between;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -42,6 +43,19 @@ impl Limits {
         let parts = pose.translation.vector.iter();
         let lengths = parts.filter(|part| part.abs() > self.telling_m).count();
         lengths >= least_lengths || off_axes_deg(pose) >= self.alternatives_turn_deg
+    }
+
+    /// Whether the rotation or the translation of the two is the same to the last digits, and is not met by chance.
+    pub(crate) fn halves(&self, pose: &Isometry3<f64>, stated: &Isometry3<f64>) -> bool {
+        let off_deg = rotation_angle_between(&pose.rotation, &stated.rotation).to_degrees();
+        let off_m = (pose.translation.vector - stated.translation.vector).norm();
+        let is_turned = off_axes_deg(pose) >= self.alternatives_turn_deg;
+        let lengths = pose
+            .translation
+            .vector
+            .iter()
+            .filter(|part| part.abs() > self.telling_m);
+        off_deg <= self.exact_deg && is_turned || off_m <= self.exact_m && lengths.count() > 2
     }
 
     /// Whether as many sensors of the same two sources differ in the same way.

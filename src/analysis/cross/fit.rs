@@ -3,11 +3,19 @@
 use std::cmp::Reverse;
 
 use crate::math::relation::{Relation, Tolerance, classify};
+use crate::math::rotation::rotation_angle_between;
 use crate::world::{Claim, World};
+
+/// What printed digits leave: metres, and radians.
+const EXACT_M: f64 = 1e-3;
+const EXACT_RAD: f64 = 1e-3;
 
 /// How many transforms of a file a robot has. Of two, the greater one fits better.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub(crate) struct Fit {
+    /// To the digits that files are written with.
+    exact: usize,
+    /// As near as a calibration is to a drawing.
     same: usize,
     inverse: usize,
     /// Between two of its frames, and neither.
@@ -26,8 +34,14 @@ impl Fit {
                 .graph()
                 .chain(&target.canonical(), &source.canonical(), |edge| edge.is_rigid);
             let Some((known, _)) = chain else { continue };
-            match classify(&known, &pose.isometry(), &Tolerance::default()).best {
-                Some(Relation::Equal) => fit.same += 1,
+            let stated = pose.isometry();
+            match classify(&known, &stated, &Tolerance::default()).best {
+                Some(Relation::Equal) => {
+                    fit.same += 1;
+                    let off_m = (known.translation.vector - stated.translation.vector).norm();
+                    let off_rad = rotation_angle_between(&known.rotation, &stated.rotation);
+                    fit.exact += usize::from(off_m <= EXACT_M && off_rad <= EXACT_RAD);
+                }
                 Some(Relation::Inverse) => fit.inverse += 1,
                 _ => fit.others.0 += 1,
             }

@@ -21,6 +21,7 @@ use crate::world::{Facts, World};
 
 use super::evidence::Saved;
 use super::gather::source_id;
+use super::sessions::Sessions;
 use super::{
     Declared, Demanded, Member, Platforms, Reading, Renumber, RunPolicy, Setup, UsageError, judge, parallel, sampling,
 };
@@ -30,12 +31,13 @@ use whole::Whole;
 pub(super) fn check(
     setup: &Setup,
     inputs: &Inputs,
-    drives: &[Vec<usize>],
+    sessions: &Sessions,
     saved: Vec<Saved>,
     told: &mut dyn FnMut(&Run, &Grown),
 ) -> Result<Run, UsageError> {
     let progress = Progress::new(setup.options.progress);
     let reading = Reading::new(inputs, setup, &progress);
+    let drives = &sessions.drives;
     let mut shared = Shared::read(&reading, drives);
     let declared = Declared::all(&setup.governed, &mut shared.sources);
     let policy = RunPolicy::new(setup.options, &setup.governed, &mut shared.sources)?;
@@ -46,6 +48,7 @@ pub(super) fn check(
         shared: &shared,
         declared: &declared,
         policy: &policy,
+        at_once: &sessions.beside,
         beside: Mutex::default(),
     };
     let mut whole = Whole::new(setup.run(shared.sources.clone(), inputs.skipped.clone()), told);
@@ -126,6 +129,8 @@ struct Room<'a> {
     /// By the numbers of the configurations.
     declared: &'a [Declared],
     policy: &'a RunPolicy<'a>,
+    /// See [`Sessions::beside`].
+    at_once: &'a BTreeMap<usize, usize>,
     /// Verdicts of the platforms that a recording does not belong to, by their sources.
     beside: Mutex<BTreeMap<Vec<SourceId>, Arc<Verdict>>>,
 }
@@ -154,6 +159,7 @@ impl Room<'_> {
             let members = self.shared.members.iter().cloned().chain(members);
             let platforms = Platforms::of(members.collect(), self.reading.inputs);
             platforms.note(&mut own);
+            self.note(recordings, &mut own);
             let mut sources = self.shared.sources.clone();
             put(&mut sources, own.clone());
             let sources = Arc::new(sources);
@@ -170,6 +176,22 @@ impl Room<'_> {
                 drive.left = drive.worlds.iter_mut().flat_map(slim).collect();
                 drive.sources = own;
                 return drive;
+            }
+        }
+    }
+
+    /// Says of recordings what was recorded at the same time and is judged apart.
+    fn note(&self, recordings: &[usize], sources: &mut [Source]) {
+        for number in recordings {
+            let other = self.at_once.get(number);
+            let other = other.filter(|other| !recordings.contains(other));
+            let other = other.and_then(|other| self.shared.sources.get(*other));
+            let own = sources.iter_mut().find(|source| source.id == source_id(*number));
+            if let Some((own, other)) = own.zip(other) {
+                own.notes.push(format!(
+                    "recorded at the same time as `{}` in another folder, and judged without it; recordings in one folder are judged together",
+                    other.path
+                ));
             }
         }
     }

@@ -8,7 +8,7 @@ use crate::analysis::cross::exact::{Limits, off_axes_deg};
 use crate::analysis::cross::pair::{Direction, Pair};
 use crate::analysis::cross::statements::pairs;
 use crate::math::relation::{Classification, Relation, Tolerance, classify};
-use crate::math::rotation::from_rpy;
+use crate::math::rotation::{from_rpy, rotation_angle_between};
 use crate::rules::prelude::*;
 use crate::source::Confidence;
 use crate::verdict::{Edit, Safety};
@@ -74,13 +74,19 @@ fn judge_pair(
             let why = "the same key in sibling files, and mounts along the axes: two devices look like this as well";
             out.too_little(subject, why);
         }
-        Some(relation) => {
+        Some(_) => {
+            let found = &admitted(world, pair, found, limits);
+            let relation = found.error().unwrap_or(Relation::Equal);
             let right = relation.reversed().and_then(|back| back.apply(&pair.other.pose));
             let (target, source) = (
                 pair.reference.target.to_string(),
                 pair.reference.source_frame.to_string(),
             );
-            let wants = publisher_wants(world, pair, relation);
+            let wants = if contradicts_itself(world, pair) {
+                " The name of its key and the frames beside it contradict each other: correct the one that is wrong."
+            } else {
+                publisher_wants(world, pair, relation)
+            };
             let finding = finding(pair, subject, (relation, wants), found, difference).unless(codes::QUAT03);
             let roles = if is_sure { Confidence::Likely } else { Confidence::Hint };
             let finding = pair.point_at_all_with(finding, roles);
@@ -163,10 +169,66 @@ fn same_cause(relation: Relation) -> String {
     format!(" Where {rule} reports {what}, it is the same fault.")
 }
 
+/// What the way in which a statement is written leaves of the relations that fit alike, and what the digits do.
+fn admitted(world: &World, pair: &Pair, found: &Classification, limits: &Limits) -> Classification {
+    let mut found = found.clone();
+    let claim = pair.other.claim(world);
+    // A launch file that has the edge the other way round has its two frames exchanged.
+    let is_swapped = pair.other.direction == Direction::TurnedRound && claim.is_some_and(Claim::is_published);
+    let has_angles = claim.is_some_and(|claim| claim.rotation_literals.len() == 3);
+    let residual = |relation: Relation| {
+        let predicted = relation.apply(&pair.reference.pose)?;
+        Some(apart(&predicted, &pair.other.pose))
+    };
+    let fits_digits = |relation: Relation| {
+        residual(relation)
+            .is_some_and(|(rad, m)| m <= limits.exact_m && rad.to_degrees() <= limits.exact_deg)
+    };
+    let class = found.class.clone();
+    let mut keep = |test: &dyn Fn(Relation) -> bool| {
+        if found.class.iter().any(|relation| test(*relation)) {
+            found.class.retain(|relation| test(*relation));
+        }
+    };
+    keep(&|relation| !has_angles || !matches!(relation, Relation::Wxyz | Relation::Xyzw));
+    if class.iter().any(|relation| fits_digits(*relation)) {
+        keep(&fits_digits);
+    }
+    if is_swapped {
+        keep(&|relation| relation == Relation::Inverse);
+    }
+    let best = found.class.first().copied().filter(|best| Some(*best) != found.best);
+    if let Some((best, (rad, m))) = best.and_then(|best| Some((best, residual(best)?))) {
+        found.best = Some(best);
+        (found.residual_angle_rad, found.residual_m) = (rad, m);
+    }
+    found
+}
+
+/// The angle between two transforms and the distance, radians and metres.
+fn apart(a: &Isometry3<f64>, b: &Isometry3<f64>) -> (f64, f64) {
+    let distance_m = (a.translation.vector - b.translation.vector).norm();
+    (rotation_angle_between(&a.rotation, &b.rotation), distance_m)
+}
+
+/// Whether the numbers of the statement are also read as another transform: a key says other than the frames beside it.
+fn contradicts_itself(world: &World, pair: &Pair) -> bool {
+    let Some(own) = pair.other.claim(world) else {
+        return false;
+    };
+    let spans = |claim: &Claim| claim.rotation_literals.iter().map(|literal| literal.span).collect::<Vec<_>>();
+    let own_spans = spans(own);
+    world.claims.iter().any(|other| {
+        let is_other = other.place.source == own.place.source && other.frames != own.frames;
+        is_other && !own_spans.is_empty() && spans(other) == own_spans
+    })
+}
+
 /// The edits that take the error out of the numbers that hold it: their own digits stay, for a calibration is finer than a drawing. `None`
 /// where more than one error explains the difference, where one of the two is a guess, or where the error can't be undone.
 fn corrected(world: &World, pair: &Pair, relation: Relation, found: &Classification) -> Option<Vec<Edit>> {
-    if found.class.len() > 1 || pair.reading() < Confidence::Certain {
+    let is_guess = pair.reading() < Confidence::Certain || contradicts_itself(world, pair);
+    if is_guess || !found.class.iter().all(|other| is_undone_alike(pair, relation, *other)) {
         return None;
     }
     let right = &pair.reference.pose;
@@ -191,6 +253,16 @@ fn corrected(world: &World, pair: &Pair, relation: Relation, found: &Classificat
         }
     }
     restated(world, claim, &corrected)
+}
+
+/// Whether the two relations, undone, give one transform: without a rotation the inverse is the negated translation.
+fn is_undone_alike(pair: &Pair, relation: Relation, other: Relation) -> bool {
+    let undone = |relation: Relation| relation.reversed()?.apply(&pair.other.pose);
+    relation == other
+        || undone(relation).zip(undone(other)).is_some_and(|(a, b)| {
+            let (rad, m) = apart(&a, &b);
+            rad < 1e-6 && m < 1e-6
+        })
 }
 
 /// What the program that publishes it wants, where that is what was missed.

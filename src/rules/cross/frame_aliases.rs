@@ -154,10 +154,14 @@ fn judge_claim(
             let related = candidates.iter().filter(|candidate| !is_plain(&candidate.pose));
             let related: Vec<_> = related.filter(|candidate| candidate.found.error().is_some()).collect();
             let fits = |candidate: &&&Candidate| exact.fits(&candidate.pose, &candidate.found);
-            let exact: Vec<_> = related.iter().filter(fits).collect();
-            let (is_exact, candidate) = match (exact.as_slice(), related.as_slice(), candidates) {
+            let to_digits: Vec<_> = related.iter().filter(fits).collect();
+            let (is_exact, candidate) = match (to_digits.as_slice(), related.as_slice(), candidates) {
                 ([one], ..) => (true, *one),
                 (_, [one], [_]) if roles => (false, one),
+                _ if let [only] = candidates && exact.halves(&only.pose, &stated.pose) => {
+                    out.fail(half_equal(world, claim, subject, (target, source), only).measured(measured(only)));
+                    return None;
+                }
                 _ => {
                     out.too_little(subject, match candidates {
                         [only] => {
@@ -220,6 +224,30 @@ fn proposal(
     Finding::note(subject, message, claim.place.clone()).hint().help(format!(
         "confirm it in frames-lint.yaml, and the file is held against the others with full confidence: aliases: {{{}}}",
         aliases(names, candidate)
+    ))
+}
+
+/// The same rotation or the same translation, to the last digits, beside another half: of other frames that is chance.
+fn half_equal(
+    world: &World,
+    claim: &Claim,
+    subject: String,
+    names: (&FrameId, &FrameId),
+    candidate: &Candidate<'_>,
+) -> Finding {
+    let Candidate { target, source, .. } = candidate;
+    let message = format!(
+        "`{}` and `{}` of {}, taken for `{target}` and `{source}`, differ by {:.2} deg and {:.3} m from the platform's",
+        names.0,
+        names.1,
+        world.path(claim.place.source),
+        candidate.off_deg,
+        candidate.off_m
+    );
+    Finding::warning(subject, message, claim.place.clone()).hint().help(format!(
+        "if these are the frames, say so in frames-lint.yaml, and it is more than a hint: \
+         transforms: [{{key: '{}', is: {target} from {source}}}]",
+        claim.label
     ))
 }
 

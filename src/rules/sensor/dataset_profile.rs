@@ -12,7 +12,7 @@ use crate::analysis::sensor::dataset::{Limits, rotation};
 use crate::analysis::{cross::pair::Statement, cross::statements::statements};
 use crate::rules::prelude::*;
 use crate::tables::{Dataset, DatasetFrame};
-use crate::world::{FrameId, NamedDataset, World};
+use crate::world::{Claim, FrameId, NamedDataset, World};
 
 pub(crate) struct DatasetProfile;
 
@@ -127,7 +127,10 @@ fn judge_statement(
     }
     let fits = |turn: &UnitQuaternion<f64>| off_deg(turn, target, source) <= limits.max_off_deg;
     let [x, y, z, w] = <[f64; 4]>::from(turn.coords);
-    let reordered = UnitQuaternion::new_normalize(nalgebra::Quaternion::new(x, y, z, w));
+    // Tables of sensors are read as w, x, y, z, other files as x, y, z, w.
+    let is_row = statement.claim(world).is_some_and(Claim::is_row);
+    let [w, x, y, z] = if is_row { [z, w, x, y] } else { [x, y, z, w] };
+    let reordered = UnitQuaternion::new_normalize(nalgebra::Quaternion::new(w, x, y, z));
     let (relation, what) = if fits(&turn.inverse()) {
         ("inverse", "it is told the wrong way round".to_owned())
     } else if statement.is_bare_quaternion() && fits(&reordered) {

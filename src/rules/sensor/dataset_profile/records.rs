@@ -5,7 +5,7 @@ use nalgebra::{Quaternion, UnitQuaternion, Vector3};
 use crate::tables::{Dataset, QuaternionWord};
 use crate::verdict::Judge;
 use crate::verdict::{Finding, Measured, NotEvaluated};
-use crate::world::{Claim, NamedDataset, Spelling, World};
+use crate::world::{Claim, FrameId, NamedDataset, Spelling, World};
 
 use crate::analysis::sensor::dataset::{Limits, rotation};
 
@@ -16,7 +16,12 @@ pub(crate) fn judge(world: &World, dataset: &NamedDataset, limits: &Limits, out:
         return 0;
     }
     let mut count = 0;
-    for claim in world.claims.iter().filter(|claim| claim.is_row()) {
+    let is_named = |claim: &Claim| {
+        let frames = claim.frames.as_ref();
+        let is_known = |frame: &FrameId| dataset.row.frame(frame.as_str()).is_some();
+        frames.is_some_and(|(target, source)| is_known(target) && is_known(source))
+    };
+    for claim in world.claims.iter().filter(|claim| claim.is_row() && !is_named(claim)) {
         let Spelling::Quaternion { xyzw, .. } = &claim.spelling else {
             continue;
         };
