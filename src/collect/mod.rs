@@ -292,7 +292,8 @@ impl Collector {
             truncated: extent.truncated,
             parts: self.parts.kept,
             share: Examined {
-                whole: extent.whole,
+                // Where messages follow a seam, some are missing between.
+                whole: extent.whole && self.stretches_ns.len() < 2,
                 messages_total: extent.messages_total,
                 span_ns: extent.span_ns.or(self.log_ns),
                 stretches_ns: self.stretches_ns,

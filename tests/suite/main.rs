@@ -25,6 +25,7 @@ mod evidence;
 mod fixes;
 mod formats;
 mod foxglove;
+mod holes;
 mod hostile_input;
 mod html;
 mod ignored;

@@ -116,13 +116,18 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
         None
     };
     let unproven = if bag.truncated {
-        Some("the recording is cut short, so a missing transform proves nothing")
+        Some("a part of the recording was not read, so a missing transform proves nothing")
     } else if !context.has_tf && names::is_world(frame) {
         Some("no TF was recorded, and a URDF does not hold this frame")
     } else {
         None
     };
-    if let (None, Some(reason)) = (&better, unproven) {
+    // A frame with another name was read; that a transform is missing may be what was not.
+    let is_absence = match &better {
+        None => true,
+        Some((code, _)) => bag.truncated && [codes::TREE08, codes::TREE16].contains(code),
+    };
+    if let Some(reason) = unproven.filter(|_| is_absence) {
         return out.too_little(subject, reason);
     }
     let topics: BTreeSet<&str> = used.iter().map(|used| used.topic.topic.as_str()).collect();

@@ -34,7 +34,7 @@ impl Rule for TfStaticMissingOrLate {
             ];
             let mut findings: Vec<Finding> = others.into_iter().flatten().collect();
             if missing.is_some() && bag.truncated {
-                out.too_little(subject.as_str(), "the recording is cut short, so a missing transform proves nothing");
+                out.too_little(subject.as_str(), "a part of the recording was not read, so a missing transform proves nothing");
             } else if missing.is_none() && findings.is_empty() {
                 let latched = bag.tf.iter().filter(|edge| edge.is_static).count();
                 let faults = Measured::count("missing, late or volatile", 0).limit(0.0);

@@ -32,6 +32,8 @@ pub(super) struct Channels<'v> {
     schema_bytes: usize,
     channel_bytes: usize,
     visit: &'v mut dyn Visit,
+    /// Schemas and channels that the summary repeats, kind and body, for those that stood in what is damaged.
+    pub(super) repeated: Vec<(u8, Vec<u8>)>,
     /// Messages by channel id, as the file's statistics say.
     pub(super) totals: BTreeMap<u16, u64>,
     /// Channels told so far.
@@ -52,6 +54,7 @@ impl<'v> Channels<'v> {
             schema_bytes: 0,
             channel_bytes: 0,
             visit,
+            repeated: Vec::new(),
             totals: BTreeMap::new(),
             told: 0,
             messages: 0,
@@ -108,6 +111,15 @@ impl<'v> Channels<'v> {
     /// Messages were left out here.
     pub(super) fn seam(&mut self) {
         self.visit.seam();
+    }
+
+    /// Records were lost here: messages, and perhaps definitions.
+    pub(super) fn lose(&mut self) {
+        for (kind, body) in std::mem::take(&mut self.repeated) {
+            // One that is no definition defines nothing.
+            let _ = self.record(kind, &body);
+        }
+        self.seam();
     }
 
     /// Ids of the channels told so far that are wanted.

@@ -109,13 +109,13 @@ impl Pass<'_, '_> {
             seam,
             data,
         };
-        let (channels, faults) = (&mut self.channels, self.faults.as_mut());
+        let (channels, faults) = (&mut self.channels, &mut self.faults);
         self.inflater.push(chunk, &mut look(channels, faults))
     }
 
     /// Uses every chunk that was taken in.
     pub(super) fn flush(&mut self) -> Result<(), Stop> {
-        let (channels, faults) = (&mut self.channels, self.faults.as_mut());
+        let (channels, faults) = (&mut self.channels, &mut self.faults);
         self.inflater.finish(&mut look(channels, faults))
     }
 
@@ -157,11 +157,10 @@ fn cut(len: u64) -> String {
     format!("the file ends inside a chunk of {len} bytes: the recording was cut off or not closed")
 }
 
-/// Hands on the records of chunks, and those before the damage of a damaged one. Damage is kept in `faults` where there
-/// is a list, else it ends the reading.
+/// Hands on the records of chunks, and those before the damage of a damaged one, which is kept in `faults`.
 fn look<'a, 'v>(
     channels: &'a mut Channels<'v>,
-    mut faults: Option<&'a mut Vec<Stop>>,
+    faults: &'a mut Vec<Stop>,
 ) -> impl FnMut(&Unpacked) -> Result<(), Stop> + use<'a, 'v> {
     move |chunk| {
         if chunk.seam {
@@ -175,21 +174,16 @@ fn look<'a, 'v>(
                 Err(why.clone())
             }
         };
-        let Err(why) = result else { return Ok(()) };
-        let stop = Stop {
-            at: chunk.at,
-            why,
-            loses_messages: true,
-        };
-        match &mut faults {
-            Some(faults) => {
-                faults.push(stop);
-                // The next chunk does not follow what was read of this one.
-                channels.seam();
-                Ok(())
-            }
-            None => Err(stop),
+        if let Err(why) = result {
+            faults.push(Stop {
+                at: chunk.at,
+                why,
+                loses_messages: true,
+            });
+            // The next chunk does not follow what was read of this one.
+            channels.lose();
         }
+        Ok(())
     }
 }
 

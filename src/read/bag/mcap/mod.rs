@@ -35,6 +35,12 @@ const MAX_WHOLE_CHUNK: u64 = 64 << 20;
 /// Bytes between two calls of the progress function.
 const PROGRESS_STEP: u64 = 4 << 20;
 
+/// Chunks of the index that are looked for behind a fault.
+const MOST_TRIED: usize = 64;
+
+/// What to do about a damaged file.
+const HELP: &str = "`mcap recover` writes what is readable into a closed file; record again if what is missing matters";
+
 const MAGIC_LEN: u64 = 8;
 const FRAME_LEN: u64 = 9;
 
@@ -56,8 +62,8 @@ struct Pass<'a, 'v> {
     used: u64,
     channels: Channels<'v>,
     inflater: Inflater,
-    /// Damaged chunks, where reading goes on behind them.
-    faults: Option<Vec<Stop>>,
+    /// Damaged chunks, behind which reading went on.
+    faults: Vec<Stop>,
     progress: Progress<'a>,
     told: u64,
     /// Buffer for records outside chunks.
@@ -86,7 +92,7 @@ pub(super) fn read(file: File, total: u64, task: Task<'_>) -> Extent {
         used: 0,
         channels: Channels::new(visit),
         inflater: Inflater::default(),
-        faults: None,
+        faults: Vec::new(),
         progress,
         told: 0,
         record: Vec::new(),
@@ -94,6 +100,7 @@ pub(super) fn read(file: File, total: u64, task: Task<'_>) -> Extent {
         promised: None,
     };
     pass.channels.totals.clone_from(&index.totals);
+    pass.channels.repeated.clone_from(&index.definitions);
     let mut extent = Extent {
         truncated: false,
         whole: true,
@@ -111,9 +118,9 @@ pub(super) fn read(file: File, total: u64, task: Task<'_>) -> Extent {
         extent.truncated = pass.sampled(&index, &chosen, source);
         return extent;
     }
-    let stopped = pass.seek(0).and_then(|()| pass.run()).err();
+    let stopped = pass.seek(0).and_then(|()| pass.run(&index)).err();
     (pass.progress)(pass.used, total);
-    extent.truncated = pass.report(stopped, source);
+    extent.truncated = pass.report(stopped, index.messages, source);
     if let Some(why) = useless.filter(|_| source.problems.is_empty()) {
         let message = format!("the index at its end is of no use, every record was read instead: {why}");
         source.problem(ReadStatus::Read, Place::whole(source.id), message);
@@ -173,7 +180,6 @@ impl Pass<'_, '_> {
             .map(|chunk| chunk.len)
             .sum();
         let (mut done, mut previous) = (0, None);
-        self.faults = Some(Vec::new());
         for number in chosen {
             let Some(chunk) = index.chunks.get(*number) else {
                 continue;
@@ -190,10 +196,7 @@ impl Pass<'_, '_> {
         self.note(result);
         source.examined.bytes = bytes;
         source.examined.messages = Some(self.channels.messages);
-        let faults = self.faults.take().unwrap_or_default();
-        if let Some(Stop { at, why, .. }) = faults.first() {
-            let count = faults.len();
-            let message = format!("{count} of the chunks looked into are damaged, the first at byte {at}: {why}");
+        if let Some(message) = self.damage(" looked into") {
             let status = if self.channels.messages == 0 {
                 ReadStatus::Unreadable
             } else {
@@ -201,26 +204,68 @@ impl Pass<'_, '_> {
             };
             source.problem(status, Place::whole(source.id), message);
         }
-        !faults.is_empty()
+        !self.faults.is_empty()
+    }
+
+    /// What is said of damaged chunks.
+    fn damage(&self, which: &str) -> Option<String> {
+        let Stop { at, why, .. } = self.faults.first()?;
+        let of = match self.faults.len() {
+            1 => format!("1 of the chunks{which} is damaged, at byte {at}"),
+            count => format!("{count} of the chunks{which} are damaged, the first at byte {at}"),
+        };
+        Some(format!("{of}: {why}"))
     }
 
     fn note(&mut self, result: Result<(), Stop>) {
-        if let (Err(stop), Some(faults)) = (result, &mut self.faults) {
-            faults.push(stop);
+        if let Err(stop) = result {
+            self.faults.push(stop);
+            // The next chunk does not follow what was read of this one.
+            self.channels.lose();
         }
     }
 
-    /// Reads record after record up to the footer and the magic behind it.
-    fn run(&mut self) -> Result<(), Stop> {
-        let result = self.records();
-        // What was read before the fault is used first, and may hold an earlier one.
-        self.flush()?;
-        result?;
-        self.end()
+    /// Reads record after record up to the footer and the magic behind it. Where the records cannot be followed any more, reading goes on
+    /// with the next chunk that the index has.
+    fn run(&mut self, index: &Index) -> Result<(), Stop> {
+        self.skip(MAGIC_LEN)?;
+        loop {
+            let result = self.records(index);
+            // What was read before the fault is used first.
+            self.flush()?;
+            let Err(stop) = result else { return self.end() };
+            match self.next_chunk(index, self.used) {
+                Some(next) if !self.data_ended => self.go_on(stop, next)?,
+                _ => return Err(stop),
+            }
+        }
     }
 
-    fn records(&mut self) -> Result<(), Stop> {
-        self.skip(MAGIC_LEN)?;
+    /// Leaves out what is damaged, up to a byte behind it.
+    fn go_on(&mut self, stop: Stop, at: u64) -> Result<(), Stop> {
+        self.flush()?;
+        self.note(Err(stop));
+        self.seek(at)
+    }
+
+    /// The first chunk of the index behind a byte that is there.
+    fn next_chunk(&mut self, index: &Index, behind: u64) -> Option<u64> {
+        let from = index.chunks.partition_point(|chunk| chunk.at <= behind);
+        let chunks = index.chunks.get(from..)?.iter().take(MOST_TRIED);
+        let there = self.at;
+        let mut found = None;
+        for chunk in chunks {
+            let frame = self.seek(chunk.at).and_then(|()| self.frame());
+            if frame.is_ok_and(|(opcode, len)| opcode == op::CHUNK && len.saturating_add(FRAME_LEN) == chunk.len) {
+                found = Some(chunk.at);
+                break;
+            }
+        }
+        self.seek(there).ok()?;
+        found
+    }
+
+    fn records(&mut self, index: &Index) -> Result<(), Stop> {
         loop {
             self.used = self.at;
             if self.at >= self.told + PROGRESS_STEP {
@@ -232,8 +277,18 @@ impl Pass<'_, '_> {
             }
             let (opcode, len) = self.frame()?;
             let available = self.total - self.at;
+            let (at, end) = (self.used, self.at.saturating_add(len));
+            let known = index.chunks.partition_point(|chunk| chunk.at <= at);
+            let is_crossed = index.chunks.get(known).is_some_and(|chunk| chunk.at < end);
+            if is_crossed && !self.data_ended && self.next_chunk(index, at).is_some_and(|next| next < end) {
+                let kind = kind(opcode);
+                return Err(self.stop(format!("a {kind} record of {len} bytes reaches into the next chunk")));
+            }
             if opcode == op::CHUNK && !self.data_ended {
-                self.chunk(len, available)?;
+                match self.chunk(len, available) {
+                    Err(stop) if len <= available => self.go_on(stop, end)?,
+                    result => result?,
+                }
                 continue;
             }
             if len > available {
@@ -351,19 +406,34 @@ impl Pass<'_, '_> {
     }
 
     /// Writes down how far reading went; returns whether messages may be missing.
-    fn report(&self, stopped: Option<Stop>, source: &mut Source) -> bool {
+    fn report(&self, stopped: Option<Stop>, indexed: Option<u64>, source: &mut Source) -> bool {
         let read = self.channels.messages;
+        let promised = self.promised.or(indexed);
         source.examined.bytes = stopped.as_ref().map_or(self.used, |stop| stop.at);
         source.examined.messages = Some(read);
         let whole = Place::whole(source.id);
-        let mut missing = false;
+        let lost = promised.map(|promised| promised.saturating_sub(read + self.channels.orphans));
+        let mut missing = !self.faults.is_empty() && lost != Some(0);
+        if let Some(message) = self.damage("") {
+            let status = if read == 0 {
+                ReadStatus::Unreadable
+            } else {
+                ReadStatus::Partial
+            };
+            let lost = match lost {
+                Some(0) => "; no message is missing".to_owned(),
+                Some(lost) => format!("; {lost} messages were not read"),
+                None => String::new(),
+            };
+            source.problem_with_help(status, whole.clone(), message + &lost, Some(HELP.to_owned()));
+        }
         if let Some(Stop {
             at,
             why,
             loses_messages,
         }) = stopped
         {
-            missing = loses_messages;
+            missing |= loses_messages;
             let percent = 100.0 * at as f64 / self.total.max(1) as f64;
             // Where no message was met there is nothing to judge.
             let status = if read == 0 {
@@ -372,11 +442,8 @@ impl Pass<'_, '_> {
                 ReadStatus::Partial
             };
             let message = format!("read up to byte {at} ({percent:.1} %): {why}");
-            let help = "`mcap recover` writes what is readable into a closed file; record again if the end matters";
-            source.problem_with_help(status, whole.clone(), message, Some(help.to_owned()));
-        } else if let Some(promised) = self
-            .promised
-            .filter(|promised| *promised != read + self.channels.orphans)
+            source.problem_with_help(status, whole.clone(), message, Some(HELP.to_owned()));
+        } else if let Some(promised) = promised.filter(|promised| !missing && *promised != read + self.channels.orphans)
         {
             missing = promised > read;
             let message = format!("{read} messages were read, but the file's statistics say {promised}");

@@ -98,6 +98,7 @@ impl<'c, 'v> Pass<'c, 'v> {
         let Err(why) = result else { return };
         self.stopped = Some(why);
         // The index may be what is damaged, and the messages behind it whole.
+        self.seam();
         let after = self.largest_row;
         let sql = select("WHERE rowid > ?1 ORDER BY rowid");
         let _ = self.run(&sql, [after], |pass, row| {
