@@ -4,6 +4,7 @@
 //! recording, the expansion of a macro) is left as it is, with the reason.
 
 use std::collections::BTreeMap;
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use similar::TextDiff;
@@ -179,10 +180,31 @@ impl Plan {
             .map(|patch| {
                 TextDiff::from_lines(&patch.before, &patch.after)
                     .unified_diff()
-                    .header(&format!("a/{}", patch.path), &format!("b/{}", patch.path))
+                    .header(&header("a/", &patch.path), &header("b/", &patch.path))
                     .to_string()
             })
             .collect()
+    }
+}
+
+/// A path as `git diff` writes it: a tab ends one with a space, and one with characters that would end the line is quoted.
+fn header(side: &str, path: &str) -> String {
+    let is_odd = |c: char| c.is_control() || matches!(c, '"' | '\\');
+    if path.contains(is_odd) {
+        let mut quoted = format!("\"{side}");
+        for byte in path.bytes() {
+            match byte {
+                b'"' | b'\\' => quoted.extend(['\\', char::from(byte)]),
+                0x20..0x7f => quoted.push(char::from(byte)),
+                _ => {
+                    let _ = write!(quoted, "\\{byte:03o}");
+                }
+            }
+        }
+        quoted + "\""
+    } else {
+        let end = if path.contains(' ') { "\t" } else { "" };
+        format!("{side}{path}{end}")
     }
 }
 
@@ -287,6 +309,13 @@ mod tests {
             plan.diff(),
             "--- a/dir/a.urdf\n+++ b/dir/a.urdf\n@@ -1,2 +1,2 @@\n a\n-b\n+c\n"
         );
+    }
+
+    #[test]
+    fn paths_in_a_diff_are_those_of_git() {
+        assert_eq!(header("a/", "car.urdf"), "a/car.urdf");
+        assert_eq!(header("a/", "my car/car.urdf"), "a/my car/car.urdf\t");
+        assert_eq!(header("b/", "a\nb\"é"), "\"b/a\\012b\\\"\\303\\251\"");
     }
 
     #[test]

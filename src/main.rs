@@ -1,5 +1,6 @@
 //! The program: hands the command line to the library, prints the answer, turns a panic into exit code 70.
 
+use std::backtrace::{Backtrace, BacktraceStatus};
 use std::io::{ErrorKind, Write};
 use std::panic::{PanicHookInfo, catch_unwind};
 use std::process::ExitCode;
@@ -17,10 +18,8 @@ static LAST_PANIC: Mutex<String> = Mutex::new(String::new());
 
 fn main() -> ExitCode {
     frames_lint::files::remove_on_signals();
-    // A rule that panics is caught and reported by the engine; the default hook would print in the middle of a report.
-    if std::env::var_os("RUST_BACKTRACE").is_none_or(|value| value == "0") {
-        std::panic::set_hook(Box::new(remember));
-    }
+    // A panic in a rule or a library is caught and reported; the default hook would print in the middle of a report.
+    std::panic::set_hook(Box::new(remember));
     loop {
         let answer = catch_unwind(|| {
             cli::run_to(
@@ -61,7 +60,12 @@ fn remember(info: &PanicHookInfo) {
     let place = info
         .location()
         .map_or_else(String::new, |location| format!(" at {location}"));
-    *LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner) = format!("{what}{place}");
+    // As `RUST_BACKTRACE` asks for it.
+    let backtrace = match Backtrace::capture() {
+        taken if taken.status() == BacktraceStatus::Captured => format!("\n{taken}"),
+        _ => String::new(),
+    };
+    *LAST_PANIC.lock().unwrap_or_else(PoisonError::into_inner) = format!("{what}{place}{backtrace}");
 }
 
 fn crash() -> Answer {

@@ -86,7 +86,7 @@ pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Resu
     } else {
         sessions::of(&inputs)
     };
-    let in_saved = |saved: &Saved| sessions::of_worlds(&saved.worlds, &saved.sources).len();
+    let in_saved = |saved: &Saved| sessions::of_worlds(&saved.worlds, &saved.sources).drives.len();
     if sessions.drives.len() + saved.iter().map(in_saved).sum::<usize>() > 1 && !is_one {
         let mut run = recordings::check(&setup, &inputs, &sessions, saved, told)?;
         setup.governed.note_idle(&mut run.sources);

@@ -24,7 +24,29 @@ pub(super) struct Sessions {
     /// A list for each drive, in the order of the inputs.
     pub(super) drives: Vec<Vec<usize>>,
     /// Of a recording, one that was made at the same time and lies in a folder beside its own.
-    pub(super) beside: BTreeMap<usize, usize>,
+    beside: BTreeMap<usize, usize>,
+}
+
+impl Sessions {
+    fn of(known: Vec<Known>) -> Self {
+        Self {
+            beside: beside(&known),
+            drives: drives(known),
+        }
+    }
+
+    /// What is said of a recording where another one was made at the same time and is judged apart; `path` is where a recording is.
+    pub(super) fn note(&self, recording: usize, path: impl Fn(usize) -> Option<String>) -> Option<String> {
+        let other = self.beside.get(&recording)?;
+        let is_of_both = |drive: &Vec<usize>| drive.contains(&recording) && drive.contains(other);
+        if self.drives.iter().any(is_of_both) {
+            return None;
+        }
+        let other = path(*other)?;
+        Some(format!(
+            "recorded at the same time as `{other}` in another folder, and judged without it; recordings in one folder are judged together"
+        ))
+    }
 }
 
 /// What tells which drive a recording is of.
@@ -72,10 +94,7 @@ pub(super) fn of(inputs: &Inputs) -> Sessions {
             span_ns: is_asked.then(|| span_ns(input)).flatten(),
         }
     });
-    Sessions {
-        beside: beside(&known),
-        drives: drives(known),
-    }
+    Sessions::of(known)
 }
 
 /// The folder in which a folder stands.
@@ -102,7 +121,7 @@ fn beside(known: &[Known]) -> BTreeMap<usize, usize> {
 }
 
 /// The same for the recordings of saved worlds: the numbers of their sources.
-pub(super) fn of_worlds(worlds: &[World], sources: &[Source]) -> Vec<Vec<usize>> {
+pub(super) fn of_worlds(worlds: &[World], sources: &[Source]) -> Sessions {
     let bags = worlds.iter().flat_map(|world| &world.bags);
     let known = bags.filter_map(|bag| {
         let source = sources.get(bag.source.0 as usize)?;
@@ -112,7 +131,7 @@ pub(super) fn of_worlds(worlds: &[World], sources: &[Source]) -> Vec<Vec<usize>>
             span_ns: bag.share.span_ns.or(bag.start_ns.zip(bag.end_ns)),
         })
     });
-    drives(known.collect())
+    Sessions::of(known.collect())
 }
 
 fn drives(known: Vec<Known>) -> Vec<Vec<usize>> {

@@ -3,6 +3,7 @@
 //! Owns the walk over folders and the recognition of kinds. Must not read more of a file than its first bytes.
 
 use std::collections::BTreeMap;
+use std::fmt::Write;
 use std::fs::File;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -264,9 +265,16 @@ fn unusable(root: &Path, group: usize, refusal: String) -> Input {
     }
 }
 
+/// A path for reports. Bytes that are no UTF-8 are spelled out (`\xff`), so that two names stay two.
 fn display(path: &Path) -> String {
-    let text = path.to_string_lossy();
-    text.strip_prefix("./").unwrap_or(&text).to_owned()
+    let mut text = String::new();
+    for chunk in path.as_os_str().as_encoded_bytes().utf8_chunks() {
+        text.push_str(chunk.valid());
+        for byte in chunk.invalid() {
+            let _ = write!(text, "\\x{byte:02x}");
+        }
+    }
+    text.strip_prefix("./").map(str::to_owned).unwrap_or(text)
 }
 
 fn unread_format(path: &Path) -> Option<&'static str> {
@@ -432,5 +440,15 @@ mod tests {
         let inputs = discover(&[PathBuf::from("no/such/robot.urdf")]);
         assert_eq!(inputs.files.len(), 1);
         assert!(inputs.files[0].refusal.as_deref().unwrap().contains("cannot be opened"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn names_that_are_no_utf_8_stay_apart() {
+        use std::os::unix::ffi::OsStrExt;
+        let shown = |bytes: &[u8]| display(Path::new(std::ffi::OsStr::from_bytes(bytes)));
+        assert_eq!(shown(b"./car/\xffa.urdf"), "car/\\xffa.urdf");
+        assert_ne!(shown(b"\xfe.urdf"), shown(b"\xff.urdf"));
+        assert_eq!(shown("./fährt.urdf".as_bytes()), "fährt.urdf");
     }
 }

@@ -12,9 +12,16 @@ const MIN_CHECKS: usize = 2000;
 /// And once more for so many bytes. Of 10,000 healthy files of C++, Python and Rust the hardest needed one for 17 bytes.
 const BYTES_PER_CHECK: usize = 4;
 
+/// Deepest nesting of brackets that is parsed: time grows with its square. Code that people write has some twenty levels.
+const MAX_DEPTH: usize = 1000;
+
 /// The tree of a text; else where the parser was stopped, and why.
 pub(super) fn parse(text: &str, language: &Language) -> Result<Tree, (Span, String)> {
     let start = Span::new(0, 0);
+    if let Some(at) = too_deep(text) {
+        let message = format!("brackets are nested more than {MAX_DEPTH} deep here");
+        return Err((Span::new(at, at + 1), message));
+    }
     let mut parser = Parser::new();
     parser
         .set_language(language)
@@ -42,6 +49,19 @@ pub(super) fn parse(text: &str, language: &Language) -> Result<Tree, (Span, Stri
             let message = "the text before this is too broken: its syntax can be read in too many ways".to_owned();
             (Span::new(at, at), message)
         })
+}
+
+/// The bracket that is nested too deep. Those in words and comments count as well.
+fn too_deep(text: &str) -> Option<usize> {
+    let mut depth = 0_usize;
+    text.bytes().position(|byte| {
+        match byte {
+            b'(' | b'[' | b'{' => depth += 1,
+            b')' | b']' | b'}' => depth = depth.saturating_sub(1),
+            _ => {}
+        }
+        depth > MAX_DEPTH
+    })
 }
 
 /// All nodes below one, itself among them, in the order of the text.
@@ -73,4 +93,22 @@ pub(super) fn span(node: Node<'_>) -> Span {
 /// The text of a node.
 pub(super) fn text<'a>(node: Node<'_>, source: &'a str) -> &'a str {
     source.get(node.byte_range()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn brackets_without_end_are_refused_where_they_are_too_deep() {
+        let language = tree_sitter_python::LANGUAGE.into();
+        for bracket in ["(", "[", "{"] {
+            let deep = format!("x = {}", bracket.repeat(200_000));
+            let (span, message) = parse(&deep, &language).unwrap_err();
+            assert_eq!(span.start, 4 + MAX_DEPTH);
+            assert!(message.contains("nested more than 1000 deep"), "{message}");
+        }
+        let wide = format!("x = {}", "(1)+".repeat(20_000) + "1");
+        assert!(parse(&wide, &language).is_ok());
+    }
 }

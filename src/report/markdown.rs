@@ -161,7 +161,7 @@ fn not_evaluated(run: &Run, out: &mut String) {
 
 /// A text in the middle of a line: nothing in it is markup, and no pipe ends a cell.
 fn escaped(text: &str) -> String {
-    let text = one_line(text);
+    let text = single_ticks(&one_line(text));
     // In code spans nothing but the pipe means anything; a lone backtick opens none.
     let mut ticks = text.matches('`').count() / 2 * 2;
     let mut is_code = false;
@@ -187,7 +187,31 @@ fn escaped(text: &str) -> String {
     escaped
 }
 
+/// The text with one backtick where several stand together: a run of two opens another code span than one does, and a name may hold them.
+fn single_ticks(text: &str) -> String {
+    let mut was_tick = false;
+    let single = |c: char| {
+        let is_again = c == '`' && was_tick;
+        was_tick = c == '`';
+        if is_again { '\'' } else { c }
+    };
+    text.chars().map(single).collect()
+}
+
 fn code(text: &str) -> String {
     let text = one_line(text).replace('`', "'").replace('|', "\\|");
     format!("`{text}`")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn backticks_in_names_open_no_markup() {
+        // A run of three would be a code span of its own kind, and what follows markup.
+        assert_eq!(escaped("```<img src=x>`"), "`''<img src=x>`");
+        assert_eq!(escaped("frame `a`<b>` of `c`"), "frame `a`&lt;b&gt;` of `c\\`");
+        assert_eq!(code("a`|b"), "`a'\\|b`");
+    }
 }

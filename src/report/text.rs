@@ -2,9 +2,10 @@
 
 use std::borrow::Cow;
 
-/// Characters that would steer a terminal, or reorder what stands on it, in text that comes from a file or a bag.
+/// Characters that would steer a terminal, end a line, reorder what stands on it or cannot be seen, in text that comes from a file or a bag.
 fn steers(c: char) -> bool {
-    (c.is_control() && c != '\n' && c != '\t') || matches!(c, '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}')
+    (c.is_control() && c != '\n' && c != '\t')
+        || matches!(c, '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}')
 }
 
 /// The text with control characters spelled out (`\u{1b}`). Newlines and tabs stay.
@@ -229,6 +230,7 @@ mod tests {
     fn control_characters_do_not_reach_the_terminal() {
         assert_eq!(clean("a\u{1b}[31m\tb"), "a\\u{1b}[31m\tb");
         assert_eq!(one_line("a\n  b"), "a b");
+        assert_eq!(clean("li\u{200b}dar\u{2028}"), "li\\u{200b}dar\\u{2028}");
         assert_eq!(clean_in_place("a\r\nb").as_deref(), None);
         assert_eq!(clean_in_place("é\u{1b}\rx\u{202e}").as_deref(), Some("é??x???"));
     }

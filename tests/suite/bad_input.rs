@@ -252,11 +252,11 @@ fn a_recording_that_claims_too_much() {
     for (at, why) in [
         (
             chunk + 1,
-            "a chunk is damaged: chunk (de)compressed length exceeds limit: `4611686018427387904`",
+            "a chunk record of 4611686018427387904 bytes reaches into the next chunk",
         ),
         (chunk + 25, "a chunk claims 4611686018427387904 bytes"),
     ] {
         let lying = patched(&bytes, at, &u64::to_le_bytes(1 << 62));
-        check("lying.mcap", lying, 3, &["read up to byte ", why]);
+        check("lying.mcap", lying, 3, &["1 of the chunks is damaged, at byte ", why]);
     }
 }

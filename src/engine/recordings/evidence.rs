@@ -22,7 +22,12 @@ pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
     } = furnished(room.setup, saved);
     let before = whole.run.sources.len();
     let renumber = Renumber::behind(0, before);
+    let sessions = sessions::of_worlds(&worlds, &sources);
     let mut own = sources.to_vec();
+    for (number, source) in own.iter_mut().enumerate() {
+        let path = |other: usize| Some(sources.get(other)?.path.clone());
+        source.notes.extend(sessions.note(number, path));
+    }
     renumber.all(&mut own, &mut Verdict::default());
     whole.run.sources.extend(own);
     let (rows, findings) = (whole.run.verdict.rows.len(), whole.run.verdict.findings.len());
@@ -32,8 +37,8 @@ pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
         let judged = worlds.iter().map(|world| room.setup.judge_as(governed, world, true));
         judged.collect()
     };
-    let drives = sessions::of_worlds(&worlds, &sources);
-    for recordings in &drives {
+    let drives = &sessions.drives;
+    for recordings in drives {
         let is_of = |id: SourceId| recordings.contains(&(id.0 as usize));
         // What came out of a recording has its path.
         let others = worlds
@@ -61,7 +66,7 @@ pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
     let rest: Vec<World> = worlds.iter().filter(|world| world.bags.is_empty()).cloned().collect();
     let rest_labels: Vec<String> = rest.iter().map(|world| world.label.clone()).collect();
     whole.run.seen.extend(room.setup.seen(&rest));
-    let compared = room.compare(&worlds, &drives, whole, |_| governed);
+    let compared = room.compare(&worlds, drives, whole, |_| governed);
     for (mut verdicts, labels) in [(judged(&rest), rest_labels), compared] {
         for (_, verdict) in &mut verdicts {
             renumber.all(&mut [], verdict);

@@ -48,7 +48,7 @@ pub(super) fn check(
         shared: &shared,
         declared: &declared,
         policy: &policy,
-        at_once: &sessions.beside,
+        sessions,
         beside: Mutex::default(),
     };
     let mut whole = Whole::new(setup.run(shared.sources.clone(), inputs.skipped.clone()), told);
@@ -129,8 +129,7 @@ struct Room<'a> {
     /// By the numbers of the configurations.
     declared: &'a [Declared],
     policy: &'a RunPolicy<'a>,
-    /// See [`Sessions::beside`].
-    at_once: &'a BTreeMap<usize, usize>,
+    sessions: &'a Sessions,
     /// Verdicts of the platforms that a recording does not belong to, by their sources.
     beside: Mutex<BTreeMap<Vec<SourceId>, Arc<Verdict>>>,
 }
@@ -182,16 +181,11 @@ impl Room<'_> {
 
     /// Says of recordings what was recorded at the same time and is judged apart.
     fn note(&self, recordings: &[usize], sources: &mut [Source]) {
+        let path = |other: usize| Some(self.shared.sources.get(other)?.path.clone());
         for number in recordings {
-            let other = self.at_once.get(number);
-            let other = other.filter(|other| !recordings.contains(other));
-            let other = other.and_then(|other| self.shared.sources.get(*other));
             let own = sources.iter_mut().find(|source| source.id == source_id(*number));
-            if let Some((own, other)) = own.zip(other) {
-                own.notes.push(format!(
-                    "recorded at the same time as `{}` in another folder, and judged without it; recordings in one folder are judged together",
-                    other.path
-                ));
+            if let Some((own, note)) = own.zip(self.sessions.note(*number, path)) {
+                own.notes.push(note);
             }
         }
     }
