@@ -174,9 +174,9 @@ fn a_name_that_is_no_utf8() {
     let name = OsString::from_vec(b"caf\xe9.urdf".to_vec());
     fs::write(folder.path().join(&name), ROBOT).unwrap();
     let report = check_all(folder.path(), &[&name], 0, &[]);
-    assert_eq!(report["inputs"][0]["path"], "caf\u{fffd}.urdf");
+    assert_eq!(report["inputs"][0]["path"], "caf\\xe9.urdf");
     fs::write(folder.path().join(&name), "<robot").unwrap();
-    check_all(folder.path(), &[name], 3, &["caf\u{fffd}.urdf", "not well-formed XML"]);
+    check_all(folder.path(), &[name], 3, &["xe9.urdf", "not well-formed XML"]);
 }
 
 #[test]

@@ -235,7 +235,7 @@ fn clouds_of_one_file_are_held_against_the_odometry_of_the_other() {
   - {topic: /odom, from_drive: odometry, rate_hz: 20, frame_id: odom, child_frame_id: base_link}\n";
     for (yaw_deg, wanted) in [(0, Outcome::Pass), (60, Outcome::Fail)] {
         let clouds = format!(
-            "  - {{topic: /points, from_drive: lidar, rate_hz: 10, from_s: 2, frame_id: velodyne, xyz: [0, 0, 1.8], rpy_deg: [0, 0, {yaw_deg}], lidar: {{beams: 16, columns: 360, driver: velodyne}}}}\n"
+            "  - {{topic: /points, from_drive: lidar, rate_hz: 10, from_s: 2, frame_id: velodyne, xyz: [0, 0, 1.8], rpy_deg: [0, 0, {yaw_deg}], lidar: {{beams: 16, columns: 180, driver: velodyne}}}}\n"
         );
         let folder = folder(
             &[
