@@ -48,7 +48,7 @@ fn folder() -> tempfile::TempDir {
 }
 
 /// Every form of the report but that for people and the page.
-const FORMS: [&str; 8] = [
+pub(crate) const FORMS: [&str; 8] = [
     "concise",
     "json",
     "json-lines",

@@ -7,7 +7,6 @@ use serde::Deserialize;
 
 use crate::analysis::cross::pair::Pair;
 use crate::math::relation::{Classification, Relation};
-use crate::math::rotation::rotation_angle_between;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -40,22 +39,21 @@ impl Limits {
 
     /// Whether a transform lies along no axis, or has so many lengths.
     fn is_distinct(&self, pose: &Isometry3<f64>, least_lengths: usize) -> bool {
-        let parts = pose.translation.vector.iter();
-        let lengths = parts.filter(|part| part.abs() > self.telling_m).count();
-        lengths >= least_lengths || off_axes_deg(pose) >= self.alternatives_turn_deg
+        self.lengths(pose) >= least_lengths || self.is_turned(pose)
     }
 
-    /// Whether the rotation or the translation of the two is the same to the last digits, and is not met by chance.
-    pub(crate) fn halves(&self, pose: &Isometry3<f64>, stated: &Isometry3<f64>) -> bool {
-        let off_deg = rotation_angle_between(&pose.rotation, &stated.rotation).to_degrees();
-        let off_m = (pose.translation.vector - stated.translation.vector).norm();
-        let is_turned = off_axes_deg(pose) >= self.alternatives_turn_deg;
-        let lengths = pose
-            .translation
-            .vector
-            .iter()
-            .filter(|part| part.abs() > self.telling_m);
-        off_deg <= self.exact_deg && is_turned || off_m <= self.exact_m && lengths.count() > 2
+    fn lengths(&self, pose: &Isometry3<f64>) -> usize {
+        let parts = pose.translation.vector.iter();
+        parts.filter(|part| part.abs() > self.telling_m).count()
+    }
+
+    fn is_turned(&self, pose: &Isometry3<f64>) -> bool {
+        off_axes_deg(pose) >= self.alternatives_turn_deg
+    }
+
+    /// Whether the rotation or the translation of a pose is met to the last digits, and not by chance, by one that is so far off.
+    pub(crate) fn halves(&self, pose: &Isometry3<f64>, off_deg: f64, off_m: f64) -> bool {
+        off_deg <= self.exact_deg && self.is_turned(pose) || off_m <= self.exact_m && self.lengths(pose) > 2
     }
 
     /// Whether as many sensors of the same two sources differ in the same way.

@@ -3,7 +3,6 @@
 use std::cmp::Reverse;
 
 use crate::math::relation::{Relation, Tolerance, classify};
-use crate::math::rotation::rotation_angle_between;
 use crate::world::{Claim, World};
 
 /// What printed digits leave: metres, and radians.
@@ -34,13 +33,11 @@ impl Fit {
                 .graph()
                 .chain(&target.canonical(), &source.canonical(), |edge| edge.is_rigid);
             let Some((known, _)) = chain else { continue };
-            let stated = pose.isometry();
-            match classify(&known, &stated, &Tolerance::default()).best {
+            let found = classify(&known, &pose.isometry(), &Tolerance::default());
+            match found.best {
                 Some(Relation::Equal) => {
                     fit.same += 1;
-                    let off_m = (known.translation.vector - stated.translation.vector).norm();
-                    let off_rad = rotation_angle_between(&known.rotation, &stated.rotation);
-                    fit.exact += usize::from(off_m <= EXACT_M && off_rad <= EXACT_RAD);
+                    fit.exact += usize::from(found.distance_m <= EXACT_M && found.angle_rad <= EXACT_RAD);
                 }
                 Some(Relation::Inverse) => fit.inverse += 1,
                 _ => fit.others.0 += 1,

@@ -158,7 +158,7 @@ fn judge_claim(
             let (is_exact, candidate) = match (to_digits.as_slice(), related.as_slice(), candidates) {
                 ([one], ..) => (true, *one),
                 (_, [one], [_]) if roles => (false, one),
-                _ if let [only] = candidates && exact.halves(&only.pose, &stated.pose) => {
+                _ if let [only] = candidates && exact.halves(&only.pose, only.off_deg, only.off_m) => {
                     out.fail(half_equal(world, claim, subject, (target, source), only).measured(measured(only)));
                     return None;
                 }

@@ -197,14 +197,19 @@ impl Pass<'_, '_> {
         source.examined.bytes = bytes;
         source.examined.messages = Some(self.channels.messages);
         if let Some(message) = self.damage(" looked into") {
-            let status = if self.channels.messages == 0 {
-                ReadStatus::Unreadable
-            } else {
-                ReadStatus::Partial
-            };
+            let status = self.status_of_damage();
             source.problem(status, Place::whole(source.id), message);
         }
         !self.faults.is_empty()
+    }
+
+    /// Where no message was met there is nothing to judge.
+    fn status_of_damage(&self) -> ReadStatus {
+        if self.channels.messages == 0 {
+            ReadStatus::Unreadable
+        } else {
+            ReadStatus::Partial
+        }
     }
 
     /// What is said of damaged chunks.
@@ -415,11 +420,7 @@ impl Pass<'_, '_> {
         let lost = promised.map(|promised| promised.saturating_sub(read + self.channels.orphans));
         let mut missing = !self.faults.is_empty() && lost != Some(0);
         if let Some(message) = self.damage("") {
-            let status = if read == 0 {
-                ReadStatus::Unreadable
-            } else {
-                ReadStatus::Partial
-            };
+            let status = self.status_of_damage();
             let lost = match lost {
                 Some(0) => "; no message is missing".to_owned(),
                 Some(lost) => format!("; {lost} messages were not read"),
@@ -435,12 +436,7 @@ impl Pass<'_, '_> {
         {
             missing |= loses_messages;
             let percent = 100.0 * at as f64 / self.total.max(1) as f64;
-            // Where no message was met there is nothing to judge.
-            let status = if read == 0 {
-                ReadStatus::Unreadable
-            } else {
-                ReadStatus::Partial
-            };
+            let status = self.status_of_damage();
             let message = format!("read up to byte {at} ({percent:.1} %): {why}");
             source.problem_with_help(status, whole.clone(), message, Some(HELP.to_owned()));
         } else if let Some(promised) = promised.filter(|promised| !missing && *promised != read + self.channels.orphans)
