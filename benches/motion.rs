@@ -30,6 +30,7 @@ use std::time::Duration;
 
 use fastrand::Rng;
 use frames_lint::engine::{self, Extent, Options, Rules};
+use frames_lint::rules::RULES;
 use frames_lint::run::Run;
 use frames_lint::verdict::Outcome;
 use frames_lint::world::World;
@@ -172,13 +173,9 @@ fn measure(how: &str, path: &Path) {
         (run, used())
     };
     let world = world(&run);
-    let codes: Vec<String> = engine::rules()
-        .expect("sound pages")
-        .into_iter()
-        .map(|rule| rule.code)
-        .collect();
+    let codes: Vec<&str> = RULES.iter().map(|entry| entry.page.code).collect();
     let is_other = |code: &&str| !MOTION.iter().any(|word| code.starts_with(word));
-    let others: Vec<&str> = codes.iter().map(String::as_str).filter(is_other).collect();
+    let others: Vec<&str> = codes.into_iter().filter(is_other).collect();
     let [motion, others, all] = [&MOTION[..], &others, &[]].map(|select| judged(world, select));
     let judged = if how == "full" { 0.0 } else { all };
     println!(
@@ -201,11 +198,8 @@ fn world(run: &Run) -> &World {
 fn each_rule(how: &str, path: &Path) {
     let run = engine::collect(&options(how, path)).expect("a sound call");
     let world = world(&run);
-    let rules = engine::rules().expect("sound pages");
-    let mut times: Vec<(f64, String)> = rules
-        .into_iter()
-        .map(|rule| (judged(world, &[&rule.code]), rule.code))
-        .collect();
+    let codes = RULES.iter().map(|entry| entry.page.code);
+    let mut times: Vec<(f64, &str)> = codes.map(|code| (judged(world, &[code]), code)).collect();
     times.sort_by(|a, b| b.0.total_cmp(&a.0));
     let words: Vec<String> = times
         .iter()

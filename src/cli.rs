@@ -28,10 +28,10 @@ use clap::{CommandFactory, Parser};
 
 use crate::engine::{self, UsageError, evidence};
 use crate::files::{self, Outputs};
-use crate::page::{Front, PageError};
+use crate::page::Page;
 use crate::report::{ReportError, Style, explain, rules_table, terminal};
 use crate::rules::RULES;
-use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, RuleInfo, Run};
+use crate::run::{EXIT_CLEAN, EXIT_CRASHED, EXIT_USAGE, Run};
 
 use args::{Cli, Collect, RulesFormat, Verb};
 
@@ -92,10 +92,12 @@ impl Surroundings {
         }
     }
 
-    fn xacro(self, args: Vec<String>) -> engine::XacroMeans {
+    fn xacro(self, args: Vec<String>, run: bool) -> engine::XacroMeans {
         engine::XacroMeans {
             own: self.is_program.then(std::env::current_exe).and_then(Result::ok),
             args,
+            run,
+            ..engine::XacroMeans::default()
         }
     }
 }
@@ -141,12 +143,6 @@ impl From<Failure> for Answer {
 impl From<UsageError> for Failure {
     fn from(error: UsageError) -> Self {
         Self::Usage(error.to_string())
-    }
-}
-
-impl From<PageError> for Failure {
-    fn from(error: PageError) -> Self {
-        Self::Ours(error.to_string())
     }
 }
 
@@ -199,7 +195,7 @@ pub fn run_to(
         Verb::Completions { shell } => {
             completions::script(shell, arguments.first().map_or("".as_ref(), OsString::as_os_str))
         }
-        Verb::ExpandXacro { file, args } => Ok(match engine::expand_xacro(&file, &args) {
+        Verb::ExpandXacro { file, args, ground } => Ok(match engine::expand_xacro(&file, &args, &ground) {
             Ok(out) => Answer {
                 out,
                 ..Answer::default()
@@ -269,18 +265,18 @@ fn run_collect(collect: Collect, stdin: &mut dyn Read, surroundings: Surrounding
 fn run_explain(word: &str, style: Style) -> Result<Answer, Failure> {
     let mut known = Vec::new();
     for entry in RULES {
-        let front = Front::parse(entry.page)?;
-        if [&front.code, &front.name]
+        let page = entry.page;
+        if [page.code, page.name]
             .iter()
             .any(|name| name.eq_ignore_ascii_case(word))
         {
             return Ok(Answer {
-                out: explain::render(entry.page, style)?,
+                out: explain::render(page, style),
                 code: EXIT_CLEAN,
                 ..Answer::default()
             });
         }
-        known.extend([front.code, front.name]);
+        known.extend([page.code, page.name]);
     }
     let meant = nearest(word, &known).map_or_else(String::new, |name| format!("; did you mean `{name}`?"));
     Err(Failure::Usage(format!(
@@ -289,7 +285,7 @@ fn run_explain(word: &str, style: Style) -> Result<Answer, Failure> {
 }
 
 /// The known word that is nearest, if it is near.
-fn nearest<'a>(word: &str, known: &'a [String]) -> Option<&'a str> {
+fn nearest<'a>(word: &str, known: &[&'a str]) -> Option<&'a str> {
     let word = word.to_lowercase();
     known
         .iter()
@@ -301,19 +297,16 @@ fn nearest<'a>(word: &str, known: &'a [String]) -> Option<&'a str> {
         })
         .filter(|(likeness, _)| *likeness >= 0.5)
         .max_by(|a, b| a.0.total_cmp(&b.0).then_with(|| b.1.cmp(a.1)))
-        .map(|(_, name)| name.as_str())
+        .map(|(_, name)| *name)
 }
 
 /// What reports say of every rule.
-pub fn rules() -> Result<Vec<RuleInfo>, PageError> {
-    RULES
-        .iter()
-        .map(|entry| Front::parse(entry.page).map(|front| RuleInfo::new(&front, entry.page)))
-        .collect()
+pub fn rules() -> Vec<&'static Page> {
+    RULES.iter().map(|entry| entry.page).collect()
 }
 
 fn run_rules(format: RulesFormat, style: Style) -> Result<Answer, Failure> {
-    let rules = rules()?;
+    let rules = rules();
     let out = match format {
         RulesFormat::Text => rules_table::text(&rules, style),
         RulesFormat::Json => rules_table::json(&rules)?,

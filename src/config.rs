@@ -36,6 +36,8 @@
 //!   velodyne: [lidar, velo]
 //! transforms:                      # what a statement of a file is, where the file does not say or is in doubt
 //!   - {file: fast_livo.yaml, key: 'extrin_calib/extrinsic*', is: imu from lidar}
+//! comments: accept                 # `frames-lint: allow` in files counts; refuse: it does not, as usual where --config gives this file
+//! xacro: run                       # the program `xacro` as well, where this file lies outside of what is checked; else own
 //! projections:                     # see `projections`
 //!   - topic: /points
 //!     range_image: {width: 1024, height: 64, fov_up_deg: 22.5, fov_down_deg: -22.5}
@@ -60,6 +62,7 @@ use globset::{Glob, GlobMatcher};
 
 use crate::policy::Policy;
 use crate::read::discover::CONFIGURATION;
+use crate::read::ground::Ground;
 use crate::run::FailOn;
 use crate::source::{Place, Source, SourceId, SourceKind, Span};
 use crate::tables::Tables;
@@ -83,6 +86,8 @@ pub struct Config {
     below: Vec<Layer>,
     /// What is known of devices, with the user's own rows.
     tables: Arc<Tables>,
+    /// Where files that it names may lie; anywhere where `None`.
+    ground: Option<Ground>,
 }
 
 /// One file, or a profile of the tool.
@@ -100,6 +105,10 @@ struct Layer {
     projections: Vec<projections::Declared>,
     aliases: Vec<Alias>,
     transforms: Vec<DeclaredTransform>,
+    /// Whether the `xacro` program may be run.
+    xacro: Option<bool>,
+    /// Whether comments in what is checked count.
+    comments: Option<bool>,
     asked: Asked,
 }
 
@@ -107,9 +116,13 @@ struct Layer {
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct ConfigError(pub String);
 
-/// A profile where one is named, and on top of it a file where there is one. `None` where there is neither.
-pub fn find(file: Option<&Path>, profile: Option<&str>) -> Result<Option<Config>, ConfigError> {
-    let mut config = Config::default();
+/// A profile where one is named, and on top of it a file where there is one. `None` where there is neither. Files that the file names lie
+/// on the ground, if there is one.
+pub fn find(file: Option<&Path>, profile: Option<&str>, ground: Option<Ground>) -> Result<Option<Config>, ConfigError> {
+    let mut config = Config {
+        ground,
+        ..Config::default()
+    };
     if let Some(profile) = profile {
         config.add_profile(profile)?;
     }
@@ -182,7 +195,7 @@ impl Config {
             reader.keys(&root, KEYS)?;
             self.extend(&reader, &root, folder, open)?;
             if let Some(node) = root.get("tables") {
-                let tables = reader.tables(node, folder, (*self.tables).clone())?;
+                let tables = reader.tables(node, folder, (*self.tables).clone(), self.ground.as_ref())?;
                 self.tables = Arc::new(tables);
             }
             layer.conventions = reader.conventions(&root)?;
@@ -193,6 +206,8 @@ impl Config {
                 .get("dataset")
                 .map(|node| reader.dataset(node, &self.tables))
                 .transpose()?;
+            layer.xacro = reader.word(&root, "xacro", XACRO)?;
+            layer.comments = reader.word(&root, "comments", COMMENTS)?;
             layer.asked = reader.asked(&root)?;
         }
         layer.text = text;
@@ -322,6 +337,16 @@ impl Config {
         self.layers.iter().rev().find_map(|layer| layer.asked.fail_on)
     }
 
+    /// Whether the `xacro` program may be run on what is checked.
+    pub fn runs_xacro(&self) -> bool {
+        self.layers.iter().rev().find_map(|layer| layer.xacro).unwrap_or(false)
+    }
+
+    /// Whether comments in what is checked accept findings, where it says so.
+    pub fn counts_comments(&self) -> Option<bool> {
+        self.layers.iter().rev().find_map(|layer| layer.comments)
+    }
+
     /// Its keys that count for platforms alone, and not for single files.
     pub fn keys_of_platforms(&self) -> impl Iterator<Item = &'static str> {
         let has = |test: fn(&Layer) -> bool| self.layers.iter().any(test);
@@ -376,9 +401,16 @@ impl Layer {
     }
 }
 
+/// What `xacro` may be.
+const XACRO: &[(&str, bool)] = &[("own", false), ("run", true)];
+
+/// What `comments` may be.
+const COMMENTS: &[(&str, bool)] = &[("accept", true), ("refuse", false)];
+
 /// The keys of a configuration.
 pub const KEYS: &[&str] = &[
     "aliases",
+    "comments",
     "conventions",
     "dataset",
     "extends",
@@ -391,6 +423,7 @@ pub const KEYS: &[&str] = &[
     "tables",
     "transforms",
     "waivers",
+    "xacro",
 ];
 
 #[cfg(test)]
@@ -440,8 +473,8 @@ mod tests {
     fn faults_have_a_place_and_say_what_is_known() {
         assert_eq!(
             fault("rule: {}\n"),
-            "c.yaml:1:1: unknown key `rule`; did you mean `rules`? known keys: aliases, conventions, dataset, extends, fail-on, limits, paths, \
-             projections, require, rules, tables, transforms, waivers"
+            "c.yaml:1:1: unknown key `rule`; did you mean `rules`? known keys: aliases, comments, conventions, dataset, extends, fail-on, limits, \
+             paths, projections, require, rules, tables, transforms, waivers, xacro"
         );
         assert_eq!(
             fault("conventions:\n  - topic: /imu\n    wrold: NED\n"),

@@ -2,8 +2,9 @@
 
 use std::collections::BTreeMap;
 
-use serde::Deserialize;
-use serde::de::DeserializeOwned;
+use serde::de::value::{self, MapDeserializer};
+use serde::de::{DeserializeOwned, IntoDeserializer, Visitor};
+use serde::{Deserialize, Deserializer};
 
 use crate::source::Confidence;
 use crate::verdict::Severity;
@@ -18,44 +19,82 @@ pub enum Status {
     Stable,
 }
 
-/// One limit: a number with its unit and the reason for it.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Limit {
-    /// The number.
-    pub value: serde_yaml::Value,
-    /// Its unit.
-    pub unit: String,
-    /// Why this number.
-    pub reason: String,
+/// A number of a page: whole where it counts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Number {
+    /// A count.
+    Whole(i64),
+    /// A quantity.
+    Real(f64),
 }
 
-impl Limit {
-    /// The number that a text opens with, alone.
-    fn bare(text: &str) -> Result<Self, PageError> {
-        let word = text.split([',', '}']).next().unwrap_or_default().trim();
-        let whole = word.parse::<i64>().map(serde_yaml::Value::from);
-        let value = whole.or_else(|_| word.parse::<f64>().map(serde_yaml::Value::from));
-        Ok(Self {
-            value: value.map_err(|_| PageError(format!("limits: `{word}` is no number")))?,
-            unit: String::new(),
-            reason: String::new(),
-        })
+impl Number {
+    /// As a quantity.
+    pub fn as_f64(self) -> f64 {
+        match self {
+            Self::Whole(whole) => whole as f64,
+            Self::Real(real) => real,
+        }
     }
 }
 
-/// The front matter of a page.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Front {
+impl std::fmt::Display for Number {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::Whole(whole) => write!(f, "{whole}"),
+            Self::Real(real) => write!(f, "{real:?}"),
+        }
+    }
+}
+
+impl<'de> Deserializer<'de> for Number {
+    type Error = value::Error;
+
+    fn deserialize_any<V: Visitor<'de>>(self, visitor: V) -> Result<V::Value, Self::Error> {
+        match self {
+            Self::Whole(whole) => visitor.visit_i64(whole),
+            Self::Real(real) => visitor.visit_f64(real),
+        }
+    }
+
+    serde::forward_to_deserialize_any! {
+        bool i8 i16 i32 i64 i128 u8 u16 u32 u64 u128 f32 f64 char str string bytes byte_buf option unit unit_struct newtype_struct seq
+        tuple tuple_struct map struct enum identifier ignored_any
+    }
+}
+
+impl IntoDeserializer<'_> for Number {
+    type Deserializer = Self;
+
+    fn into_deserializer(self) -> Self {
+        self
+    }
+}
+
+/// One limit: a number with its unit and the reason for it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limit {
+    /// What the rule's Rust calls it.
+    pub name: &'static str,
+    /// The number.
+    pub value: Number,
+    /// Its unit.
+    pub unit: &'static str,
+    /// Why this number.
+    pub reason: &'static str,
+}
+
+/// A rule's page. Those of the catalogue are made by `build.rs` of the files in `rules/`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Page {
     /// `TREE01`.
-    pub code: String,
+    pub code: &'static str,
     /// `orphan-subtree`.
-    pub name: String,
+    pub name: &'static str,
     /// One line: what a finding says.
-    pub summary: String,
+    pub summary: &'static str,
     /// Version the rule came with.
-    pub since: String,
+    pub since: &'static str,
     /// Trial or stable.
     pub status: Status,
     /// The worst severity the rule gives.
@@ -63,120 +102,35 @@ pub struct Front {
     /// The ceiling of its confidence.
     pub confidence: Confidence,
     /// What is judged: one outcome row for each.
-    pub subject: String,
+    pub subject: &'static str,
     /// What there is to be seen of it: a row of `rules/tables/views.yaml`.
-    pub view: String,
+    pub view: &'static str,
     /// What must be at hand, in kinds of `rules/tables/recordings.yaml`.
-    #[serde(default)]
-    pub evidence: Vec<String>,
+    pub evidence: &'static [&'static str],
     /// Limits by name; the rule's Rust has a typed struct of the same names.
-    #[serde(default)]
-    pub limits: BTreeMap<String, Limit>,
+    pub limits: &'static [Limit],
     /// Standards, papers and code the rule rests on.
-    #[serde(default)]
-    pub references: Vec<String>,
+    pub references: &'static [&'static str],
+    /// What follows the front matter.
+    pub body: &'static str,
 }
 
-/// A page that cannot be used: a fault of ours.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct PageError(pub String);
-
-impl std::fmt::Display for PageError {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(&self.0)
-    }
-}
-
-impl std::error::Error for PageError {}
-
-/// A value that is one word of a closed list.
-fn word<T: DeserializeOwned>(value: &str) -> Result<T, PageError> {
-    let word = serde::de::value::StrDeserializer::<serde::de::value::Error>::new(value.trim());
-    T::deserialize(word).map_err(|error| PageError(format!("front matter: {error}")))
-}
-
-/// Splits a page into its front matter text and its body.
-pub fn split(page: &str) -> Result<(&str, &str), PageError> {
-    page.strip_prefix("---\n")
-        .and_then(|rest| rest.split_once("\n---\n"))
-        .ok_or_else(|| PageError("a page opens with front matter between two lines of ---".to_owned()))
-}
-
-impl Front {
-    /// Reads the front matter of a page.
-    pub fn parse(page: &str) -> Result<Self, PageError> {
-        let (front, _) = split(page)?;
-        serde_yaml::from_str(front).map_err(|error| PageError(format!("front matter: {error}")))
-    }
-
-    /// Reads the front matter without limits and references, which stand last: a run needs those of few rules.
-    ///
-    /// These lines are plain `key: value` pairs in this order and are taken as they stand, because fifty YAML documents cost as
-    /// much as reading a robot; a test holds the answer to that of [`Front::parse`].
-    pub fn parse_head(page: &str) -> Result<Self, PageError> {
-        let (front, _) = split(page)?;
-        let mut lines = front.lines().take_while(|line| !line.starts_with("limits:"));
-        let mut line = |key: &str| {
-            let value = lines.find_map(|line| line.strip_prefix(key)?.strip_prefix(": "));
-            let value = value.map(|value| value.trim().trim_matches('"'));
-            value.ok_or_else(|| PageError(format!("front matter: no line `{key}` in its place")))
-        };
-        Ok(Self {
-            code: line("code")?.to_owned(),
-            name: line("name")?.to_owned(),
-            summary: line("summary")?.to_owned(),
-            since: line("since")?.to_owned(),
-            status: word(line("status")?)?,
-            severity: word(line("severity")?)?,
-            confidence: word(line("confidence")?)?,
-            subject: line("subject")?.to_owned(),
-            view: line("view")?.to_owned(),
-            evidence: Vec::new(),
-            limits: BTreeMap::new(),
-            references: Vec::new(),
-        })
-    }
-
-    /// Reads the front matter with the values of its limits, without their units, reasons and the references.
-    ///
-    /// Values are single numbers and taken as they stand, for the reason of [`Front::parse_head`]; the same test holds
-    /// them.
-    pub fn parse_limits(page: &str) -> Result<Self, PageError> {
-        let mut whole = Self::parse_head(page)?;
-        let (front, _) = split(page)?;
-        let mut name = None;
-        let lines = front.lines().skip_while(|line| !line.starts_with("limits:")).skip(1);
-        for line in lines.take_while(|line| line.starts_with("  ")) {
-            let (key, rest) = line.trim().split_once(':').unwrap_or((line, ""));
-            if !line.starts_with("   ") {
-                name = Some(key);
-            }
-            let value = if key == "value" {
-                Some(rest)
-            } else {
-                rest.trim_start().strip_prefix("{value:")
-            };
-            if let (Some(name), Some(value)) = (name, value) {
-                whole.limits.insert(name.to_owned(), Limit::bare(value)?);
-            }
-        }
-        Ok(whole)
-    }
-
+impl Page {
     /// The family: the letters of the code.
-    pub fn family(&self) -> &str {
+    pub fn family(&self) -> &'static str {
         self.code.trim_end_matches(|c: char| c.is_ascii_digit())
     }
 
-    /// The limits as the rule's own struct; names that do not match are an error.
-    pub fn limits<L: DeserializeOwned>(&self) -> Result<L, PageError> {
-        let mapping: serde_yaml::Mapping = self
-            .limits
-            .iter()
-            .map(|(name, limit)| (serde_yaml::Value::from(name.as_str()), limit.value.clone()))
-            .collect();
-        serde_yaml::from_value(serde_yaml::Value::Mapping(mapping))
-            .map_err(|error| PageError(format!("limits of {}: {error}", self.code)))
+    /// The limit of this name.
+    pub fn limit(&self, name: &str) -> Option<&'static Limit> {
+        self.limits.iter().find(|limit| limit.name == name)
+    }
+
+    /// The limits as the rule's own struct, those of `own` in place of the page's; names that do not match are an error.
+    pub fn limits<L: DeserializeOwned>(&self, own: &BTreeMap<String, Number>) -> Result<L, String> {
+        let limits = self.limits.iter();
+        let values = limits.map(|limit| (limit.name, own.get(limit.name).copied().unwrap_or(limit.value)));
+        L::deserialize(MapDeserializer::new(values)).map_err(|error| format!("limits of {}: {error}", self.code))
     }
 }
 

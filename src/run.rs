@@ -5,7 +5,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
 
-use crate::page::{Front, Status};
+use crate::page::Page;
 use crate::source::{Confidence, ReadStatus, Source, SourceId};
 use crate::verdict::waiver::FAMILY;
 use crate::verdict::{Finding, Outcome, Severity, Verdict, Waived, judged_of_applicable};
@@ -36,7 +36,7 @@ pub struct Run {
     /// them, else none.
     pub seen: Vec<World>,
     /// The rules that ran, in code order.
-    pub rules: Vec<RuleInfo>,
+    pub rules: Vec<&'static Page>,
     /// Files met in folders that no reader exists for: how many, by extension or name.
     pub skipped: BTreeMap<String, usize>,
     /// Rules that had to judge, and did not.
@@ -156,52 +156,6 @@ pub struct Recording {
     pub because: Option<String>,
     /// The errors and warnings that nobody accepts, without hints: of each rule the worst one in words, the worst first.
     pub reasons: Vec<(Severity, String)>,
-}
-
-/// What a report needs to know of a rule: the front matter of its page without limits and references.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct RuleInfo {
-    /// `TREE01`.
-    pub code: String,
-    /// `orphan-subtree`.
-    pub name: String,
-    /// One line: what a finding says.
-    pub summary: String,
-    /// The letters of the code.
-    pub family: String,
-    /// The worst severity the rule gives.
-    pub severity: Severity,
-    /// The ceiling of its confidence.
-    pub confidence: Confidence,
-    /// Trial or stable.
-    pub status: Status,
-    /// What is judged: one outcome row for each.
-    pub subject: String,
-    /// What there is to be seen of it: a row of `rules/tables/views.yaml`.
-    pub view: String,
-    /// Version the rule came with.
-    pub since: String,
-    /// Its page, with front matter.
-    pub page: &'static str,
-}
-
-impl RuleInfo {
-    /// From its page and the front matter of that.
-    pub fn new(front: &Front, page: &'static str) -> Self {
-        Self {
-            code: front.code.clone(),
-            name: front.name.clone(),
-            summary: front.summary.clone(),
-            family: front.family().to_owned(),
-            severity: front.severity,
-            confidence: front.confidence,
-            status: front.status,
-            subject: front.subject.clone(),
-            view: front.view.clone(),
-            since: front.since.clone(),
-            page,
-        }
-    }
 }
 
 /// From which severity on findings fail a run. Hints never do.

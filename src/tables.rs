@@ -14,7 +14,7 @@ pub mod views;
 mod writing;
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, LazyLock};
 
 use serde::Deserialize;
 
@@ -27,6 +27,22 @@ pub use rows::{RowFault, Rows};
 pub use writing::{Writing, WrittenTransform, writings};
 
 use rows::Row;
+
+/// A table that comes with the program: `build.rs` makes JSON of each in `rules/tables/`.
+macro_rules! table {
+    ($name:literal) => {
+        serde_json::from_str(include_str!(concat!(env!("OUT_DIR"), "/", $name, ".json")))
+    };
+}
+use table;
+
+/// The rows of such a table, read when they are first asked for.
+macro_rules! rows {
+    ($row:ty, $name:literal) => {{
+        static ROWS: LazyLock<Vec<Arc<$row>>> = LazyLock::new(|| rows::built_in(table!($name)));
+        Rows::of(&ROWS)
+    }};
+}
 
 /// The tables of devices, drivers and datasets.
 #[derive(Clone, Debug)]
@@ -45,19 +61,17 @@ pub struct Tables {
 impl Default for Tables {
     /// Those that come with the program.
     fn default() -> Self {
-        static TABLES: OnceLock<Tables> = OnceLock::new();
-        let read = || Self {
-            lidar_clouds: Rows::read(include_str!("../rules/tables/lidar-clouds.yaml")),
-            lidars: Rows::read(include_str!("../rules/tables/lidars.yaml")),
-            ouster: Rows::read(include_str!("../rules/tables/ouster.yaml")),
-            lidar_imus: Rows::read(include_str!("../rules/tables/lidar-imus.yaml")),
-            driver_frames: Rows::read(include_str!("../rules/tables/driver-frames.yaml")),
-            ins_drivers: Rows::read(include_str!("../rules/tables/ins-drivers.yaml")),
-            simulators: Rows::read(include_str!("../rules/tables/simulators.yaml")),
-            datasets: Rows::read(include_str!("../rules/tables/datasets.yaml")),
-            dialects: Rows::read(include_str!("../rules/tables/calibration-dialects.yaml")),
-        };
-        TABLES.get_or_init(read).clone()
+        Self {
+            lidar_clouds: rows!(CloudDriver, "lidar-clouds"),
+            lidars: rows!(Lidar, "lidars"),
+            ouster: rows!(OusterPlace, "ouster"),
+            lidar_imus: rows!(LidarImu, "lidar-imus"),
+            driver_frames: rows!(Driver, "driver-frames"),
+            ins_drivers: rows!(InsDriver, "ins-drivers"),
+            simulators: rows!(Simulator, "simulators"),
+            datasets: rows!(Dataset, "datasets"),
+            dialects: rows!(Dialect, "calibration-dialects"),
+        }
     }
 }
 
@@ -221,15 +235,14 @@ impl LeapSeconds {
 
 /// The table of leap seconds.
 pub fn leap_seconds() -> &'static LeapSeconds {
-    static TABLE: OnceLock<LeapSeconds> = OnceLock::new();
-    TABLE.get_or_init(|| {
-        let text = include_str!("../rules/tables/leap-seconds.yaml");
-        serde_yaml::from_str(text).unwrap_or_else(|_| LeapSeconds {
+    static TABLE: LazyLock<LeapSeconds> = LazyLock::new(|| {
+        table!("leap-seconds").unwrap_or_else(|_| LeapSeconds {
             source: String::new(),
             expires: Day { unix_s: 0 },
             steps: Vec::new(),
         })
-    })
+    });
+    &TABLE
 }
 
 /// Transforms that a driver publishes inside its own device.
@@ -314,8 +327,8 @@ pub struct EarthOrigins {
 
 /// The table of origins on the Earth.
 pub fn earth_origins() -> &'static EarthOrigins {
-    static TABLE: OnceLock<EarthOrigins> = OnceLock::new();
-    TABLE.get_or_init(|| serde_yaml::from_str(include_str!("../rules/tables/earth-origins.yaml")).unwrap_or_default())
+    static TABLE: LazyLock<EarthOrigins> = LazyLock::new(|| table!("earth-origins").unwrap_or_default());
+    &TABLE
 }
 
 #[cfg(test)]

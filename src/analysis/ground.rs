@@ -256,7 +256,8 @@ impl Limits {
 mod tests {
     use super::*;
     use crate::math::tests_support::Rng;
-    use crate::page::Front;
+    use crate::rules::pages;
+    use std::collections::BTreeMap;
 
     /// What a sensor at the origin sees, looking along x: 70 degrees across, from 25 degrees down to 15 up. The ground lies so far beneath
     /// it, a wall so far ahead, and a fifth of the rays ends on the way.
@@ -280,11 +281,7 @@ mod tests {
 
     #[test]
     fn a_sensor_that_looks_ahead_sees_the_ground_and_takes_no_wall_for_it() {
-        let limits = Front::parse_limits(include_str!("../../rules/axes/up-axis-flip.md"))
-            .unwrap()
-            .limits::<Limits>()
-            .unwrap()
-            .is_ground();
+        let limits = pages::AXES10.limits::<Limits>(&BTreeMap::new()).unwrap().is_ground();
         let side = |ground_m, wall_m| ground(&seen(ground_m, wall_m), &limits).map(|ground| ground.side);
         assert_eq!(side(1.8, 60.0), Some(0));
         for wall_m in [4.0, 8.0, 20.0] {

@@ -74,6 +74,9 @@ pub(super) enum Verb {
         /// Arguments for it
         #[arg(value_name = "NAME:=VALUE", value_parser = xacro_arg)]
         args: Vec<String>,
+        /// Folder that may be read; may be repeated, and without it any may
+        #[arg(long, value_name = "DIR")]
+        ground: Vec<PathBuf>,
     },
     /// Write a completion script for a shell
     Completions {
@@ -103,6 +106,13 @@ pub(super) struct Reading {
     /// Argument for xacro files; may be repeated
     #[arg(long = "xacro-arg", value_name = "NAME:=VALUE", value_parser = xacro_arg)]
     pub(super) xacro_args: Vec<String>,
+    /// Who expands xacro files: this program alone (own), or also the installed xacro program and the environment (run), which execute what
+    /// the files say
+    #[arg(long, value_name = "WHO", value_enum, default_value_t)]
+    pub(super) xacro: Xacro,
+    /// Let configurations that are found extend files, and take tables from files, outside of their repositories
+    #[arg(long)]
+    pub(super) outside: bool,
     /// Folder with message definitions (package/msg/Type.msg), for recordings that carry none; may be repeated
     #[arg(long = "msg-path", value_name = "DIR", value_hint = ValueHint::DirPath)]
     pub(super) msg_paths: Vec<PathBuf>,
@@ -117,13 +127,24 @@ pub(super) struct Reading {
     pub(super) budget: Option<std::time::Duration>,
 }
 
+/// Who expands xacro files.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, ValueEnum)]
+pub(super) enum Xacro {
+    /// This program alone, without the environment
+    #[default]
+    Own,
+    /// The installed xacro program as well
+    Run,
+}
+
 impl Reading {
     /// What the engine is asked for with these paths.
     pub(super) fn options(self, paths: Vec<PathBuf>, surroundings: Surroundings) -> engine::Options {
         engine::Options {
             extent: self.extent(),
             paths,
-            xacro: surroundings.xacro(self.xacro_args),
+            xacro: surroundings.xacro(self.xacro_args, self.xacro == Xacro::Run),
+            outside: self.outside,
             msg_paths: self.msg_paths,
             progress: surroundings.progress,
             ..engine::Options::default()

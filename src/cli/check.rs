@@ -11,7 +11,7 @@ use crate::report::{self, Format, Style, plural, terminal};
 use crate::rules::codes;
 use crate::run::Run;
 
-use super::args::{Chain, Check, Color, Reporting};
+use super::args::{Chain, Check, Color, Reporting, Xacro};
 use super::stream::Stream;
 use super::{Answer, Failure, Surroundings, call, fixes, paths, save, view};
 
@@ -49,7 +49,8 @@ pub(super) fn run(
         wanted: engine::Wanted::Facts,
         select: check.select,
         ignore: check.ignore,
-        xacro: surroundings.xacro(check.reading.xacro_args),
+        xacro: surroundings.xacro(check.reading.xacro_args, check.reading.xacro == Xacro::Run),
+        outside: check.reading.outside,
         msg_paths: check.reading.msg_paths,
         progress: surroundings.progress,
     };

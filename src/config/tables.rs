@@ -7,8 +7,10 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::read::calibration::document::{Kind, Node};
+use crate::read::ground::Ground;
 use crate::tables::{RowFault, Tables};
 
+use super::extends::guard;
 use super::reader::Reader;
 use super::{ConfigError, MAX_BYTES};
 
@@ -17,12 +19,21 @@ const MAX_ROWS: usize = 1000;
 
 impl Reader<'_> {
     /// The tables with the rows that stand under `tables:` in front.
-    pub(super) fn tables(&self, node: &Node, folder: &Path, mut tables: Tables) -> Result<Tables, ConfigError> {
+    pub(super) fn tables(
+        &self,
+        node: &Node,
+        folder: &Path,
+        mut tables: Tables,
+        ground: Option<&Ground>,
+    ) -> Result<Tables, ConfigError> {
         self.keys(node, &Tables::NAMES)?;
         for (key, value) in node.pairs() {
             let table = key.text().unwrap_or_default();
             match value.text() {
-                Some(path) if !path.is_empty() => self.file(table, path, value, folder, &mut tables)?,
+                Some(path) if !path.is_empty() => {
+                    guard(ground, &folder.join(path), path).map_err(|what| self.error(value.span.start, &what))?;
+                    self.file(table, path, value, folder, &mut tables)?;
+                }
                 _ => self.rows(table, value, &mut tables)?,
             }
         }

@@ -10,7 +10,9 @@ use globset::GlobMatcher;
 use crate::config::{self, Config};
 use crate::policy::Force;
 use crate::read::discover::Inputs;
+use crate::read::ground::Ground;
 use crate::read::input::Input;
+use crate::rules::RULES;
 use crate::run::FailOn;
 use crate::source::{Source, SourceId, SourceKind};
 use crate::tables::Tables;
@@ -38,7 +40,10 @@ pub(super) struct Governance {
 impl Governance {
     fn new(options: &Options, file: Option<&Path>, folder: PathBuf) -> Result<Self, UsageError> {
         let profile = options.profile.as_deref().filter(|_| !options.without_config);
-        let config = config::find(file, profile)?;
+        // Who gives a configuration answers for what it names.
+        let is_given = options.config.as_deref() == file;
+        let ground = file.filter(|_| !is_given && !options.outside);
+        let config = config::find(file, profile, ground.map(|file| Ground::around([file])))?;
         let mut choice = plan::enabled(&options.select, &options.ignore, config.as_ref())?;
         for rule in &mut choice.rules {
             rule.plots = options.sights >= Sights::Plots;
@@ -159,8 +164,18 @@ impl Governed {
         at
     }
 
-    /// Says of configurations that govern no platform what has no effect there. Behind all judging.
-    pub(super) fn note_idle(&self, sources: &mut [Source]) {
+    /// Says of configurations what has no effect: of those that govern no platform, and of one that would run a program on what it lies in.
+    /// Behind all judging.
+    pub(super) fn note_idle(&self, options: &Options, sources: &mut [Source]) {
+        let configs = self.each().filter_map(|one| one.config.as_ref());
+        let refused = configs.filter(|config| config.runs_xacro() && !self.runs_xacro(options) && !options.xacro.run);
+        for config in refused {
+            let is_it = |source: &&mut Source| source.kind == SourceKind::Configuration && source.path == config.path();
+            if let Some(source) = sources.iter_mut().find(is_it) {
+                let why = "it lies in what is checked, or counts for a part of it: --xacro run does it";
+                source.notes.push(format!("no effect of `xacro`: {why}"));
+            }
+        }
         let in_force = self.in_force.lock().map(|known| known.clone()).unwrap_or_default();
         let idle = (1..).zip(&self.deeper).filter(|(at, _)| !in_force.contains(at));
         for config in idle.filter_map(|(_, one)| one.config.as_ref()) {
@@ -196,7 +211,7 @@ impl Governed {
     /// The rules that run anywhere, once each.
     pub(super) fn rules(&self) -> Vec<&Enabled> {
         let all = self.each().flat_map(|one| &one.choice.rules);
-        let rules: BTreeMap<&str, &Enabled> = all.map(|rule| (rule.front.code.as_str(), rule)).collect();
+        let rules: BTreeMap<&str, &Enabled> = all.map(|rule| (rule.page.code, rule)).collect();
         rules.into_values().collect()
     }
 
@@ -213,6 +228,19 @@ impl Governed {
             .map(Option::unwrap_or_default)
             .max_by_key(|one| one.rank());
         strictest.filter(|_| is_named)
+    }
+
+    /// Whether comments in what is checked accept findings. Where a configuration is given by name, only if that says so: who wrote what is
+    /// checked may be another than who accepts it.
+    pub(super) fn counts_comments(&self, options: &Options) -> bool {
+        let said = self.outer.config.as_ref().and_then(Config::counts_comments);
+        said.unwrap_or(options.config.is_none())
+    }
+
+    /// Whether the `xacro` program may be run: the outer configuration says so, and lies outside of what is checked.
+    pub(super) fn runs_xacro(&self, options: &Options) -> bool {
+        let config = self.outer.config.as_ref().filter(|config| config.runs_xacro());
+        config.is_some_and(|config| !Ground::exactly(&options.paths).holds(Path::new(config.path())))
     }
 
     /// Their files as sources, behind these. The id of the first.
@@ -232,7 +260,7 @@ pub fn settings_of(options: &Options, file: &Path) -> Result<Vec<(&'static str, 
     let looks = options.config.is_none() && !options.without_config;
     let near = config::nearest(file).filter(|_| looks);
     let one = Governance::new(options, options.config.as_deref().or(near.as_deref()), PathBuf::new())?;
-    let all = plan::all()?.len();
+    let all = RULES.len();
     let Some(config) = one.config else {
         return Ok(vec![
             ("configuration", "none".to_owned()),

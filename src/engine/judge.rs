@@ -120,7 +120,7 @@ fn not_silent(rule: &Enabled, out: &mut Judge) {
         out.not_evaluated(
             "platform",
             NotEvaluated::NotApplicable,
-            format!("nothing here to judge ({})", rule.front.subject),
+            format!("nothing here to judge ({})", rule.page.subject),
         );
     }
 }
@@ -211,8 +211,8 @@ fn unmeasured(out: &Judge) -> Option<String> {
 fn take(mut out: Judge, rule: &Enabled, label: Option<&str>, crash: Option<String>, verdict: &mut Verdict) {
     let prefixed = |subject: String| label.map_or_else(|| subject.clone(), |label| format!("{label}: {subject}"));
     let row = |subject: String, outcome, reason, measured| Row {
-        rule: rule.front.code.clone(),
-        name: rule.front.name.clone(),
+        rule: rule.page.code.to_owned(),
+        name: rule.page.name.to_owned(),
         subject,
         outcome,
         reason,
@@ -237,15 +237,15 @@ fn take(mut out: Judge, rule: &Enabled, label: Option<&str>, crash: Option<Strin
             ..row(prefixed(judged.subject), judged.outcome, judged.reason, judged.measured)
         });
     }
-    let ceiling = match rule.front.status {
+    let ceiling = match rule.page.status {
         Status::Trial => Confidence::Hint,
-        Status::Stable => rule.front.confidence,
+        Status::Stable => rule.page.confidence,
     };
     for finding in out.findings {
         let subject = prefixed(finding.subject.clone());
         verdict.findings.push(Finding {
-            rule: rule.front.code.clone(),
-            name: rule.front.name.clone(),
+            rule: rule.page.code.to_owned(),
+            name: rule.page.name.to_owned(),
             subject,
             ..finding.confidence(ceiling)
         });
@@ -267,21 +267,35 @@ pub(super) fn panic_words(panic: &(dyn std::any::Any + Send)) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::page::{Page, Status};
     use crate::rules::{Entry, Evidence, Need};
     use crate::source::{Place, SourceId};
     use crate::verdict::Severity;
 
-    const FRONT: &str = "---\ncode: TEST01\nname: test\nsummary: s\nsince: 0.1.0\nstatus: stable\nseverity: error\n\
-                         confidence: likely\nsubject: one for each test\nview: frames\n---\n";
+    static PAGE: Page = Page {
+        code: "TEST01",
+        name: "test",
+        summary: "s",
+        since: "0.1.0",
+        status: Status::Stable,
+        severity: Severity::Error,
+        confidence: Confidence::Likely,
+        subject: "one for each test",
+        view: "frames",
+        evidence: &[],
+        limits: &[],
+        references: &[],
+        body: "",
+    };
 
     fn run_with(entry: &'static Entry) -> Verdict {
-        let rule = Enabled::new(entry).unwrap();
+        let rule = Enabled::new(entry);
         judge(&World::default(), [&rule], &Settings::default(), None)
     }
 
     #[test]
     fn an_unmet_need_becomes_a_row_with_its_reason() {
-        let entry = Entry::of_test(FRONT, &[Need::Robot], Evidence::LEAST, |_, _| {
+        let entry = Entry::of_test(&PAGE, &[Need::Robot], Evidence::LEAST, |_, _| {
             panic!("must not be asked")
         });
         let verdict = run_with(entry);
@@ -292,7 +306,7 @@ mod tests {
 
     #[test]
     fn silence_becomes_not_evaluated() {
-        let entry = Entry::of_test(FRONT, &[], Evidence::LEAST, |_, _| {});
+        let entry = Entry::of_test(&PAGE, &[], Evidence::LEAST, |_, _| {});
         let verdict = run_with(entry);
         assert_eq!(
             verdict.rows[0].reason.as_deref(),
@@ -302,7 +316,7 @@ mod tests {
 
     #[test]
     fn a_crash_is_caught_and_named_and_what_was_judged_before_stays() {
-        let entry = Entry::of_test(FRONT, &[], Evidence::LEAST, |_, out| {
+        let entry = Entry::of_test(&PAGE, &[], Evidence::LEAST, |_, out| {
             out.pass("first", [Measured::count("things", 1)]);
             panic!("boom")
         });
@@ -315,7 +329,7 @@ mod tests {
 
     #[test]
     fn a_pass_without_a_number_is_a_fault_of_the_rule() {
-        let entry = Entry::of_test(FRONT, &[], Evidence::LEAST, |_, out| {
+        let entry = Entry::of_test(&PAGE, &[], Evidence::LEAST, |_, out| {
             out.pass("thing", []);
         });
         assert_eq!(run_with(entry).count(Outcome::Crashed), 1);
@@ -323,7 +337,7 @@ mod tests {
 
     #[test]
     fn the_page_caps_the_confidence() {
-        let entry = Entry::of_test(FRONT, &[], Evidence::LEAST, |_, out| {
+        let entry = Entry::of_test(&PAGE, &[], Evidence::LEAST, |_, out| {
             out.fail(Finding::error("thing", "wrong", Place::whole(SourceId(0))).measured(Measured::count("n", 1)));
         });
         let verdict = run_with(entry);

@@ -1,9 +1,9 @@
 //! Limits of the user's own: held against the pages, and brought to their units.
 
-use serde_yaml::Value;
+use std::collections::BTreeMap;
 
 use crate::config::LimitOverride;
-use crate::page::{Front, names_rule};
+use crate::page::{Number, names_rule};
 
 use super::UsageError;
 use super::enabled::Enabled;
@@ -26,16 +26,15 @@ const KINDS: [&[(&str, f64)]; 6] = [
 pub(super) fn set(rules: &mut [Enabled], limit: &LimitOverride) -> Result<(), UsageError> {
     let failed = |what: String| UsageError(format!("{}: {what}", limit.origin));
     let rule = rules.iter_mut().find(|rule| {
-        let front = &rule.front;
-        [&front.code, &front.name]
+        [rule.page.code, rule.page.name]
             .iter()
             .any(|known| known.eq_ignore_ascii_case(&limit.rule))
     });
     let rule = rule.ok_or_else(|| failed(format!("`{}` is a family; limits are those of one rule", limit.rule)))?;
-    debug_assert!(names_rule(&limit.rule, &rule.front.code, &rule.front.name));
-    let page = Front::parse(rule.entry.page).map_err(|error| failed(error.to_string()))?;
-    let Some(known) = page.limits.get(&limit.name) else {
-        let names: Vec<&str> = page.limits.keys().map(String::as_str).collect();
+    let page = rule.page;
+    debug_assert!(names_rule(&limit.rule, page.code, page.name));
+    let Some(known) = page.limit(&limit.name) else {
+        let names: Vec<&str> = page.limits.iter().map(|limit| limit.name).collect();
         let names = if names.is_empty() {
             "none".to_owned()
         } else {
@@ -46,8 +45,8 @@ pub(super) fn set(rules: &mut [Enabled], limit: &LimitOverride) -> Result<(), Us
             page.code, limit.name
         )));
     };
-    let factor = factor(&limit.unit, &known.unit).ok_or_else(|| {
-        let example = known.value.as_f64().unwrap_or(1.0);
+    let factor = factor(&limit.unit, known.unit).ok_or_else(|| {
+        let example = known.value.as_f64();
         let unit = if known.unit == "1" {
             String::new()
         } else {
@@ -59,21 +58,16 @@ pub(super) fn set(rules: &mut [Enabled], limit: &LimitOverride) -> Result<(), Us
         ))
     })?;
     let value = limit.value * factor;
-    let value = if known.value.is_f64() {
-        Value::from(value)
-    } else if value.fract() == 0.0 && value.abs() < 1e15 {
-        #[allow(clippy::cast_possible_truncation)] // whole, and small enough
-        let whole = value as i64;
-        Value::from(whole)
+    let counts = matches!(known.value, Number::Whole(_));
+    #[allow(clippy::cast_possible_truncation)] // whole, and small enough
+    let value = if counts && value.fract() == 0.0 && value.abs() < 1e15 {
+        Number::Whole(value as i64)
     } else {
-        Value::from(value)
+        Number::Real(value)
     };
-    let mut with = page.clone();
-    if let Some(limit) = with.limits.get_mut(&limit.name) {
-        limit.value = value.clone();
-    }
-    (rule.entry.check_limits)(&with).map_err(|error| failed(error.to_string()))?;
-    rule.overrides.insert(limit.name.clone(), value);
+    let own = BTreeMap::from([(limit.name.clone(), value)]);
+    (rule.entry.check_limits)(page, &own).map_err(failed)?;
+    rule.overrides.extend(own);
     Ok(())
 }
 

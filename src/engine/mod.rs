@@ -26,8 +26,9 @@ use crate::collect::How;
 use crate::config::Config;
 use crate::progress::Progress;
 use crate::read::discover::{Inputs, discover_of};
+use crate::read::ground::Ground;
 use crate::read::messages::definition::Definitions;
-use crate::run::{Grown, RuleInfo, Run};
+use crate::run::{Grown, Run};
 use crate::source::Source;
 use crate::tables::Tables;
 use crate::verdict::Verdict;
@@ -50,14 +51,6 @@ pub use options::{Options, Sights, UsageError, Verdicts};
 pub use policy::write_baseline;
 pub use sampling::Extent;
 
-/// Every rule of the tool.
-pub fn rules() -> Result<Vec<RuleInfo>, UsageError> {
-    Ok(plan::all()?
-        .iter()
-        .map(|rule| RuleInfo::new(&rule.front, rule.entry.page))
-        .collect())
-}
-
 /// Reads the inputs, judges them, and lays over the verdict what the user accepts and requires. Of several recordings each has a verdict of
 /// its own.
 pub fn check(options: &Options) -> Result<Run, UsageError> {
@@ -73,7 +66,9 @@ pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Resu
         definitions: definitions(options)?,
         governed: Governed::new(options, &inputs)?,
     };
-    let saved = (0..).zip(&options.evidence);
+    let mut saved: Vec<(usize, &PathBuf)> = (0..).zip(&options.evidence).collect();
+    saved.sort_by_key(|(_, path)| *path);
+    let saved = saved.into_iter();
     let saved: Vec<Saved> = saved
         .map(|(number, path)| Saved {
             governed: setup.governed.of_document(number),
@@ -89,11 +84,11 @@ pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Resu
     let in_saved = |saved: &Saved| sessions::of_worlds(&saved.worlds, &saved.sources).drives.len();
     if sessions.drives.len() + saved.iter().map(in_saved).sum::<usize>() > 1 && !is_one {
         let mut run = recordings::check(&setup, &inputs, &sessions, saved, told)?;
-        setup.governed.note_idle(&mut run.sources);
+        setup.governed.note_idle(options, &mut run.sources);
         return Ok(run);
     }
     let mut run = together(&setup, inputs, saved)?;
-    setup.governed.note_idle(&mut run.sources);
+    setup.governed.note_idle(options, &mut run.sources);
     run.verdict.sort();
     told(&run, &Grown::all(&run));
     Ok(run)
@@ -112,7 +107,7 @@ impl Setup<'_> {
         let rules = self.governed.rules().into_iter();
         Run {
             sources,
-            rules: rules.map(|rule| RuleInfo::new(&rule.front, rule.entry.page)).collect(),
+            rules: rules.map(|rule| rule.page).collect(),
             skipped,
             fail_on: self.governed.fail_on(),
             ..Run::default()
@@ -145,11 +140,12 @@ impl Setup<'_> {
 /// One verdict for everything.
 fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, UsageError> {
     let others = saved.iter().map(|saved| saved.worlds.len()).sum();
-    let (mut worlds, mut verdicts) = settle(&inputs, setup, others);
+    let (mut worlds, mut verdicts, plan) = settle(&inputs, setup, others);
     let several = worlds.len() + others > 1;
     let mut labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
     let seen = setup.seen(&worlds);
     let mut run = setup.run(take_sources(&mut worlds), inputs.skipped);
+    plan.note(&mut run.sources);
     run.seen = seen;
     run.worlds = worlds;
     for saved in saved {
@@ -241,9 +237,11 @@ pub fn collect(options: &Options) -> Result<Run, UsageError> {
         definitions: definitions(options)?,
         governed: Governed::new(&all, &inputs)?,
     };
-    let (mut worlds, _) = settle(&inputs, &setup, 0);
+    let (mut worlds, _, plan) = settle(&inputs, &setup, 0);
+    let mut sources = take_sources(&mut worlds);
+    plan.note(&mut sources);
     Ok(Run {
-        sources: take_sources(&mut worlds),
+        sources,
         worlds,
         skipped: inputs.skipped,
         ..Run::default()
@@ -251,7 +249,7 @@ pub fn collect(options: &Options) -> Result<Run, UsageError> {
 }
 
 /// Reads and judges until no rule lacks evidence that may still be had. `others` worlds are judged beside these.
-fn settle(inputs: &Inputs, setup: &Setup, others: usize) -> (Vec<World>, Vec<(usize, Verdict)>) {
+fn settle(inputs: &Inputs, setup: &Setup, others: usize) -> (Vec<World>, Vec<(usize, Verdict)>, sampling::Plan) {
     let mut plan = sampling::Plan::new(setup.options.extent, &setup.governed.rules());
     let progress = Progress::new(setup.options.progress);
     let reading = Reading::new(inputs, setup, &progress);
@@ -259,7 +257,7 @@ fn settle(inputs: &Inputs, setup: &Setup, others: usize) -> (Vec<World>, Vec<(us
         let worlds = reading.worlds(&plan);
         let verdicts = setup.judge(&worlds, worlds.len() + others > 1);
         if !plan.widen(&worlds, &verdicts) {
-            return (worlds, verdicts);
+            return (worlds, verdicts, plan);
         }
     }
 }
@@ -403,11 +401,17 @@ impl<'a> Reading<'a> {
             time_fields: governed.time_fields(),
             ..How::default()
         };
+        let options = self.setup.options;
+        let means = XacroMeans {
+            run: options.xacro.run || governed.runs_xacro(options),
+            ground: Ground::around(options.paths.iter().map(PathBuf::as_path)),
+            ..options.xacro.clone()
+        };
         let readings = gather::gather(
             self.inputs,
             which,
             emerged_from,
-            &self.setup.options.xacro,
+            &means,
             &how,
             &|input| governed.tables(input),
             self.progress,

@@ -25,6 +25,8 @@ pub struct Options {
     pub select: Vec<String>,
     /// Codes, names and families of the rules to leave out.
     pub ignore: Vec<String>,
+    /// Whether configurations that are found may name files outside of their repositories.
+    pub outside: bool,
     /// How xacro files are expanded.
     pub xacro: Means,
     /// The configuration that [`check`](super::check) uses; the nearest above the inputs where `None`.

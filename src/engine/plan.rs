@@ -2,21 +2,15 @@
 
 use crate::analysis::Settings;
 use crate::config::Config;
-use crate::page::{Front, names_rule};
+use crate::page::{Page, names_rule};
 use crate::rules::RULES;
 
 use super::enabled::Enabled;
 use super::{UsageError, limits};
 
 /// Every rule of the tool, in code order of the registry.
-pub(super) fn all() -> Result<Vec<Enabled>, UsageError> {
-    RULES
-        .iter()
-        .map(|entry| {
-            Enabled::new(entry)
-                .map_err(|error| UsageError(format!("a rule's page is broken: {error}: {:.60}", entry.page)))
-        })
-        .collect()
+fn all() -> Vec<Enabled> {
+    RULES.iter().map(Enabled::new).collect()
 }
 
 /// The rules that run, and the limits of all.
@@ -30,7 +24,7 @@ pub(super) struct Choice {
 fn settings(rules: &[Enabled]) -> Settings {
     let mut settings = Settings::default();
     for rule in rules {
-        (rule.entry.add_limits)(&mut settings, rule.entry.page, rule.overrides.clone());
+        (rule.entry.add_limits)(&mut settings, rule.page, rule.overrides.clone());
     }
     settings
 }
@@ -38,16 +32,16 @@ fn settings(rules: &[Enabled]) -> Settings {
 /// The rules named by `select` without those named by `ignore`; where nothing is selected here, as the configuration says, and all
 /// where it does not say. Limits are those of the configuration.
 pub(super) fn enabled(select: &[String], ignore: &[String], config: Option<&Config>) -> Result<Choice, UsageError> {
-    let mut all = all()?;
+    let mut all = all();
     for word in select.iter().chain(ignore) {
-        if !all.iter().any(|rule| matches(&rule.front, word)) {
+        if !all.iter().any(|rule| matches(rule.page, word)) {
             return Err(UsageError(unknown(&all, word)));
         }
     }
     let (mut select, mut ignore) = (select.to_vec(), ignore.to_vec());
     if let Some(config) = config {
         for (word, origin) in config.named_rules() {
-            if !all.iter().any(|rule| matches(&rule.front, word)) {
+            if !all.iter().any(|rule| matches(rule.page, word)) {
                 return Err(UsageError(format!("{origin}: {}", unknown(&all, word))));
             }
         }
@@ -63,8 +57,8 @@ pub(super) fn enabled(select: &[String], ignore: &[String], config: Option<&Conf
     let settings = settings(&all);
     let rules: Vec<Enabled> = all
         .into_iter()
-        .filter(|rule| select.is_empty() || select.iter().any(|word| matches(&rule.front, word)))
-        .filter(|rule| !ignore.iter().any(|word| matches(&rule.front, word)))
+        .filter(|rule| select.is_empty() || select.iter().any(|word| matches(rule.page, word)))
+        .filter(|rule| !ignore.iter().any(|word| matches(rule.page, word)))
         .collect();
     if rules.is_empty() {
         return Err(UsageError("--select and --ignore leave no rule to run".to_owned()));
@@ -73,8 +67,8 @@ pub(super) fn enabled(select: &[String], ignore: &[String], config: Option<&Conf
 }
 
 /// Whether a word names this rule: its code, its name or its family, in any case.
-fn matches(front: &Front, word: &str) -> bool {
-    names_rule(word, &front.code, &front.name)
+fn matches(page: &Page, word: &str) -> bool {
+    names_rule(word, page.code, page.name)
 }
 
 fn unknown(all: &[Enabled], word: &str) -> String {
@@ -83,9 +77,9 @@ fn unknown(all: &[Enabled], word: &str) -> String {
         .iter()
         .flat_map(|rule| {
             [
-                rule.front.code.to_lowercase(),
-                rule.front.name.clone(),
-                rule.front.family().to_lowercase(),
+                rule.page.code.to_lowercase(),
+                rule.page.name.to_owned(),
+                rule.page.family().to_lowercase(),
             ]
         })
         .map(|known| (strsim::damerau_levenshtein(&known, &lower), known))

@@ -6,13 +6,14 @@ use std::time::SystemTime;
 
 use crate::config::Config;
 use crate::files;
-use crate::page::Front;
+use crate::page::Page;
 use crate::policy::baseline::{self, Document};
 use crate::policy::{self, Context, Laid, Policy};
 use crate::read::calibration::document::Node;
 use crate::read::calibration::events;
 use crate::read::calibration::repair::OffsetMap;
-use crate::run::{RuleInfo, Run};
+use crate::rules::RULES;
+use crate::run::Run;
 use crate::source::{LineIndex, Place, Source, SourceId, SourceKind, Span};
 use crate::verdict::waiver::Day;
 use crate::verdict::{Row, Verdict};
@@ -26,11 +27,13 @@ pub(super) struct RunPolicy<'a> {
     /// By the numbers of the configurations.
     each: Vec<Governing>,
     /// Every rule of the tool.
-    rules: Vec<RuleInfo>,
+    rules: Vec<&'static Page>,
     /// The folder that the paths of the baseline start from, where there is one.
     folder: Option<&'a Path>,
     today: Day,
     enabled: Vec<&'a Enabled>,
+    /// Whether comments in what is checked accept findings.
+    comments: bool,
 }
 
 /// The policy of one configuration.
@@ -63,7 +66,7 @@ impl<'a> RunPolicy<'a> {
         let of_config = |config: &Option<Config>| Some(config.as_ref()?.policy(first?));
         let each = governed.each().map(|one| Governing {
             policy: of_config(&one.config).unwrap_or_default(),
-            asked: one.choice.rules.iter().map(|rule| rule.front.code.clone()).collect(),
+            asked: one.choice.rules.iter().map(|rule| rule.page.code.to_owned()).collect(),
         });
         let mut each: Vec<Governing> = each.collect();
         if let Some(path) = &options.baseline {
@@ -84,10 +87,11 @@ impl<'a> RunPolicy<'a> {
         }
         Ok(Self {
             each,
-            rules: super::rules()?,
+            rules: RULES.iter().map(|entry| entry.page).collect(),
             folder: options.baseline.as_deref().and_then(Path::parent),
             today: options.today.clone().unwrap_or_else(|| Day::of(SystemTime::now())),
             enabled: governed.rules(),
+            comments: governed.counts_comments(options),
         })
     }
 
@@ -135,8 +139,7 @@ impl<'a> RunPolicy<'a> {
         run.unmet = passed.unmet;
         for unmet in &mut run.unmet {
             let rule = self.rules.iter().find(|rule| rule.code == unmet.rule);
-            let front = rule.and_then(|rule| Front::parse(rule.page).ok());
-            unmet.record = front.and_then(|front| crate::tables::recordings::advice(&front.evidence));
+            unmet.record = rule.and_then(|rule| crate::tables::recordings::advice(rule.evidence));
         }
     }
 
@@ -154,6 +157,7 @@ impl<'a> RunPolicy<'a> {
             asked,
             paths: &self.folder.map(|folder| paths(sources, folder)).unwrap_or_default(),
             today: &self.today,
+            comments: self.comments,
         })
     }
 }
@@ -169,6 +173,7 @@ pub fn write_baseline(run: &mut Run, path: &Path) -> Result<usize, UsageError> {
             asked: &BTreeSet::new(),
             paths: &paths(&run.sources, path.parent().unwrap_or(Path::new(""))),
             today: &Day::of(SystemTime::UNIX_EPOCH),
+            comments: true,
         },
     );
     let failed = |what: String| UsageError(format!("cannot write `{}`: {what}", path.display()));

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use crate::read::bag::{Carried, Sampling};
 use crate::rules::Evidence;
+use crate::source::Source;
 use crate::verdict::{NotEvaluated, Outcome, Row, Verdict};
 use crate::world::World;
 use crate::world::bag::TopicEvidence;
@@ -50,6 +51,8 @@ pub(super) struct Plan {
     read_bytes: u64,
     /// Rows that lacked evidence in the round before.
     lacking: Option<usize>,
+    /// The time after which no more was read though rules lacked evidence.
+    cut: Option<Duration>,
 }
 
 impl Plan {
@@ -71,6 +74,7 @@ impl Plan {
             begin: Instant::now(),
             read_bytes: 0,
             lacking: None,
+            cut: None,
         }
     }
 
@@ -103,6 +107,7 @@ impl Plan {
             None => bytes.saturating_mul(u64::from(WIDENING)) <= WORK_BYTES.saturating_sub(self.read_bytes),
         };
         if lacking == 0 || is_stuck || !left || self.asked.windows.is_some() {
+            self.cut = self.asked.budget.filter(|_| lacking > 0 && !left);
             return false;
         }
         self.lacking = Some(lacking);
@@ -112,6 +117,20 @@ impl Plan {
             carried.runs = carried.runs.saturating_mul(WIDENING);
         }
         true
+    }
+}
+
+impl Plan {
+    /// Says of recordings that time ended their reading: on another machine, or under another load, more or less may be found.
+    pub(super) fn note(&self, sources: &mut [Source]) {
+        let Some(budget) = self.cut else { return };
+        let budget = humantime::format_duration(budget);
+        let is_cut = |source: &&mut Source| source.examined.windows.is_some();
+        for source in sources.iter_mut().filter(is_cut) {
+            source.notes.push(format!(
+                "the budget of {budget} ended the reading while checks lacked evidence: a slower machine reads less; --full reads all"
+            ));
+        }
     }
 }
 

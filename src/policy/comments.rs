@@ -129,6 +129,9 @@ impl<'t> Comment<'t> {
 
     /// The rules that it allows and where, or what is wrong with it.
     fn read(&self, source: &Source, context: &Context) -> Result<Vec<(String, Allowed)>, String> {
+        if !context.comments {
+            return Err("comments do not count here: the configuration says so, or was named by --config without `comments: accept`".to_owned());
+        }
         let mut words = self.text.split_whitespace();
         let is_file = match words.next() {
             Some("allow") => false,
@@ -153,7 +156,7 @@ impl<'t> Comment<'t> {
             if !context
                 .rules
                 .iter()
-                .any(|known| names_rule(rule, &known.code, &known.name))
+                .any(|known| names_rule(rule, known.code, known.name))
             {
                 return Err(format!("there is no rule `{rule}`; `frames-lint rules` lists them"));
             }

@@ -11,8 +11,8 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use globset::GlobMatcher;
 
-use crate::page::names_rule;
-use crate::run::{RuleInfo, Unmet};
+use crate::page::{Page, names_rule};
+use crate::run::Unmet;
 use crate::source::{Place, Source, SourceId, Span};
 use crate::verdict::deference;
 use crate::verdict::waiver::{Applied, Day, Misspelt, Waiver, plain_subject};
@@ -132,13 +132,15 @@ pub struct Context<'a> {
     /// Labels of the platforms, where subjects open with them.
     pub platforms: &'a [String],
     /// Every rule of the tool.
-    pub rules: &'a [RuleInfo],
+    pub rules: &'a [&'static Page],
     /// Codes of the rules that were asked.
     pub asked: &'a BTreeSet<String>,
     /// The paths of the sources as the baseline has them, by id.
     pub paths: &'a [String],
     /// Today.
     pub today: &'a Day,
+    /// Whether comments in the sources accept findings.
+    pub comments: bool,
 }
 
 /// What was laid over one verdict, besides the marks in it.
@@ -379,7 +381,7 @@ impl Scope {
             .rules
             .iter()
             .filter(|rule| names_rule(&waiver.rule, &rule.code, &rule.name))
-            .filter(|rule| context.asked.contains(&rule.code))
+            .filter(|rule| context.asked.contains(rule.code))
             .peekable();
         if asked.peek().is_none() {
             return Some(format!("{} was not asked in this run", waiver.rule));
@@ -397,7 +399,7 @@ impl Scope {
                 Self::Region(..) => true,
             }
         };
-        let codes: BTreeSet<&str> = asked.map(|rule| rule.code.as_str()).collect();
+        let codes: BTreeSet<&str> = asked.map(|rule| rule.code).collect();
         let rows = || verdict.rows.iter().filter(|row| codes.contains(row.rule.as_str()));
         if rows().any(|row| row.outcome.is_judged() && meant(&row.subject)) {
             return None;

@@ -1,7 +1,7 @@
 //! What must have been judged, and was not: with the reason, and what would have to be there.
 
-use crate::page::names_rule;
-use crate::run::{RuleInfo, SHARE, Unmet};
+use crate::page::{Page, names_rule};
+use crate::run::{SHARE, Unmet};
 use crate::verdict::waiver::{Applied, FAMILY, Waived, plain_subject};
 use crate::verdict::{Row, judged_of_applicable};
 
@@ -27,7 +27,7 @@ pub(super) fn unmet(
         let rules = context
             .rules
             .iter()
-            .filter(|rule| names_rule(&requirement.rule, &rule.code, &rule.name));
+            .filter(|rule| names_rule(&requirement.rule, rule.code, rule.name));
         for rule in rules {
             let Some(mut one) = missing(rows, requirement, rule, context) else {
                 continue;
@@ -39,7 +39,7 @@ pub(super) fn unmet(
                         .is_none_or(|glob| one.subject.as_deref() == Some(glob.glob().glob())),
                     _ => false,
                 };
-                if is_meant && names_rule(&waiver.waiver.rule, &rule.code, &rule.name) {
+                if is_meant && names_rule(&waiver.waiver.rule, rule.code, rule.name) {
                     waiver.matched += 1;
                     one.waived.get_or_insert_with(|| waiver.waiver.waived());
                 }
@@ -85,13 +85,13 @@ pub(super) fn too_few(rows: &[Row], required: &RequiredShare) -> Option<Unmet> {
 
 impl Requirement {
     /// That it lifts a requirement of a rule that stands before it, where it does.
-    fn lifts(&self, before: &Self, rule: &RuleInfo) -> Option<Waived> {
+    fn lifts(&self, before: &Self, rule: &Page) -> Option<Waived> {
         let Force::Lifted(reason) = &self.force else {
             return None;
         };
         let glob = |one: &Self| one.subject.as_ref().map(|glob| glob.glob().glob().to_owned());
         let is_meant = self.subject.is_none() || glob(self) == glob(before);
-        (is_meant && names_rule(&self.rule, &rule.code, &rule.name)).then(|| Waived {
+        (is_meant && names_rule(&self.rule, rule.code, rule.name)).then(|| Waived {
             reason: reason.clone(),
             by: None,
             until: None,
@@ -103,7 +103,7 @@ impl Requirement {
 fn missing(
     (rows, beside): (&[Row], &[Row]),
     requirement: &Requirement,
-    rule: &RuleInfo,
+    rule: &Page,
     context: &Context,
 ) -> Option<Unmet> {
     let rows: Vec<_> = rows.iter().filter(|row| row.rule == rule.code).collect();
@@ -121,7 +121,7 @@ fn missing(
         return None;
     }
     let mut why: Vec<String> = Vec::new();
-    if !context.asked.contains(&rule.code) {
+    if !context.asked.contains(rule.code) {
         why.push("the rule is not among those that were asked (`select`, `ignore`)".to_owned());
     }
     let not_judged: Vec<_> = rows.iter().filter(|row| !row.outcome.is_judged()).collect();
@@ -148,8 +148,8 @@ fn missing(
         why.push(format!("and {more} more reasons"));
     }
     Some(Unmet {
-        rule: rule.code.clone(),
-        name: rule.name.clone(),
+        rule: rule.code.to_owned(),
+        name: rule.name.to_owned(),
         subject: requirement.subject.as_ref().map(|glob| glob.glob().glob().to_owned()),
         why,
         record: None,

@@ -2,7 +2,7 @@
 //!
 //! Owns the walk over folders and the recognition of kinds. Must not read more of a file than its first bytes.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write;
 use std::fs::File;
 use std::io::Read;
@@ -84,10 +84,11 @@ pub fn discover(paths: &[PathBuf]) -> Inputs {
     discover_of(paths, Wanted::Facts)
 }
 
-/// The same for files of one sort.
+/// The same for files of one sort. The order in which the paths are given counts for nothing.
 pub fn discover_of(paths: &[PathBuf], wanted: Wanted) -> Inputs {
     let mut inputs = Inputs::default();
-    for (index, path) in paths.iter().enumerate() {
+    let paths: BTreeSet<&PathBuf> = paths.iter().collect();
+    for (index, path) in paths.into_iter().enumerate() {
         if path.is_dir() {
             walk(path, index + 1, wanted, &mut inputs);
         } else {

@@ -11,6 +11,7 @@ pub mod calibration;
 pub mod code;
 pub mod discover;
 pub mod feather;
+pub mod ground;
 pub mod input;
 pub mod launch;
 pub mod messages;

@@ -1,5 +1,5 @@
-//! Xacro: macro files expanded by this program in a process of its own, else by the `xacro` program where it is installed, or read as far
-//! as they are written out.
+//! Xacro: macro files expanded by this program in a process of its own, else by the `xacro` program where the user has it run, or read as
+//! far as they are written out.
 //!
 //! Owns running either within bounds, and the words for what they could not do. Must not know how URDF is read.
 
@@ -16,6 +16,7 @@ use std::time::{Duration, Instant};
 use crate::source::{LineIndex, Place, ReadStatus, Source, Span, Written};
 use crate::world::Facts;
 
+use super::ground::Ground;
 use super::urdf::{self, MeshLookup};
 
 use self::marked::Copies;
@@ -61,6 +62,11 @@ pub struct Means {
     pub own: Option<PathBuf>,
     /// Arguments of the form `name:=value`.
     pub args: Vec<String>,
+    /// Whether the environment is known to files, and the `xacro` program is run where this one cannot expand one: it executes what files
+    /// say, and reads what they name.
+    pub run: bool,
+    /// Where files that are included may lie, besides packages.
+    pub ground: Ground,
 }
 
 /// Expands a xacro file; packages that it names are looked for among `packages` and around the file. No shell is involved.
@@ -79,18 +85,30 @@ pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) 
     // A path that begins with a dash is a path all the same.
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let packages = around(&path, packages);
-    let copies = Copies::new(&path, &packages);
+    let ground = means.ground.clone().with(packages.values().map(PathBuf::as_path));
+    let copies = Copies::new(&path, &packages, &ground);
     let top = copies.as_ref().map(Copies::top);
     let top = top.as_deref().unwrap_or(&path);
     let own = means.own.as_ref().map(|program| {
         let mut command = Command::new(program);
+        if !means.run {
+            // What this machine keeps in its environment is nothing that a file may put into a report.
+            command.env_clear();
+        }
         command.arg(VERB).env("RUST_XACRO_PACKAGE_MAP", listed(&packages));
         if let Some(folder) = path.parent() {
             command.current_dir(folder);
         }
+        let folders = ground.folders().iter().map(PathBuf::as_path).chain(top.parent());
+        for folder in folders {
+            command.arg("--ground").arg(folder);
+        }
         expand_by(command, top, &means.args)
     });
-    let by_program = |path: &Path| expand_by(Command::new("xacro"), path, &means.args);
+    let by_program = |path: &Path| match program().filter(|_| means.run) {
+        Some(program) => expand_by(Command::new(program), path, &means.args),
+        None => Err(Expansion::NotInstalled),
+    };
     let expanded = match own.unwrap_or(Err(Expansion::NotInstalled)) {
         Err(failure @ (Expansion::NotInstalled | Expansion::Failed { .. })) => match by_program(top) {
             Err(Expansion::NotInstalled) => Err(failure),
@@ -136,6 +154,20 @@ impl Expanded {
             ..Self::default()
         }
     }
+}
+
+/// The `xacro` program: on an absolute folder of the path, for a relative one may hold what is checked.
+fn program() -> Option<PathBuf> {
+    let folders = std::env::var_os("PATH")?;
+    let absolute = std::env::split_paths(&folders).filter(|folder| folder.is_absolute());
+    let names = if cfg!(windows) {
+        ["xacro.exe", "xacro.bat"]
+    } else {
+        ["xacro"; 2]
+    };
+    absolute
+        .flat_map(|folder| names.map(|name| folder.join(name)))
+        .find(|program| program.is_file())
 }
 
 fn expand_by(mut command: Command, path: &Path, args: &[String]) -> Result<String, Expansion> {
@@ -206,7 +238,7 @@ impl Expansion {
         let (message, help) = match self {
             Self::NotInstalled => (
                 "the xacro was not expanded: there is nothing here to expand it with".to_owned(),
-                "check it with the program `frames-lint`, install `xacro`, or check the expanded URDF".to_owned(),
+                "check it with the program `frames-lint`, or check the expanded URDF".to_owned(),
             ),
             Self::TimedOut => (
                 format!(
@@ -350,6 +382,9 @@ struct Output {
 /// Runs a program within bounds of time and output.
 fn run(mut command: Command, timeout: Duration, largest: usize) -> Result<Output, Expansion> {
     let deadline = Instant::now() + timeout;
+    // A group of its own: what it starts ends with it.
+    #[cfg(unix)]
+    std::os::unix::process::CommandExt::process_group(&mut command, 0);
     let spawned = command
         .stdin(Stdio::null())
         .stdout(Stdio::piped())
@@ -391,6 +426,10 @@ fn run(mut command: Command, timeout: Duration, largest: usize) -> Result<Output
     if finished.is_err() {
         // It may have ended by itself meanwhile; then there is nothing to kill.
         let _ = child.kill();
+        #[cfg(unix)]
+        if let Ok(group) = i32::try_from(child.id()) {
+            let _ = nix::sys::signal::killpg(nix::unistd::Pid::from_raw(group), nix::sys::signal::Signal::SIGKILL);
+        }
         let _ = child.wait();
     }
     finished

@@ -98,8 +98,9 @@ fn an_undefined_argument_is_asked_for() {
 
 fn by_xacro(args: &[&str]) -> Means {
     Means {
-        own: None,
+        run: true,
         args: args.iter().map(|arg| (*arg).to_owned()).collect(),
+        ..Means::default()
     }
 }
 

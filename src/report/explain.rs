@@ -4,7 +4,7 @@
 
 use std::fmt::Write;
 
-use crate::page::{self, Front, Limit, PageError, Status};
+use crate::page::{self, Limit, Page, Status};
 use crate::tables::views;
 
 use super::Style;
@@ -12,34 +12,32 @@ use super::style::Ink;
 use super::text::wrap;
 
 /// The page as text.
-pub fn render(page: &str, style: Style) -> Result<String, PageError> {
-    let front = Front::parse(page)?;
-    let (_, body) = page::split(page)?;
+pub fn render(page: &Page, style: Style) -> String {
     let mut out = String::new();
-    head(&front, style, &mut out);
+    head(page, style, &mut out);
     let mut limits_due = true;
-    for section in page::sections(body) {
+    for section in page::sections(page.body) {
         let _ = writeln!(out, "\n{}", style.paint(Ink::Strong, section.title));
         prose(section.text, style, &mut out);
         if section.title == "How it decides" {
             limits_due = false;
-            limits(&front, style, &mut out);
+            limits(page, style, &mut out);
         }
     }
     if limits_due {
-        limits(&front, style, &mut out);
+        limits(page, style, &mut out);
     }
-    if let Some(sight) = sight(&front.view) {
+    if let Some(sight) = sight(page.view) {
         let _ = writeln!(out, "\n{}", style.paint(Ink::Strong, "To see it"));
         paragraph(&sight, style, &mut out);
     }
-    if !front.references.is_empty() {
+    if !page.references.is_empty() {
         let _ = writeln!(out, "\n{}", style.paint(Ink::Strong, "References"));
-        for reference in &front.references {
+        for reference in page.references {
             item(reference, style, &mut out);
         }
     }
-    Ok(out)
+    out
 }
 
 /// Where the views show what a rule judges.
@@ -54,20 +52,20 @@ fn sight(view: &str) -> Option<String> {
     })
 }
 
-fn head(front: &Front, style: Style, out: &mut String) {
-    let title = format!("{} {}", front.code, front.name);
+fn head(page: &Page, style: Style, out: &mut String) {
+    let title = format!("{} {}", page.code, page.name);
     let _ = writeln!(out, "{}", style.paint(Ink::Strong, &title));
-    paragraph(&front.summary, style, out);
-    let status = match front.status {
+    paragraph(page.summary, style, out);
+    let status = match page.status {
         Status::Stable => "stable",
         Status::Trial => "on trial: findings are shown as hints",
     };
     let facts = [
-        ("severity", front.severity.word()),
-        ("confidence", front.confidence.word()),
+        ("severity", page.severity.word()),
+        ("confidence", page.confidence.word()),
         ("status", status),
-        ("since", &front.since),
-        ("judges", &front.subject),
+        ("since", page.since),
+        ("judges", page.subject),
     ];
     out.push('\n');
     for (name, value) in facts {
@@ -81,14 +79,14 @@ fn head(front: &Front, style: Style, out: &mut String) {
 }
 
 /// The limits with unit and reason, columns aligned.
-fn limits(front: &Front, style: Style, out: &mut String) {
-    if front.limits.is_empty() {
+fn limits(page: &Page, style: Style, out: &mut String) {
+    if page.limits.is_empty() {
         return;
     }
-    let rows: Vec<(&str, String, &str)> = front
+    let rows: Vec<(&str, String, &str)> = page
         .limits
         .iter()
-        .map(|(name, limit)| (name.as_str(), value(limit), limit.reason.as_str()))
+        .map(|limit| (limit.name, value(limit), limit.reason))
         .collect();
     let width = |cell: fn(&(&str, String, &str)) -> usize| rows.iter().map(cell).max().unwrap_or(0);
     let (names, values) = (
@@ -113,11 +111,9 @@ fn limits(front: &Front, style: Style, out: &mut String) {
 }
 
 fn value(limit: &Limit) -> String {
-    let spelled = serde_yaml::to_string(&limit.value).unwrap_or_default();
-    let spelled = spelled.lines().map(str::trim).collect::<Vec<_>>().join(" ");
-    match limit.unit.as_str() {
-        "" | "1" | "count" => spelled,
-        unit => format!("{spelled} {unit}"),
+    match limit.unit {
+        "" | "1" | "count" => limit.value.to_string(),
+        unit => format!("{} {unit}", limit.value),
     }
 }
 
@@ -201,11 +197,12 @@ fn item(text: &str, style: Style, out: &mut String) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::page::Number;
+    use crate::rules::pages;
 
     #[test]
     fn the_page_of_a_rule_reads_well() {
-        let page = include_str!("../../rules/tree/orphan-subtree.md");
-        let text = render(page, Style::PLAIN).unwrap();
+        let text = render(&pages::TREE01, Style::PLAIN);
         assert!(
             text.starts_with("TREE01 orphan-subtree\n  frames that no chain"),
             "{text}"
@@ -225,16 +222,33 @@ mod tests {
 
     #[test]
     fn limits_are_a_table_and_lists_stay_lists() {
-        let page = "---\ncode: X01\nname: x\nsummary: s\nsince: 0.1.0\nstatus: trial\nseverity: note\n\
-                    confidence: hint\nsubject: a frame\nview: none\nlimits:\n  angle_deg: {value: 1.5, unit: deg, reason: why not}\n  \
-                    ratio: {value: [1, 2], unit: \"1\", reason: two}\n---\n\n## How it decides\n\nFirst:\n\n- one\n  \
-                    more\n- two\n1. three\n\n| a | b |\n|---|---|\n\n### case\n\ntext\n";
-        let text = render(page, Style::PLAIN).unwrap();
+        let page = Page {
+            status: Status::Trial,
+            limits: &[
+                Limit {
+                    name: "angle_deg",
+                    value: Number::Real(1.5),
+                    unit: "deg",
+                    reason: "why not",
+                },
+                Limit {
+                    name: "count",
+                    value: Number::Whole(2),
+                    unit: "count",
+                    reason: "two",
+                },
+            ],
+            references: &[],
+            view: "none",
+            body: "\n## How it decides\n\nFirst:\n\n- one\n  more\n- two\n1. three\n\n| a | b |\n|---|---|\n\n### case\n\ntext\n",
+            ..pages::TREE01
+        };
+        let text = render(&page, Style::PLAIN);
         let body = text.split_once("How it decides\n").unwrap().1;
         assert_eq!(
             body,
             "  First:\n  - one more\n  - two\n  1. three\n  | a | b |\n  |---|---|\n  case\n  text\n\nLimits\n  \
-             limit      value    reason\n  angle_deg  1.5 deg  why not\n  ratio      - 1 - 2  two\n"
+             limit      value    reason\n  angle_deg  1.5 deg  why not\n  count      2        two\n"
         );
         assert!(text.contains("on trial"));
     }

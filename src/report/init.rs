@@ -6,7 +6,7 @@
 use std::collections::BTreeMap;
 use std::fmt::Write;
 
-use crate::page::Front;
+use crate::page::Page;
 use crate::run::Run;
 use crate::verdict::Severity;
 use crate::verdict::waiver::FAMILY;
@@ -133,13 +133,11 @@ fn required(run: &Run, out: &mut String) {
             .iter()
             .any(|row| row.rule == code && row.outcome.is_judged())
     };
-    let asks_for_more = |page: &str| {
-        Front::parse(page).is_ok_and(|front| front.evidence.iter().any(|kind| kind != "urdf" && kind != "names"))
-    };
+    let asks_for_more = |page: &Page| page.evidence.iter().any(|kind| *kind != "urdf" && *kind != "names");
     let rules: Vec<_> = run
         .rules
         .iter()
-        .filter(|rule| rule.family != FAMILY && judged(&rule.code) && asks_for_more(rule.page))
+        .filter(|rule| rule.family() != FAMILY && judged(rule.code) && asks_for_more(rule))
         .collect();
     if rules.is_empty() {
         return;

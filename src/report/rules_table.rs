@@ -4,8 +4,7 @@ use std::fmt::Write;
 
 use serde::Serialize;
 
-use crate::page::Status;
-use crate::run::RuleInfo;
+use crate::page::{Page, Status};
 
 use super::Style;
 use super::style::Ink;
@@ -29,7 +28,7 @@ struct Row<'a> {
     summary: &'a str,
 }
 
-fn status(rule: &RuleInfo) -> &'static str {
+fn status(rule: &Page) -> &'static str {
     match rule.status {
         Status::Trial => "trial",
         Status::Stable => "stable",
@@ -37,7 +36,7 @@ fn status(rule: &RuleInfo) -> &'static str {
 }
 
 /// Columns for a terminal; the summary is wrapped in its column.
-pub fn text(rules: &[RuleInfo], style: Style) -> String {
+pub fn text(rules: &[&Page], style: Style) -> String {
     let codes = rules.iter().map(|rule| rule.code.len()).max().unwrap_or(0).max(4);
     let names = rules.iter().map(|rule| rule.name.len()).max().unwrap_or(0).max(4);
     let columns = |code: &str, name: &str, severity: &str, confidence: &str, status: &str| {
@@ -47,8 +46,8 @@ pub fn text(rules: &[RuleInfo], style: Style) -> String {
     let mut out = format!("{}\n", style.paint(Ink::Faint, &heading));
     for rule in rules {
         let row = columns(
-            &rule.code,
-            &rule.name,
+            rule.code,
+            rule.name,
             rule.severity.word(),
             rule.confidence.word(),
             status(rule),
@@ -57,13 +56,13 @@ pub fn text(rules: &[RuleInfo], style: Style) -> String {
         let beside = style.width.is_none_or(|width| width >= row.len() + 30);
         if beside {
             let indent = " ".repeat(row.len());
-            let _ = writeln!(out, "{}", wrap(&rule.summary, style.width, &row, &indent));
+            let _ = writeln!(out, "{}", wrap(rule.summary, style.width, &row, &indent));
         } else {
             let _ = writeln!(
                 out,
                 "{}\n{}",
                 row.trim_end(),
-                wrap(&rule.summary, style.width, "    ", "    ")
+                wrap(rule.summary, style.width, "    ", "    ")
             );
         }
     }
@@ -71,29 +70,29 @@ pub fn text(rules: &[RuleInfo], style: Style) -> String {
 }
 
 /// An array of objects.
-pub fn json(rules: &[RuleInfo]) -> Result<String, serde_json::Error> {
+pub fn json(rules: &[&Page]) -> Result<String, serde_json::Error> {
     let rows: Vec<Row> = rules
         .iter()
         .map(|rule| Row {
-            code: &rule.code,
-            name: &rule.name,
-            family: &rule.family,
+            code: rule.code,
+            name: rule.name,
+            family: rule.family(),
             severity: rule.severity.word(),
             confidence: rule.confidence.word(),
             status: status(rule),
-            since: &rule.since,
-            subject: &rule.subject,
-            summary: &rule.summary,
+            since: rule.since,
+            subject: rule.subject,
+            summary: rule.summary,
         })
         .collect();
     Ok(serde_json::to_string_pretty(&rows)? + "\n")
 }
 
 /// The table of the README, between its two marker lines.
-pub fn markdown(rules: &[RuleInfo]) -> String {
+pub fn markdown(rules: &[&Page]) -> String {
     let mut out = format!("{BEGIN}\n| code | name | severity | confidence | a finding says |\n|---|---|---|---|---|\n");
     for rule in rules {
-        let folder = rule.family.to_lowercase();
+        let folder = rule.family().to_lowercase();
         let trial = if rule.status == Status::Trial { " (trial)" } else { "" };
         let _ = writeln!(
             out,
@@ -116,19 +115,21 @@ mod tests {
     use crate::source::Confidence;
     use crate::verdict::Severity;
 
-    fn rule() -> RuleInfo {
-        RuleInfo {
-            page: "",
-            code: "TREE01".into(),
-            name: "orphan-subtree".into(),
-            summary: "frames that no chain of transforms connects to the rest of the tree".into(),
-            family: "TREE".into(),
+    fn rule() -> Page {
+        Page {
+            code: "TREE01",
+            name: "orphan-subtree",
+            summary: "frames that no chain of transforms connects to the rest of the tree",
             severity: Severity::Error,
             confidence: Confidence::Certain,
             status: Status::Stable,
-            subject: "a tree".into(),
-            view: "frames".into(),
-            since: "0.1.0".into(),
+            subject: "a tree",
+            view: "frames",
+            since: "0.1.0",
+            evidence: &[],
+            limits: &[],
+            references: &[],
+            body: "",
         }
     }
 
@@ -136,12 +137,12 @@ mod tests {
     fn a_rule_stands_on_a_line_or_wraps() {
         let line = "TREE01  orphan-subtree  error     certain     stable  frames that no chain of transforms connects to \
                     the rest of the tree\n";
-        assert_eq!(text(&[rule()], Style::PLAIN).lines().nth(1), Some(line.trim_end()));
+        assert_eq!(text(&[&rule()], Style::PLAIN).lines().nth(1), Some(line.trim_end()));
         let narrow = Style {
             width: Some(60),
             ..Style::PLAIN
         };
-        let narrow = text(&[rule()], narrow);
+        let narrow = text(&[&rule()], narrow);
         assert!(
             narrow.contains("stable\n    frames that no chain of transforms connects to the rest\n    of the tree\n"),
             "{narrow}"
@@ -152,16 +153,16 @@ mod tests {
     fn the_markdown_table_links_to_pages() {
         let mut trial = rule();
         trial.status = Status::Trial;
-        trial.summary = "a | b".into();
+        trial.summary = "a | b";
         assert_eq!(
-            markdown(&[trial]).lines().nth(3),
+            markdown(&[&trial]).lines().nth(3),
             Some("| TREE01 | [orphan-subtree](rules/tree/orphan-subtree.md) (trial) | error | certain | a \\| b |")
         );
     }
 
     #[test]
     fn json_names_every_column() {
-        let value: serde_json::Value = serde_json::from_str(&json(&[rule()]).unwrap()).unwrap();
+        let value: serde_json::Value = serde_json::from_str(&json(&[&rule()]).unwrap()).unwrap();
         assert_eq!(value[0]["code"], "TREE01");
         assert_eq!(value[0]["status"], "stable");
         assert_eq!(value[0].as_object().unwrap().len(), 9);

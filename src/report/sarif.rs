@@ -7,8 +7,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use percent_encoding::{AsciiSet, CONTROLS, utf8_percent_encode};
 use serde_json::{Map, Value, json};
 
-use crate::page;
-use crate::run::{FailOn, RuleInfo, Run, VerdictWord};
+use crate::page::{self, Page};
+use crate::run::{FailOn, Run, VerdictWord};
 use crate::source::{Confidence, Place, SourceKind};
 use crate::verdict::{Finding, Fix, Measured, Outcome, PlaceRole, Safety, Severity};
 
@@ -41,7 +41,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::E
         .rules
         .iter()
         .enumerate()
-        .map(|(index, rule)| (rule.code.as_str(), index))
+        .map(|(index, rule)| (rule.code, index))
         .collect();
     let results: Vec<Value> = run
         .verdict
@@ -50,7 +50,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::E
         .zip(fingerprints(run, &locator))
         .map(|(finding, print)| result(finding, &print, &numbers, fail_on, &locator))
         .collect();
-    let rules: Vec<Value> = run.rules.iter().map(rule).collect();
+    let rules: Vec<Value> = run.rules.iter().map(|page| rule(page)).collect();
     let document = json!({
         "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
         "version": "2.1.0",
@@ -92,9 +92,8 @@ fn level(severity: Severity) -> &'static str {
     }
 }
 
-fn rule(rule: &RuleInfo) -> Value {
-    let body = page::split(rule.page).map_or("", |(_, body)| body);
-    let sections = page::sections(body);
+fn rule(rule: &Page) -> Value {
+    let sections = page::sections(rule.body);
     let section = |title: &str| {
         let found = sections.iter().find(|section| section.title == title);
         found.map_or("", |section| section.text.trim())
@@ -117,7 +116,7 @@ fn rule(rule: &RuleInfo) -> Value {
         "help": {"text": section("How to fix"), "markdown": help.join("\n\n")},
         "defaultConfiguration": {"level": level(rule.severity)},
         "properties": {
-            "tags": [rule.family.to_lowercase()],
+            "tags": [rule.family().to_lowercase()],
             "precision": match rule.confidence {
                 Confidence::Certain => "very-high",
                 Confidence::Likely => "high",

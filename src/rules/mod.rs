@@ -6,6 +6,7 @@
 pub mod codes;
 mod list;
 mod need;
+pub mod pages;
 pub(crate) mod prelude;
 mod registry;
 mod rule;

@@ -3,20 +3,16 @@
 use std::any::Any;
 use std::collections::BTreeMap;
 
-use serde::de::DeserializeOwned;
-use serde_yaml::Value;
-
 use crate::analysis::{Estimates, Settings};
-use crate::page::{Front, PageError};
+use crate::page::{Number, Page};
 use crate::verdict::waiver::{Applied, Misspelt};
 use crate::verdict::{Finding, Judge, Row, RuleCode};
+use serde::de::DeserializeOwned;
 
 use super::need::Need;
 
 /// A rule that judges worlds.
 pub(crate) trait Rule {
-    /// The rule's page, front matter and all.
-    const PAGE: &'static str;
     /// What must be there before the rule is asked; the engine answers `not-evaluated` where it is not.
     const NEEDS: &'static [Need];
     /// How much of a recording the rule needs at first.
@@ -31,8 +27,6 @@ pub(crate) trait Rule {
 
 /// A rule on what the other rules found.
 pub(crate) trait Review {
-    /// The rule's page.
-    const PAGE: &'static str;
     /// The limits of the page, typed.
     type Limits: Limits;
 
@@ -42,9 +36,6 @@ pub(crate) trait Review {
 
 /// A rule on what the user accepts.
 pub(crate) trait OfPolicy {
-    /// The rule's page.
-    const PAGE: &'static str;
-
     /// Asked once for a run.
     fn judge(applied: &[Applied], misspelt: &[Misspelt], out: &mut Judge);
 }
@@ -109,7 +100,7 @@ pub struct Entry {
     /// Its code.
     pub code: RuleCode,
     /// Its page.
-    pub page: &'static str,
+    pub page: &'static Page,
     /// Its needs.
     pub needs: &'static [Need],
     /// How much of a recording it needs at first.
@@ -117,49 +108,49 @@ pub struct Entry {
     /// What it is asked.
     pub kind: Kind,
     /// Adds its limits to the settings of a run: those of the page, and over them these.
-    pub add_limits: fn(&mut Settings, &'static str, BTreeMap<String, Value>),
-    /// Whether its limits load.
-    pub check_limits: fn(&Front) -> Result<(), PageError>,
+    pub add_limits: fn(&mut Settings, &'static Page, BTreeMap<String, Number>),
+    /// Whether its limits load with these in place of the page's.
+    pub check_limits: fn(&Page, &BTreeMap<String, Number>) -> Result<(), String>,
 }
 
 impl Entry {
     /// A rule that judges each world.
-    pub(super) const fn world<R: Rule>(code: RuleCode) -> Self {
+    pub(super) const fn world<R: Rule>(code: RuleCode, page: &'static Page) -> Self {
         Self {
             needs: R::NEEDS,
             evidence: R::EVIDENCE,
             kind: Kind::World(judge::<R>),
-            ..Self::with::<R::Limits>(code, R::PAGE)
+            ..Self::with::<R::Limits>(code, page)
         }
     }
 
     /// A rule that judges each recording, and all of a platform together.
-    pub(super) const fn across<R: Rule>(code: RuleCode) -> Self {
+    pub(super) const fn across<R: Rule>(code: RuleCode, page: &'static Page) -> Self {
         Self {
             kind: Kind::Across(judge::<R>),
-            ..Self::world::<R>(code)
+            ..Self::world::<R>(code, page)
         }
     }
 
     /// A rule on what the others found.
-    pub(super) const fn review<R: Review>(code: RuleCode) -> Self {
+    pub(super) const fn review<R: Review>(code: RuleCode, page: &'static Page) -> Self {
         Self {
             kind: Kind::Review(|settings, found, rows, out| {
                 R::review(found, rows, &settings.limits::<R::Limits>(), out);
             }),
-            ..Self::with::<R::Limits>(code, R::PAGE)
+            ..Self::with::<R::Limits>(code, page)
         }
     }
 
     /// A rule on what the user accepts.
-    pub(super) const fn policy<R: OfPolicy>(code: RuleCode) -> Self {
+    pub(super) const fn policy<R: OfPolicy>(code: RuleCode, page: &'static Page) -> Self {
         Self {
             kind: Kind::Policy(R::judge),
-            ..Self::with::<NoLimits>(code, R::PAGE)
+            ..Self::with::<NoLimits>(code, page)
         }
     }
 
-    const fn with<L: Limits>(code: RuleCode, page: &'static str) -> Self {
+    const fn with<L: Limits>(code: RuleCode, page: &'static Page) -> Self {
         Self {
             code,
             page,
@@ -167,17 +158,9 @@ impl Entry {
             evidence: Evidence::USUAL,
             kind: Kind::Policy(|_, _, _| {}),
             add_limits: |settings, page, overrides| {
-                settings.add::<L>(move || {
-                    let mut front = Front::parse_limits(page).ok()?;
-                    for (name, value) in &overrides {
-                        if let Some(limit) = front.limits.get_mut(name) {
-                            limit.value = value.clone();
-                        }
-                    }
-                    front.limits().ok()
-                });
+                settings.add::<L>(move || page.limits(&overrides).ok());
             },
-            check_limits: |front| front.limits::<L>().map(|_| ()),
+            check_limits: |page, own| page.limits::<L>(own).map(|_| ()),
         }
     }
 }
@@ -190,7 +173,7 @@ fn judge<R: Rule>(world: &Estimates, out: &mut Judge) {
 impl Entry {
     /// A rule for a test.
     pub(crate) fn of_test(
-        page: &'static str,
+        page: &'static Page,
         needs: &'static [Need],
         evidence: Evidence,
         asked: fn(&Estimates, &mut Judge),

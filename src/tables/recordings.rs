@@ -1,8 +1,10 @@
 //! What rules need to have at hand, and how it is had.
 
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 
 use serde::Deserialize;
+
+use super::table;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -19,11 +21,9 @@ struct Row {
 }
 
 fn rows() -> &'static [Row] {
-    static ROWS: OnceLock<Vec<Row>> = OnceLock::new();
-    ROWS.get_or_init(|| {
-        let text = include_str!("../../rules/tables/recordings.yaml");
-        serde_yaml::from_str::<Table>(text).map_or_else(|_| Vec::new(), |table| table.rows)
-    })
+    static ROWS: LazyLock<Vec<Row>> =
+        LazyLock::new(|| table!("recordings").map_or_else(|_| Vec::new(), |table: Table| table.rows));
+    &ROWS
 }
 
 /// Whether a kind is known.
@@ -32,7 +32,7 @@ pub fn is_known(kind: &str) -> bool {
 }
 
 /// What is needed of these kinds, and how it is had, in words; `None` where no kind is known.
-pub fn advice(kinds: &[String]) -> Option<String> {
+pub fn advice(kinds: &[&str]) -> Option<String> {
     let known = kinds
         .iter()
         .filter_map(|kind| rows().iter().find(|row| row.kind == *kind));
@@ -47,7 +47,7 @@ mod tests {
     #[test]
     fn every_kind_says_how_it_is_had() {
         assert!(rows().len() > 10);
-        assert!(advice(&["imu".to_owned()]).unwrap().contains("sensor_msgs/msg/Imu"));
-        assert_eq!(advice(&["nothing".to_owned()]), None);
+        assert!(advice(&["imu"]).unwrap().contains("sensor_msgs/msg/Imu"));
+        assert_eq!(advice(&["nothing"]), None);
     }
 }

@@ -4,7 +4,7 @@
 //! empty and answers nothing.
 
 use std::fmt;
-use std::sync::Arc;
+use std::sync::{Arc, LazyLock};
 
 use serde::Deserialize;
 use serde::de::DeserializeOwned;
@@ -21,28 +21,32 @@ pub trait Row: DeserializeOwned {
 }
 
 /// The rows of one table, the user's first.
-pub struct Rows<T> {
+pub struct Rows<T: 'static> {
     own: Vec<Arc<T>>,
-    built_in: Arc<[Arc<T>]>,
+    built_in: &'static LazyLock<Vec<Arc<T>>>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct File<T> {
+pub(super) struct File<T> {
     rows: Vec<T>,
 }
 
-impl<T: Row> Rows<T> {
-    /// Those of a table that comes with the program.
-    pub(super) fn read(text: &str) -> Self {
-        let file: Option<File<T>> = serde_yaml::from_str(text).ok();
-        let rows = file.map(|file| file.rows).unwrap_or_default();
-        Self {
-            own: Vec::new(),
-            built_in: rows.into_iter().map(Arc::new).collect(),
-        }
-    }
+/// The rows of a table that comes with the program.
+pub(super) fn built_in<T>(file: Result<File<T>, serde_json::Error>) -> Vec<Arc<T>> {
+    let rows = file.map(|file| file.rows).unwrap_or_default();
+    rows.into_iter().map(Arc::new).collect()
+}
 
+impl<T> Rows<T> {
+    /// Those that come with the program.
+    pub(super) fn of(built_in: &'static LazyLock<Vec<Arc<T>>>) -> Self {
+        let own = Vec::new();
+        Self { own, built_in }
+    }
+}
+
+impl<T: Row> Rows<T> {
     /// Adds a row of the user's behind those that were added before it.
     pub(super) fn add(&mut self, row: &serde_yaml::Value, origin: &str) -> Result<(), RowFault> {
         self.own.push(Arc::new(parsed(row, origin)?));
@@ -66,7 +70,7 @@ impl<T> Clone for Rows<T> {
     fn clone(&self) -> Self {
         Self {
             own: self.own.clone(),
-            built_in: Arc::clone(&self.built_in),
+            built_in: self.built_in,
         }
     }
 }
@@ -187,7 +191,9 @@ mod tests {
 
     #[test]
     fn the_users_rows_come_first_and_say_where_they_stand() {
-        let mut rows = Rows::<Sample>::read("rows: [{name: a, source: b}]");
+        static ROWS: LazyLock<Vec<Arc<Sample>>> =
+            LazyLock::new(|| built_in(serde_json::from_str(r#"{"rows": [{"name": "a", "source": "b"}]}"#)));
+        let mut rows = Rows::of(&ROWS);
         rows.add(
             &serde_yaml::from_str("{name: c, time: {unit_s: 1.0}}").unwrap(),
             "ours:1",

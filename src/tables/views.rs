@@ -1,8 +1,10 @@
 //! What there is to be seen of rules, and where.
 
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 
 use serde::Deserialize;
+
+use super::table;
 
 /// An entity of the views, and what to look for there.
 #[derive(Debug, Deserialize)]
@@ -33,8 +35,6 @@ impl View {
 
 /// The view that a page names.
 pub fn of(id: &str) -> Option<&'static View> {
-    static TABLE: OnceLock<Vec<View>> = OnceLock::new();
-    let table =
-        TABLE.get_or_init(|| serde_yaml::from_str(include_str!("../../rules/tables/views.yaml")).unwrap_or_default());
-    table.iter().find(|view| view.id == id)
+    static TABLE: LazyLock<Vec<View>> = LazyLock::new(|| table!("views").unwrap_or_default());
+    TABLE.iter().find(|view| view.id == id)
 }

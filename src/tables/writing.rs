@@ -1,8 +1,10 @@
 //! How calibration files of a dialect are written.
 
-use std::sync::OnceLock;
+use std::sync::LazyLock;
 
 use serde::Deserialize;
+
+use super::table;
 
 /// How the files of one dialect look.
 #[derive(Clone, Debug, Deserialize)]
@@ -47,9 +49,7 @@ struct File {
 
 /// All that is known of writing. Empty where the table of ours does not read, which a test rules out.
 pub fn writings() -> &'static [Writing] {
-    static WRITINGS: OnceLock<Vec<Writing>> = OnceLock::new();
-    WRITINGS.get_or_init(|| {
-        let file: Option<File> = serde_yaml::from_str(include_str!("../../rules/tables/calibration-writing.yaml")).ok();
-        file.map(|file| file.rows).unwrap_or_default()
-    })
+    static WRITINGS: LazyLock<Vec<Writing>> =
+        LazyLock::new(|| table!("calibration-writing").map_or_else(|_| Vec::new(), |file: File| file.rows));
+    &WRITINGS
 }

@@ -10,7 +10,7 @@ use std::path::Path;
 use crate::support;
 use crate::{evidence, fixes, views};
 use frames_lint::engine::{self, Options, Sights, Verdicts};
-use frames_lint::page::{self, Block, Front};
+use frames_lint::page::{self, Block, Page};
 use frames_lint::rules::RULES;
 use frames_lint::run::Run;
 use frames_lint::source::{At, LineIndex};
@@ -193,19 +193,19 @@ fn reasons(run: &Run, code: &str) -> String {
     said.join("; ")
 }
 
-fn check_bad(front: &Front, case: &Case<'_>, (folder, run): (&Path, &Run), faults: &mut Vec<String>) {
+fn check_bad(page: &Page, case: &Case<'_>, (folder, run): (&Path, &Run), faults: &mut Vec<String>) {
     let expected = expectations(case);
     if expected.is_empty() {
         faults.push(format!(
             "{} {}: a bad case needs an expect block",
-            front.code, case.title
+            page.code, case.title
         ));
     }
-    compare(run, folder, &front.code, &expected, faults, &case.title);
+    compare(run, folder, page.code, &expected, faults, &case.title);
 }
 
-fn check_good(front: &Front, case: &Case<'_>, run: &Run, faults: &mut Vec<String>) {
-    let code = &front.code;
+fn check_good(page: &Page, case: &Case<'_>, run: &Run, faults: &mut Vec<String>) {
+    let code = page.code;
     faults.extend(input_problems(run, code, &case.title));
     if rows(run, code, Outcome::Pass) == 0 {
         faults.push(format!(
@@ -224,8 +224,8 @@ fn check_good(front: &Front, case: &Case<'_>, run: &Run, faults: &mut Vec<String
     }
 }
 
-fn check_not_evaluated(front: &Front, case: &Case<'_>, run: &Run, faults: &mut Vec<String>) {
-    let code = &front.code;
+fn check_not_evaluated(page: &Page, case: &Case<'_>, run: &Run, faults: &mut Vec<String>) {
+    let code = page.code;
     if rows(run, code, Outcome::Pass) + rows(run, code, Outcome::Fail) > 0 {
         faults.push(format!("{code} {}: was evaluated", case.title));
     }
@@ -252,57 +252,49 @@ fn check_not_evaluated(front: &Front, case: &Case<'_>, run: &Run, faults: &mut V
     }
 }
 
-/// The pages of the folder: what is built in is taken from there.
-pub(crate) fn pages() -> Vec<String> {
-    let files = support::files(&Path::new(env!("CARGO_MANIFEST_DIR")).join("rules"), ".md");
-    let pages = files.iter().filter(|file| !file.ends_with("README.md"));
-    pages.map(|file| fs::read_to_string(file).unwrap()).collect()
-}
-
 /// A case, with the page and the section that it is of.
-struct Asked<'a> {
-    front: &'a Front,
-    section: &'a str,
-    case: Case<'a>,
+struct Asked {
+    page: &'static Page,
+    section: &'static str,
+    case: Case<'static>,
 }
 
-impl Asked<'_> {
+impl Asked {
     fn faults(&self) -> Vec<String> {
-        let (front, case) = (self.front, &self.case);
+        let (page, case) = (self.page, &self.case);
         let mut faults = Vec::new();
         let (folder, run) = run_case(case);
         let folder = folder.path();
         match self.section {
-            "Bad" => check_bad(front, case, (folder, &run), &mut faults),
-            "Good" => check_good(front, case, &run, &mut faults),
-            _ => check_not_evaluated(front, case, &run, &mut faults),
+            "Bad" => check_bad(page, case, (folder, &run), &mut faults),
+            "Good" => check_good(page, case, &run, &mut faults),
+            _ => check_not_evaluated(page, case, &run, &mut faults),
         }
-        evidence::is_the_same(&[folder], &format!("{} {}", front.code, case.title), Some(&run));
+        evidence::is_the_same(&[folder], &format!("{} {}", page.code, case.title), Some(&run));
         if self.section == "Bad" {
-            faults.extend(views::unseen(front, &case.title, folder));
+            faults.extend(views::unseen(page, &case.title, folder));
             // Last: files are changed.
-            faults.extend(fixes::uncorrected(front, &case.title, folder, &run));
+            faults.extend(fixes::uncorrected(page, &case.title, folder, &run));
         }
         faults
     }
 }
 
-fn asked<'a>(page: &'a str, front: &'a Front, faults: &mut Vec<String>) -> Vec<Asked<'a>> {
-    let (_, body) = page::split(page).unwrap();
+fn asked(page: &'static Page, faults: &mut Vec<String>) -> Vec<Asked> {
     let mut all = Vec::new();
-    for section in page::sections(body) {
+    for section in page::sections(page.body) {
         if !["Bad", "Good", "Not evaluated"].contains(&section.title) {
             continue;
         }
         let known = all.len();
         let of = |case| Asked {
-            front,
+            page,
             section: section.title,
             case,
         };
         all.extend(cases(&section).into_iter().map(of));
         if all.len() == known {
-            faults.push(format!("{}: section {} has no case", front.code, section.title));
+            faults.push(format!("{}: section {} has no case", page.code, section.title));
         }
     }
     all
@@ -311,17 +303,12 @@ fn asked<'a>(page: &'a str, front: &'a Front, faults: &mut Vec<String>) -> Vec<A
 #[test]
 fn every_page_gives_what_it_says() {
     let only = std::env::var("ONLY").unwrap_or_default();
-    let pages = pages();
-    assert_eq!(pages.len(), RULES.len());
-    let pages: Vec<(&String, Front)> = pages
-        .iter()
-        .map(|page| (page, Front::parse(page).unwrap()))
-        .filter(|(_, front)| only.is_empty() || only.split(',').any(|code| front.code.starts_with(code)))
-        .collect();
+    let pages = RULES.iter().map(|entry| entry.page);
+    let pages = pages.filter(|page| only.is_empty() || only.split(',').any(|code| page.code.starts_with(code)));
     let mut faults = Vec::new();
     let mut all = Vec::new();
-    for (page, front) in &pages {
-        all.extend(asked(page, front, &mut faults));
+    for page in pages {
+        all.extend(asked(page, &mut faults));
     }
     assert!(all.len() > 500 || !only.is_empty(), "{}", all.len());
     faults.extend(all.par_iter().flat_map_iter(Asked::faults).collect::<Vec<_>>());

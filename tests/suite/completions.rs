@@ -8,7 +8,6 @@ use std::path::Path;
 use std::process::Command;
 
 use frames_lint::config::PROFILES;
-use frames_lint::page::Front;
 use frames_lint::rules::RULES;
 
 use crate::support::program;
@@ -35,8 +34,8 @@ fn folder(shell: &str) -> tempfile::TempDir {
 /// What all three shells must offer for the line before the cursor: the last words, of which each stands for itself.
 fn holds(offered: &mut dyn FnMut(&str) -> Vec<String>) {
     let codes = |begins: &str| -> Vec<String> {
-        let fronts = RULES.iter().map(|entry| Front::parse(entry.page).unwrap().code);
-        fronts.filter(|code| code.starts_with(begins)).collect()
+        let codes = RULES.iter().map(|entry| entry.page.code.to_owned());
+        codes.filter(|code| code.starts_with(begins)).collect()
     };
     let profiles: Vec<String> = PROFILES.iter().map(|(name, _)| (*name).to_owned()).collect();
     let words = |words: &[&str]| words.iter().map(|word| (*word).to_owned()).collect::<Vec<_>>();

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 use frames_lint::engine::{self, Options};
 use frames_lint::fix::{self, Plan};
 use frames_lint::math::relation::Relation;
-use frames_lint::page::Front;
+use frames_lint::page::Page;
 use frames_lint::run::Run;
 use frames_lint::tables::{Writing, WrittenTransform, writings};
 use frames_lint::verdict::Finding;
@@ -62,17 +62,14 @@ fn with_fix(run: &Run) -> Vec<&Finding> {
 }
 
 /// What is wrong with the fixes of a bad case, which was judged: where there are any, nothing is left of them behind them.
-pub(crate) fn uncorrected(front: &Front, title: &str, folder: &Path, run: &Run) -> Option<String> {
-    let fixable = with_fix(run)
-        .iter()
-        .filter(|finding| finding.rule == front.code)
-        .count();
+pub(crate) fn uncorrected(page: &Page, title: &str, folder: &Path, run: &Run) -> Option<String> {
+    let fixable = with_fix(run).iter().filter(|finding| finding.rule == page.code).count();
     if fixable == 0 {
         return None;
     }
     let of_rule = |run: &Run| {
         let findings = run.verdict.findings.iter();
-        findings.filter(|finding| finding.rule == front.code).count()
+        findings.filter(|finding| finding.rule == page.code).count()
     };
     let (after, fixed) = correct(folder, &[]);
     let left = of_rule(run) - fixable;
@@ -81,7 +78,7 @@ pub(crate) fn uncorrected(front: &Front, title: &str, folder: &Path, run: &Run) 
     }
     let findings = after.verdict.findings.iter();
     let told: Vec<&str> = findings.map(|finding| finding.message.as_str()).collect();
-    Some(format!("{} {title}: fixed {fixed}, and then {told:?}", front.code))
+    Some(format!("{} {title}: fixed {fixed}, and then {told:?}", page.code))
 }
 
 /// Errors that can be undone.

@@ -12,8 +12,7 @@ use crate::support::deference::faults;
 #[test]
 fn no_reason_of_a_page_points_at_a_rule_that_is_silent() {
     let of_page = |entry: &frames_lint::rules::Entry| {
-        let (_, body) = page::split(entry.page).unwrap();
-        let sections = page::sections(body);
+        let sections = page::sections(entry.page.body);
         let bad = sections.iter().filter(|section| section.title == "Bad").flat_map(cases);
         let faults = bad.flat_map(|case| {
             let worlds = worlds(&case);

@@ -6,23 +6,23 @@ use std::fs;
 use std::time::{Duration, Instant};
 
 use frames_lint::engine::{Options, Rules};
-use frames_lint::page::{self, Front, Limit};
+use frames_lint::page::{self, Limit, Number, Page};
 use frames_lint::rules::{Entry, Kind, RULES};
 use frames_lint::verdict::Verdict;
 use frames_lint::world::World;
 use rayon::prelude::*;
 
-use crate::cases::{cases, pages, worlds};
+use crate::cases::{cases, worlds};
 
 /// Pages whose cases are drives with clouds: minutes of work each, done where `ALL` is set.
 const COSTLY: &[&str] = &["CROSS04", "CROSS05", "SENSOR"];
 
 /// What a limit is moved to, in its unit.
 fn moved(limit: &Limit) -> Vec<f64> {
-    let value = limit.value.as_f64().unwrap();
+    let value = limit.value.as_f64();
     let by = [1000.0, 0.0, 0.5, 2.0, 0.001, -1.0].map(|factor| value * factor);
     let mut all: Vec<f64> = by.into_iter().chain([1.0, 1e9]).collect();
-    if !limit.value.is_f64() {
+    if matches!(limit.value, Number::Whole(_)) {
         all = all.into_iter().map(f64::round).collect();
     }
     all.retain(|moved| *moved != value);
@@ -67,13 +67,13 @@ fn rules(select: &[String], limit: Option<String>) -> Option<Rules> {
 }
 
 /// The limits of a page that move nothing.
-fn idle(front: &Front, select: &[String], worlds: &[World]) -> Vec<String> {
-    let code = front.code.as_str();
-    let page = rules(select, None).unwrap();
+fn idle(page: &Page, select: &[String], worlds: &[World]) -> Vec<String> {
+    let code = page.code;
+    let usual = rules(select, None).unwrap();
     let mut asked: Vec<(Duration, &World, Vec<String>)> = Vec::new();
     for world in worlds {
         let started = Instant::now();
-        let before = decisions(&page.judge(world), code);
+        let before = decisions(&usual.judge(world), code);
         // Where the rule has no question, no limit moves it.
         let has_no_question =
             |decision: &String| decision.contains("not applicable") || decision.contains("missing input");
@@ -83,8 +83,9 @@ fn idle(front: &Front, select: &[String], worlds: &[World]) -> Vec<String> {
     }
     // Those that cost little come first: one that moves is enough.
     asked.sort_by_key(|(cost, ..)| *cost);
-    let is_idle = |name: &str, limit: &Limit| {
-        let unit = if limit.unit == "1" { "" } else { &limit.unit };
+    let is_idle = |limit: &Limit| {
+        let name = limit.name;
+        let unit = if limit.unit == "1" { "" } else { limit.unit };
         // A value that the rule can't hold is refused.
         let moved: Vec<Rules> = moved(limit)
             .into_iter()
@@ -102,8 +103,8 @@ fn idle(front: &Front, select: &[String], worlds: &[World]) -> Vec<String> {
         };
         !asked.iter().any(is_moved)
     };
-    let idle = front.limits.iter().filter(|(name, limit)| is_idle(name, limit));
-    idle.map(|(name, _)| format!("{code} {name}")).collect()
+    let idle = page.limits.iter().filter(|limit| is_idle(limit));
+    idle.map(|limit| format!("{code} {}", limit.name)).collect()
 }
 
 #[test]
@@ -114,26 +115,21 @@ fn every_limit_moves_a_decision_of_its_page() {
         "" => all || !COSTLY.iter().any(|pages| code.starts_with(pages)),
         only => only.split(',').any(|asked| code.starts_with(asked)),
     };
-    let pages: Vec<(Front, String)> = pages()
-        .into_iter()
-        .map(|page| (Front::parse(&page).unwrap(), page))
+    let pages = RULES.iter().map(|entry| entry.page);
+    let asked: Vec<&Page> = pages
+        .filter(|page| is_asked(page.code) && !page.limits.is_empty())
         .collect();
-    let asked = pages
-        .iter()
-        .filter(|(front, _)| is_asked(&front.code) && !front.limits.is_empty());
-    let asked: Vec<&(Front, String)> = asked.collect();
-    let of_page = |(front, page): &&(Front, String)| {
-        let (_, body) = page::split(page).unwrap();
-        let sections = page::sections(body);
+    let of_page = |page: &&Page| {
+        let sections = page::sections(page.body);
         let worlds: Vec<World> = sections.iter().flat_map(cases).flat_map(|case| worlds(&case)).collect();
         // A review speaks of what the other rules found.
-        let is_review = |entry: &Entry| entry.code.as_str() == front.code && matches!(entry.kind, Kind::Review(_));
+        let is_review = |entry: &Entry| entry.code.as_str() == page.code && matches!(entry.kind, Kind::Review(_));
         let select = if RULES.iter().any(is_review) {
             Vec::new()
         } else {
-            vec![front.code.clone()]
+            vec![page.code.to_owned()]
         };
-        idle(front, &select, &worlds)
+        idle(page, &select, &worlds)
     };
     let mut idle: Vec<String> = asked.par_iter().flat_map_iter(of_page).collect();
     idle.sort();

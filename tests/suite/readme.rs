@@ -6,6 +6,7 @@
 
 use std::path::{Path, PathBuf};
 
+use frames_lint::cli;
 use frames_lint::engine::{self, Options};
 use frames_lint::report::{Style, rules_table, terminal};
 use frames_lint::run::FailOn;
@@ -61,7 +62,7 @@ fn the_readme_shows_what_the_program_says() {
         "the README's first command"
     );
     holds(BEGIN, END, &format!("\n\n```text\n{}\n```\n\n", report().trim_end()));
-    let table = rules_table::markdown(&engine::rules().unwrap());
+    let table = rules_table::markdown(&cli::rules());
     let table = table
         .trim()
         .trim_start_matches(rules_table::BEGIN)

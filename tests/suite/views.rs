@@ -7,7 +7,7 @@ use std::fs;
 use std::path::Path;
 
 use frames_lint::engine::{self, Options, Sights, Verdicts};
-use frames_lint::page::Front;
+use frames_lint::page::Page;
 use frames_lint::run::Run;
 use frames_lint::tables::views;
 use frames_lint::view::scene as scene_of;
@@ -70,10 +70,10 @@ fn labels(scene: &Scene) -> Vec<&str> {
 }
 
 /// What is missing in the view of a bad case of a page, where the page says what is to be seen.
-pub(crate) fn unseen(front: &Front, title: &str, folder: &Path) -> Option<String> {
-    let code = front.code.as_str();
-    let Some(row) = views::of(&front.view) else {
-        return Some(format!("{code}: `{}` is no row of the table of views", front.view));
+pub(crate) fn unseen(page: &Page, title: &str, folder: &Path) -> Option<String> {
+    let code = page.code;
+    let Some(row) = views::of(page.view) else {
+        return Some(format!("{code}: `{}` is no row of the table of views", page.view));
     };
     let see = row.see.as_ref()?;
     let scene = scene_of(&looked_at(folder, Verdicts::One));

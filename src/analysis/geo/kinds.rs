@@ -109,13 +109,11 @@ pub(crate) fn single_precision_step_m(size_m: f64) -> f64 {
 #[allow(clippy::unwrap_used)]
 mod tests {
     use super::*;
-    use crate::page::Front;
+    use crate::rules::pages;
+    use std::collections::BTreeMap;
 
     fn of(x: f64, y: f64, z: f64, fix: Option<(f64, f64)>) -> (Kind, bool) {
-        let limits = Front::parse(include_str!("../../../rules/geo/coordinate-kind.md"))
-            .unwrap()
-            .limits()
-            .unwrap();
+        let limits = pages::GEO03.limits(&BTreeMap::new()).unwrap();
         let fix = fix.map(|(latitude, longitude)| Geodetic::from_degrees(latitude, longitude, 500.0).unwrap());
         kind(&Vector3::new(x, y, z), fix.as_ref(), &limits)
     }

@@ -265,7 +265,8 @@ mod tests {
     use super::*;
     use crate::math::tests_drive::Wander;
     use crate::math::tests_support::Rng;
-    use crate::page::Front;
+    use crate::rules::pages;
+    use std::collections::BTreeMap;
 
     const LATE_S: f64 = 0.1;
 
@@ -286,10 +287,7 @@ mod tests {
     }
 
     fn share(seconds: f64, noise: f64, related: bool, trials: u32) -> (f64, f64) {
-        let limits = Front::parse_limits(include_str!("../../../rules/time/sensor-time-offset.md"))
-            .unwrap()
-            .limits::<Limits>()
-            .unwrap();
+        let limits = pages::TIME09.limits::<Limits>(&BTreeMap::new()).unwrap();
         let mut rng = Rng::new(909);
         let (mut found, mut worst) = (0, 0.0_f64);
         for _ in 0..trials {

@@ -9,7 +9,6 @@ use clap::{Arg, Command, CommandFactory, ValueEnum};
 use clap_complete::CompletionCandidate;
 use clap_complete::engine::{PathCompleter, ValueCompleter, complete_possible_values};
 
-use crate::page::Front;
 use crate::report::Format;
 use crate::rules::RULES;
 use crate::run::FailOn;
@@ -18,11 +17,11 @@ use super::{Cli, Output};
 
 /// The codes of rules, for completion; their names where no code fits.
 pub(super) fn rules() -> Vec<CompletionCandidate> {
-    let fronts = RULES.iter().filter_map(|entry| Front::parse(entry.page).ok());
-    fronts
-        .flat_map(|front| {
-            let summary = Some(front.summary.into());
-            [(front.code, false), (front.name, true)]
+    let pages = RULES.iter().map(|entry| entry.page);
+    pages
+        .flat_map(|page| {
+            let summary = Some(page.summary.into());
+            [(page.code, false), (page.name, true)]
                 .map(|(word, hide)| CompletionCandidate::new(word).help(summary.clone()).hide(hide))
         })
         .collect()
@@ -30,8 +29,7 @@ pub(super) fn rules() -> Vec<CompletionCandidate> {
 
 /// The same, and the families.
 pub(super) fn selectors() -> Vec<CompletionCandidate> {
-    let fronts = RULES.iter().filter_map(|entry| Front::parse(entry.page).ok());
-    let families: BTreeSet<String> = fronts.map(|front| front.family().to_owned()).collect();
+    let families: BTreeSet<&str> = RULES.iter().map(|entry| entry.page.family()).collect();
     families
         .into_iter()
         .map(CompletionCandidate::new)

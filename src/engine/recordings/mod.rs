@@ -173,6 +173,7 @@ impl Room<'_> {
             if !plan.widen(&worlds, &verdicts) {
                 let mut drive = self.drive(label, recordings, (worlds, &others), verdicts);
                 drive.left = drive.worlds.iter_mut().flat_map(slim).collect();
+                plan.note(&mut own);
                 drive.sources = own;
                 return drive;
             }

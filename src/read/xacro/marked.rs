@@ -11,6 +11,7 @@ use std::path::{Path, PathBuf};
 
 use roxmltree::Node;
 
+use super::super::ground::Ground;
 use super::super::urdf;
 use crate::files::Temporary;
 use crate::source::{Place, SourceId, Span, Written};
@@ -37,14 +38,16 @@ pub struct Template {
 pub(super) struct Copies {
     folder: Temporary,
     templates: Vec<Template>,
+    ground: Ground,
 }
 
 impl Copies {
     /// `None` where the file cannot be copied, or is no XML.
-    pub(super) fn new(path: &Path, packages: &BTreeMap<String, PathBuf>) -> Option<Self> {
+    pub(super) fn new(path: &Path, packages: &BTreeMap<String, PathBuf>, ground: &Ground) -> Option<Self> {
         let mut copies = Self {
             folder: Temporary::folder().ok()?,
             templates: Vec::new(),
+            ground: ground.clone(),
         };
         copies.add(path)?;
         let mut next = 0;
@@ -69,6 +72,10 @@ impl Copies {
     fn add(&mut self, path: &Path) -> Option<usize> {
         if let Some(known) = self.templates.iter().position(|template| template.path == path) {
             return Some(known);
+        }
+        // The first is the user's own.
+        if !self.templates.is_empty() && !self.ground.holds(path) {
+            return None;
         }
         let meta = fs::metadata(path).ok()?;
         if !meta.is_file() || meta.len() > LARGEST || self.templates.len() >= MOST_FILES {

@@ -4,10 +4,12 @@
 //! recursion, more memory than there is), the process that asked for it goes on.
 
 use std::collections::HashMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use xacro_rs::extensions::{CwdExtension, EnvExtension, ExtensionHandler, FindExtension, OptEnvExtension};
 use xacro_rs::{XacroError, XacroProcessor};
+
+use super::super::ground::Ground;
 
 /// How deep elements and macro calls may lie inside each other.
 const DEEPEST: usize = 1000;
@@ -19,15 +21,20 @@ const STACK: usize = 1 << 29;
 #[cfg(unix)]
 const MEMORY: u64 = 2 << 30;
 
-/// Expands `file` with `args` of the form `name:=value`. Limits the memory of the whole process: call it in one of its own.
+/// Expands `file` with `args` of the form `name:=value`; it and what it names lie in the folders `ground`, or anywhere where that is empty.
+/// Limits the memory and the rights of the whole process: call it in one of its own.
 ///
 /// # Errors
 ///
 /// Why there is no expansion, in lines as the `xacro` program writes them.
-pub fn expand(file: &Path, args: &[String]) -> Result<String, String> {
+pub fn expand(file: &Path, args: &[String], ground: &[PathBuf]) -> Result<String, String> {
     // Where the limit cannot be set, time and output are still bounded from outside.
     #[cfg(unix)]
     let _ = nix::sys::resource::setrlimit(nix::sys::resource::Resource::RLIMIT_AS, MEMORY, MEMORY);
+    let bounds = (!ground.is_empty()).then(|| Bounds {
+        ground: Ground::exactly(ground),
+        in_force: confined(ground),
+    });
     let args: HashMap<String, String> = args
         .iter()
         .filter_map(|arg| arg.split_once(":="))
@@ -36,14 +43,59 @@ pub fn expand(file: &Path, args: &[String]) -> Result<String, String> {
     std::thread::scope(|scope| {
         std::thread::Builder::new()
             .stack_size(STACK)
-            .spawn_scoped(scope, || expand_here(file, args))
+            .spawn_scoped(scope, || expand_here(file, args, bounds.as_ref()))
             .map_err(|error| format!("error: no thread could be started: {error}"))?
             .join()
             .unwrap_or_else(|_| Err("error: the expansion broke off".to_owned()))
     })
 }
 
-fn expand_here(file: &Path, args: HashMap<String, String>) -> Result<String, String> {
+/// What may be read.
+struct Bounds {
+    ground: Ground,
+    /// Whether the system holds this process to it. If not, what was read is looked at afterwards.
+    in_force: bool,
+}
+
+impl Bounds {
+    /// Why what was read of a file may not be used.
+    fn refusal(&self, path: &Path, text: &str) -> Option<String> {
+        if !self.ground.holds(path) {
+            return Some(format!(
+                "error: `{}` lies outside of what is checked\n{BY_PROGRAM}",
+                path.display()
+            ));
+        }
+        let is_loaded = !self.in_force && text.contains("load_yaml");
+        is_loaded.then(|| format!("error: `load_yaml` may read any file here\n{BY_PROGRAM}"))
+    }
+}
+
+/// What expands what is refused here.
+const BY_PROGRAM: &str = "error: it is expanded with --xacro run only";
+
+/// Takes from this process the right to open anything outside of these folders; whether that is in force.
+#[cfg(target_os = "linux")]
+fn confined(folders: &[PathBuf]) -> bool {
+    use landlock::{
+        ABI, Access, AccessFs, Ruleset, RulesetAttr, RulesetCreatedAttr, RulesetStatus, path_beneath_rules,
+    };
+    let read = AccessFs::from_read(ABI::V1);
+    let rules = Ruleset::default().handle_access(AccessFs::from_all(ABI::V1));
+    let held = rules
+        .and_then(Ruleset::create)
+        .and_then(|rules| rules.add_rules(path_beneath_rules(folders, read)))
+        .and_then(landlock::RulesetCreated::restrict_self);
+    held.is_ok_and(|held| held.ruleset != RulesetStatus::NotEnforced)
+}
+
+/// No other system is asked.
+#[cfg(not(target_os = "linux"))]
+fn confined(_: &[PathBuf]) -> bool {
+    false
+}
+
+fn expand_here(file: &Path, args: HashMap<String, String>, bounds: Option<&Bounds>) -> Result<String, String> {
     // What is installed here does not count: packages are those that the caller names.
     let extensions: [Box<dyn ExtensionHandler>; 4] = [
         Box::new(CwdExtension),
@@ -61,9 +113,20 @@ fn expand_here(file: &Path, args: HashMap<String, String>) -> Result<String, Str
         .into_iter()
         .fold(builder, xacro_rs::XacroBuilder::with_extension)
         .build();
-    let (text, included) = processor.run_with_deps(file).map_err(|error| words(&error))?;
+    let (text, included) = processor.run_with_deps(file).map_err(|error| {
+        let said = words(&error, bounds);
+        let is_refused = bounds.is_some() && said.contains("Permission denied");
+        if is_refused {
+            format!("{said}\n{BY_PROGRAM}")
+        } else {
+            said
+        }
+    })?;
     for path in included.iter().map(std::path::PathBuf::as_path).chain([file]) {
         let written = std::fs::read_to_string(path).unwrap_or_default();
+        if let Some(refusal) = bounds.and_then(|bounds| bounds.refusal(path, &written)) {
+            return Err(refusal);
+        }
         if let Some(expression) = expressions(&written).find(|expression| is_evaluated_otherwise(expression)) {
             return Err(format!(
                 "error: `${{{expression}}}` is evaluated by the `xacro` program only\nwhen processing file: {}",
@@ -116,15 +179,24 @@ fn opening(inner: &str) -> &str {
     ""
 }
 
-/// The error in the words of the `xacro` program.
-fn words(error: &XacroError) -> String {
+/// The error in the words of the `xacro` program. Of a file that may not be read nothing is quoted.
+fn words(error: &XacroError, bounds: Option<&Bounds>) -> String {
     match error {
         XacroError::WithContext { source, context } => {
             let file = context.include_stack.last().or(context.file.as_ref());
+            let refusal = bounds.zip(file).and_then(|(bounds, file)| bounds.refusal(file, ""));
+            if let Some(refusal) = refusal {
+                return refusal;
+            }
             let file = file.map_or_else(String::new, |file| {
                 format!("\nwhen processing file: {}", file.display())
             });
-            words(source) + &file
+            words(source, bounds) + &file
+        }
+        XacroError::YamlParseError { path, .. }
+            if bounds.is_some_and(|bounds| !bounds.ground.holds(Path::new(path))) =>
+        {
+            format!("error: `{path}` lies outside of what is checked\n{BY_PROGRAM}")
         }
         XacroError::UndefinedArgument { name } => format!("error: Undefined substitution argument {name}"),
         XacroError::InvalidExtension { reason, .. } if reason.starts_with("Package not found: ") => {

@@ -7,8 +7,8 @@ use std::fmt::Write;
 
 use maud::{Markup, html};
 
+use crate::page;
 use crate::page::Status;
-use crate::run::RuleInfo;
 use crate::tables::views;
 use crate::verdict::waiver::plain_subject;
 use crate::verdict::{Measured, Outcome, Row};
@@ -72,16 +72,16 @@ pub(super) fn render(page: &Page, shown: &Shown, drawn: &Drawn) -> Option<Markup
             joined(items, &run.platforms);
         }
     }
-    let mut families: Vec<(&str, Vec<&RuleInfo>)> = Vec::new();
+    let mut families: Vec<(&str, Vec<&page::Page>)> = Vec::new();
     for rule in &run.rules {
         match families.last_mut() {
-            Some((family, rules)) if *family == rule.family => rules.push(rule),
-            _ => families.push((&rule.family, vec![rule])),
+            Some((family, rules)) if *family == rule.family() => rules.push(rule),
+            _ => families.push((rule.family(), vec![rule])),
         }
     }
     let place = |family: &str| FAMILIES.iter().position(|(known, _)| *known == family);
     families.sort_by_key(|(family, _)| place(family).unwrap_or(FAMILIES.len()));
-    let known: BTreeSet<&str> = run.rules.iter().map(|rule| rule.code.as_str()).collect();
+    let known: BTreeSet<&str> = run.rules.iter().map(|rule| rule.code).collect();
     let strangers: Vec<(&&str, &Vec<Item>)> = items.iter().filter(|(code, _)| !known.contains(*code)).collect();
     let mut room = MAX_ITEMS;
     Some(html! {
@@ -90,7 +90,7 @@ pub(super) fn render(page: &Page, shown: &Shown, drawn: &Drawn) -> Option<Markup
             @let title = FAMILIES.iter().find(|(known, _)| known == family).map_or("", |(_, title)| title);
             (table(family, title, &html! {
                 @for rule in rules {
-                    (group(page, shown, drawn, (&rule.code, Some(rule)), items.get(rule.code.as_str()), &mut room))
+                    (group(page, shown, drawn, (rule.code, Some(rule)), items.get(rule.code), &mut room))
                 }
             }))
         }
@@ -163,7 +163,7 @@ fn group(
     page: &Page,
     shown: &Shown,
     drawn: &Drawn,
-    (code, rule): (&str, Option<&RuleInfo>),
+    (code, rule): (&str, Option<&page::Page>),
     items: Option<&Vec<Item>>,
     room: &mut usize,
 ) -> Markup {
@@ -179,7 +179,7 @@ fn group(
         classes.insert(format!("has-{}", class(item.row.outcome)));
     }
     let classes: Vec<String> = classes.into_iter().collect();
-    let name = rule.map(|rule| rule.name.as_str());
+    let name = rule.map(|rule| rule.name);
     let name = name
         .or_else(|| items.first().map(|item| item.row.name.as_str()))
         .unwrap_or_default();
@@ -234,7 +234,7 @@ fn group(
 }
 
 /// `error · certain · stable since 0.1.0`.
-fn facts(rule: &RuleInfo) -> String {
+fn facts(rule: &page::Page) -> String {
     let status = match rule.status {
         Status::Stable => "stable",
         Status::Trial => "on trial, its findings are hints;",

@@ -16,7 +16,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for AdhocStaticTransform {
-    const PAGE: &'static str = include_str!("../../../rules/auth/adhoc-static-transform.md");
     const NEEDS: &'static [Need] = &[Need::Robot, Need::Tf];
     type Limits = Limits;
 

@@ -14,7 +14,6 @@ const IDENTITY: &[&str] = &[
 ];
 
 impl Rule for CalibrationArtifactId {
-    const PAGE: &'static str = include_str!("../../../rules/auth/calibration-artifact-id.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -21,7 +21,6 @@ const CALIBRATION: &[&str] = &["calib", "calibration", "extrinsic", "extrinsics"
 const SENSORS: &[&[&str]] = &[names::LIDARS, names::CAMERAS, names::GNSS, &["os", "imu", "radar"]];
 
 impl Rule for CalibrationMissingDefault {
-    const PAGE: &'static str = include_str!("../../../rules/auth/calibration-missing-default.md");
     const NEEDS: &'static [Need] = &[];
     type Limits = Limits;
 

@@ -11,7 +11,6 @@ pub(crate) struct ConventionUndeclared;
 const NAMED: usize = 8;
 
 impl Rule for ConventionUndeclared {
-    const PAGE: &'static str = include_str!("../../../rules/auth/convention-undeclared.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = NoLimits;
 

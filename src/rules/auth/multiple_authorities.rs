@@ -23,7 +23,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for MultipleAuthorities {
-    const PAGE: &'static str = include_str!("../../../rules/auth/multiple-authorities.md");
     const NEEDS: &'static [Need] = &[Need::RobotTfOrLaunch];
     type Limits = Limits;
 

@@ -10,7 +10,6 @@ use crate::rules::prelude::*;
 pub(crate) struct AccelVsSpeed;
 
 impl Rule for AccelVsSpeed {
-    const PAGE: &'static str = include_str!("../../../rules/axes/accel-vs-speed.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -8,7 +8,6 @@ use crate::rules::prelude::*;
 pub(crate) struct BaseFrameFlu;
 
 impl Rule for BaseFrameFlu {
-    const PAGE: &'static str = include_str!("../../../rules/axes/base-frame-flu.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -44,7 +44,6 @@ struct Turned {
 }
 
 impl Rule for CloudMirror {
-    const PAGE: &'static str = include_str!("../../../rules/axes/cloud-mirror.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

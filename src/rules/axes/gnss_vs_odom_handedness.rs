@@ -13,7 +13,6 @@ use crate::world::motion::{FixRow, PoseRow};
 pub(crate) struct GnssVsOdomHandedness;
 
 impl Rule for GnssVsOdomHandedness {
-    const PAGE: &'static str = include_str!("../../../rules/axes/gnss-vs-odom-handedness.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

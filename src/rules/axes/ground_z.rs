@@ -50,7 +50,6 @@ struct Height {
 }
 
 impl Rule for GroundZ {
-    const PAGE: &'static str = include_str!("../../../rules/axes/ground-z.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -11,7 +11,6 @@ use crate::rules::prelude::*;
 pub(crate) struct GyroVsTurnSign;
 
 impl Rule for GyroVsTurnSign {
-    const PAGE: &'static str = include_str!("../../../rules/axes/gyro-vs-turn-sign.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

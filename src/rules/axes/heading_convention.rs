@@ -10,7 +10,6 @@ use crate::rules::prelude::*;
 pub(crate) struct HeadingConvention;
 
 impl Rule for HeadingConvention {
-    const PAGE: &'static str = include_str!("../../../rules/axes/heading-convention.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

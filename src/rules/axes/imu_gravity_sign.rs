@@ -10,7 +10,6 @@ use crate::rules::prelude::*;
 pub(crate) struct ImuGravitySign;
 
 impl Rule for ImuGravitySign {
-    const PAGE: &'static str = include_str!("../../../rules/axes/imu-gravity-sign.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -30,7 +30,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for ImuUnits {
-    const PAGE: &'static str = include_str!("../../../rules/axes/imu-units.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

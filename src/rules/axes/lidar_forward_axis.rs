@@ -7,7 +7,6 @@ use crate::rules::prelude::*;
 pub(crate) struct LidarForwardAxis;
 
 impl Rule for LidarForwardAxis {
-    const PAGE: &'static str = include_str!("../../../rules/axes/lidar-forward-axis.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -6,7 +6,6 @@ use crate::rules::prelude::*;
 pub(crate) struct MapZUp;
 
 impl Rule for MapZUp {
-    const PAGE: &'static str = include_str!("../../../rules/axes/map-z-up.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -20,7 +20,6 @@ const UNITS: [(f64, &str); 5] = [
 pub(crate) struct OdomTwistFrame;
 
 impl Rule for OdomTwistFrame {
-    const PAGE: &'static str = include_str!("../../../rules/axes/odom-twist-frame.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -12,7 +12,6 @@ use crate::verdict::UNEXPLAINED;
 pub(crate) struct OrientationVsGravity;
 
 impl Rule for OrientationVsGravity {
-    const PAGE: &'static str = include_str!("../../../rules/axes/orientation-vs-gravity.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

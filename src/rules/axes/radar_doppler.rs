@@ -68,7 +68,6 @@ struct Seen {
 }
 
 impl Rule for RadarDoppler {
-    const PAGE: &'static str = include_str!("../../../rules/axes/radar-doppler.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -15,7 +15,6 @@ use crate::world::{FrameId, World, cloud::CloudSample};
 pub(crate) struct UpAxisFlip;
 
 impl Rule for UpAxisFlip {
-    const PAGE: &'static str = include_str!("../../../rules/axes/up-axis-flip.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

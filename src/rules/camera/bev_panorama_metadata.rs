@@ -9,7 +9,6 @@ use crate::world::{BagEvidence, World, bag::TopicEvidence};
 pub(crate) struct BevPanoramaMetadata;
 
 impl Rule for BevPanoramaMetadata {
-    const PAGE: &'static str = include_str!("../../../rules/camera/bev-panorama-metadata.md");
     const NEEDS: &'static [Need] = &[];
     type Limits = Limits;
 

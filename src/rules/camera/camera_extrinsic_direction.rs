@@ -46,7 +46,6 @@ impl Kind {
 }
 
 impl Rule for CameraExtrinsicDirection {
-    const PAGE: &'static str = include_str!("../../../rules/camera/camera-extrinsic-direction.md");
     const NEEDS: &'static [Need] = &[Need::Calibration];
     type Limits = Limits;
 

@@ -15,7 +15,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for CameraInfoDistortion {
-    const PAGE: &'static str = include_str!("../../../rules/camera/camera-info-distortion.md");
     const NEEDS: &'static [Need] = &[Need::CameraInfo];
     type Limits = Limits;
 

@@ -21,7 +21,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for CameraInfoKSize {
-    const PAGE: &'static str = include_str!("../../../rules/camera/camera-info-k-size.md");
     const NEEDS: &'static [Need] = &[Need::CameraInfo];
     type Limits = Limits;
 

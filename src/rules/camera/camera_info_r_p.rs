@@ -18,7 +18,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for CameraInfoRP {
-    const PAGE: &'static str = include_str!("../../../rules/camera/camera-info-r-p.md");
     const NEEDS: &'static [Need] = &[Need::CameraInfo];
     type Limits = Limits;
 

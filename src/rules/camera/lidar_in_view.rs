@@ -9,7 +9,6 @@ use crate::world::{FrameId, World};
 pub(crate) struct LidarInView;
 
 impl Rule for LidarInView {
-    const PAGE: &'static str = include_str!("../../../rules/camera/lidar-in-view.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -17,7 +17,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for OpticalRotation {
-    const PAGE: &'static str = include_str!("../../../rules/camera/optical-rotation.md");
     const NEEDS: &'static [Need] = &[Need::RobotOrTf];
     type Limits = Limits;
 

@@ -8,7 +8,6 @@ use crate::world::projection::{Form, Projection, RangeImage};
 pub(crate) struct RangeImageConfig;
 
 impl Rule for RangeImageConfig {
-    const PAGE: &'static str = include_str!("../../../rules/camera/range-image-config.md");
     const NEEDS: &'static [Need] = &[];
     type Limits = Limits;
 

@@ -21,7 +21,6 @@ pub(crate) struct Limits {
 const SIDES: [[&str; 2]; 3] = [["left", "right"], ["infra1", "infra2"], ["cam0", "cam1"]];
 
 impl Rule for StereoBaseline {
-    const PAGE: &'static str = include_str!("../../../rules/camera/stereo-baseline.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -9,7 +9,6 @@ use crate::world::launch::LocalizationSettings;
 pub(crate) struct LocalizationFrames;
 
 impl Rule for LocalizationFrames {
-    const PAGE: &'static str = include_str!("../../../rules/config/localization-frames.md");
     const NEEDS: &'static [Need] = &[];
     type Limits = NoLimits;
 

@@ -20,7 +20,6 @@ const DECLINATION: &str = "magnetic_declination_radians";
 const OFFSET: &str = "yaw_offset";
 
 impl Rule for NavsatTransform {
-    const PAGE: &'static str = include_str!("../../../rules/config/navsat-transform.md");
     const NEEDS: &'static [Need] = &[];
     type Limits = Limits;
 

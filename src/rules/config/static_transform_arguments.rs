@@ -19,7 +19,6 @@ pub(crate) struct Limits {
 const TURNED_OVER: [&str; 4] = ["ned", "frd", "nwu", "flu"];
 
 impl Rule for StaticTransformArguments {
-    const PAGE: &'static str = include_str!("../../../rules/config/static-transform-arguments.md");
     const NEEDS: &'static [Need] = &[];
     type Limits = Limits;
 

@@ -12,7 +12,6 @@ use crate::world::motion::PoseRow;
 pub(crate) struct CovFrame;
 
 impl Rule for CovFrame {
-    const PAGE: &'static str = include_str!("../../../rules/cov/cov-frame.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -21,7 +21,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for CovOrder {
-    const PAGE: &'static str = include_str!("../../../rules/cov/cov-order.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -22,7 +22,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for CovUnits {
-    const PAGE: &'static str = include_str!("../../../rules/cov/cov-units.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

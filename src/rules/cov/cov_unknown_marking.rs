@@ -17,7 +17,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for CovUnknownMarking {
-    const PAGE: &'static str = include_str!("../../../rules/cov/cov-unknown-marking.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

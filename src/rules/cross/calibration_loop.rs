@@ -31,7 +31,6 @@ struct Loop<'s> {
 }
 
 impl Rule for CalibrationLoop {
-    const PAGE: &'static str = include_str!("../../../rules/cross/calibration-loop.md");
     const NEEDS: &'static [Need] = &[Need::Calibration];
     type Limits = Limits;
 

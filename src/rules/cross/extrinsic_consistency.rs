@@ -19,7 +19,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for ExtrinsicConsistency {
-    const PAGE: &'static str = include_str!("../../../rules/cross/extrinsic-consistency.md");
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = Limits;
 

@@ -7,7 +7,6 @@ use crate::rules::prelude::*;
 pub(crate) struct ExtrinsicDirection;
 
 impl Rule for ExtrinsicDirection {
-    const PAGE: &'static str = include_str!("../../../rules/cross/extrinsic-direction.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

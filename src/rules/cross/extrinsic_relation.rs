@@ -17,7 +17,6 @@ use crate::world::{Claim, World};
 pub(crate) struct ExtrinsicRelation;
 
 impl Rule for ExtrinsicRelation {
-    const PAGE: &'static str = include_str!("../../../rules/cross/extrinsic-relation.md");
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = Limits;
 

@@ -22,7 +22,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for FrameAliases {
-    const PAGE: &'static str = include_str!("../../../rules/cross/frame-aliases.md");
     const NEEDS: &'static [Need] = &[Need::Calibration];
     type Limits = Limits;
 

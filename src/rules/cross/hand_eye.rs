@@ -9,7 +9,6 @@ use crate::rules::prelude::*;
 pub(crate) struct HandEyeCalibration;
 
 impl Rule for HandEyeCalibration {
-    const PAGE: &'static str = include_str!("../../../rules/cross/hand-eye.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -15,7 +15,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for UrdfTfTopology {
-    const PAGE: &'static str = include_str!("../../../rules/cross/urdf-tf-topology.md");
     const NEEDS: &'static [Need] = &[Need::Robot, Need::Tf];
     type Limits = Limits;
 

@@ -7,7 +7,6 @@ use crate::verdict::waiver::{Applied, Misspelt, WaiverKind};
 pub(crate) struct CommentNotUnderstood;
 
 impl OfPolicy for CommentNotUnderstood {
-    const PAGE: &'static str = include_str!("../../../rules/gate/comment-not-understood.md");
 
     fn judge(applied: &[Applied], misspelt: &[Misspelt], out: &mut Judge) {
         for one in applied.iter().filter(|one| one.waiver.kind == WaiverKind::Comment) {

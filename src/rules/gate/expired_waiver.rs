@@ -7,7 +7,6 @@ use crate::verdict::waiver::{Applied, Misspelt};
 pub(crate) struct ExpiredWaiver;
 
 impl OfPolicy for ExpiredWaiver {
-    const PAGE: &'static str = include_str!("../../../rules/gate/expired-waiver.md");
 
     fn judge(applied: &[Applied], _: &[Misspelt], out: &mut Judge) {
         for one in applied {

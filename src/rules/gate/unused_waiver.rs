@@ -7,7 +7,6 @@ use crate::verdict::waiver::{Applied, Misspelt};
 pub(crate) struct UnusedWaiver;
 
 impl OfPolicy for UnusedWaiver {
-    const PAGE: &'static str = include_str!("../../../rules/gate/unused-waiver.md");
 
     fn judge(applied: &[Applied], _: &[Misspelt], out: &mut Judge) {
         for one in applied {

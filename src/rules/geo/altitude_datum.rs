@@ -20,7 +20,6 @@ enum Relation {
 }
 
 impl Rule for AltitudeDatum {
-    const PAGE: &'static str = include_str!("../../../rules/geo/altitude-datum.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -12,7 +12,6 @@ use crate::world::{FrameId, World};
 pub(crate) struct CoordinateKind;
 
 impl Rule for CoordinateKind {
-    const PAGE: &'static str = include_str!("../../../rules/geo/coordinate-kind.md");
     const NEEDS: &'static [Need] = &[Need::Frames];
     type Limits = Limits;
 

@@ -8,7 +8,6 @@ use crate::rules::prelude::*;
 pub(crate) struct EcefEnuRotation;
 
 impl Rule for EcefEnuRotation {
-    const PAGE: &'static str = include_str!("../../../rules/geo/ecef-enu-rotation.md");
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = Limits;
 

@@ -34,7 +34,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for GridConvergenceScale {
-    const PAGE: &'static str = include_str!("../../../rules/geo/grid-convergence-scale.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

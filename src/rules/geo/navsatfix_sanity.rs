@@ -7,7 +7,6 @@ use crate::world::{BagEvidence, World, bag::TopicEvidence, content::FixEvidence}
 pub(crate) struct NavsatfixSanity;
 
 impl Rule for NavsatfixSanity {
-    const PAGE: &'static str = include_str!("../../../rules/geo/navsatfix-sanity.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -14,7 +14,6 @@ use crate::world::{EarthOrigin, World};
 pub(crate) struct OriginConsistency;
 
 impl Rule for OriginConsistency {
-    const PAGE: &'static str = include_str!("../../../rules/geo/origin-consistency.md");
     const NEEDS: &'static [Need] = &[];
     type Limits = Limits;
 

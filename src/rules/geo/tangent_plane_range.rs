@@ -26,7 +26,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for TangentPlaneRange {
-    const PAGE: &'static str = include_str!("../../../rules/geo/tangent-plane-range.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

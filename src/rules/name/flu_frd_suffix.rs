@@ -19,7 +19,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for FluFrdSuffix {
-    const PAGE: &'static str = include_str!("../../../rules/name/flu-frd-suffix.md");
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = Limits;
 

@@ -12,7 +12,6 @@ use crate::world::{FrameId, FrameRole, FrameUse, World};
 pub(crate) struct FrameCaseMismatch;
 
 impl Rule for FrameCaseMismatch {
-    const PAGE: &'static str = include_str!("../../../rules/name/frame-case-mismatch.md");
     const NEEDS: &'static [Need] = &[Need::Frames];
     type Limits = NoLimits;
 

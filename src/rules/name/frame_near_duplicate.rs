@@ -19,7 +19,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for FrameNearDuplicate {
-    const PAGE: &'static str = include_str!("../../../rules/name/frame-near-duplicate.md");
     const NEEDS: &'static [Need] = &[Need::RobotOrTf];
     type Limits = Limits;
 

@@ -12,7 +12,6 @@ use crate::world::{FrameId, FrameRole, FrameUse, World};
 pub(crate) struct FrameWhitespaceOrSlash;
 
 impl Rule for FrameWhitespaceOrSlash {
-    const PAGE: &'static str = include_str!("../../../rules/name/frame-whitespace-or-slash.md");
     const NEEDS: &'static [Need] = &[Need::Frames];
     type Limits = NoLimits;
 

@@ -9,7 +9,6 @@ use crate::world::{BagEvidence, FrameId, World};
 pub(crate) struct ImageFrameNotOptical;
 
 impl Rule for ImageFrameNotOptical {
-    const PAGE: &'static str = include_str!("../../../rules/name/image-frame-not-optical.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -19,7 +19,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for NedSuffix {
-    const PAGE: &'static str = include_str!("../../../rules/name/ned-suffix.md");
     const NEEDS: &'static [Need] = &[Need::RobotTfOrLaunch];
     type Limits = Limits;
 

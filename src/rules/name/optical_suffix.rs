@@ -14,7 +14,6 @@ use crate::world::{FrameId, World, graph::FrameGraph};
 pub(crate) struct OpticalSuffix;
 
 impl Rule for OpticalSuffix {
-    const PAGE: &'static str = include_str!("../../../rules/name/optical-suffix.md");
     const NEEDS: &'static [Need] = &[Need::RobotOrTf];
     type Limits = Limits;
 

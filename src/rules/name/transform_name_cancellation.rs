@@ -11,7 +11,6 @@ use crate::world::{ClaimKind, DeclaredChain, Doubt, FrameId, World, transform_na
 pub(crate) struct TransformNameCancellation;
 
 impl Rule for TransformNameCancellation {
-    const PAGE: &'static str = include_str!("../../../rules/name/transform-name-cancellation.md");
     const NEEDS: &'static [Need] = &[];
     type Limits = NoLimits;
 

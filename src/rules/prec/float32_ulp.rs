@@ -15,7 +15,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for Float32Ulp {
-    const PAGE: &'static str = include_str!("../../../rules/prec/float32-ulp.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

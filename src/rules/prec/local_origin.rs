@@ -17,7 +17,6 @@ pub(crate) struct Limits {
 const TILE_M: f64 = 1000.0;
 
 impl Rule for LocalOrigin {
-    const PAGE: &'static str = include_str!("../../../rules/prec/local-origin.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

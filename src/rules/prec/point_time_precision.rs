@@ -12,7 +12,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for PointTimePrecision {
-    const PAGE: &'static str = include_str!("../../../rules/prec/point-time-precision.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

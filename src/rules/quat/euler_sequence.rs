@@ -18,7 +18,6 @@ use crate::world::{Claim, World};
 pub(crate) struct EulerSequence;
 
 impl Rule for EulerSequence {
-    const PAGE: &'static str = include_str!("../../../rules/quat/euler-sequence.md");
     const NEEDS: &'static [Need] = &[Need::TransformsOrBag];
     type Limits = Limits;
 

@@ -6,7 +6,6 @@ use crate::world::{Doubt, World, conventions::Subject};
 pub(crate) struct JplProvenance;
 
 impl Rule for JplProvenance {
-    const PAGE: &'static str = include_str!("../../../rules/quat/jpl-provenance.md");
     const NEEDS: &'static [Need] = &[];
     type Limits = NoLimits;
 

@@ -25,7 +25,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for LeftVsRightMultiplication {
-    const PAGE: &'static str = include_str!("../../../rules/quat/left-vs-right-multiplication.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

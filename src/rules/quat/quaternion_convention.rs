@@ -11,7 +11,6 @@ use crate::verdict::UNEXPLAINED;
 pub(crate) struct QuaternionConvention;
 
 impl Rule for QuaternionConvention {
-    const PAGE: &'static str = include_str!("../../../rules/quat/quaternion-convention.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -15,7 +15,6 @@ use crate::world::{ClaimKind, Spelling, World};
 pub(crate) struct QuaternionOrderStatic;
 
 impl Rule for QuaternionOrderStatic {
-    const PAGE: &'static str = include_str!("../../../rules/quat/quaternion-order-static.md");
     const NEEDS: &'static [Need] = &[Need::CalibrationOrBag];
     type Limits = Limits;
 

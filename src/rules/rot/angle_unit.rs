@@ -29,7 +29,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for AngleUnit {
-    const PAGE: &'static str = include_str!("../../../rules/rot/angle-unit.md");
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = Limits;
 

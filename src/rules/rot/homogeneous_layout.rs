@@ -13,7 +13,6 @@ use crate::world::World;
 pub(crate) struct HomogeneousLayout;
 
 impl Rule for HomogeneousLayout {
-    const PAGE: &'static str = include_str!("../../../rules/rot/homogeneous-layout.md");
     const NEEDS: &'static [Need] = &[Need::Matrices];
     type Limits = NoLimits;
 

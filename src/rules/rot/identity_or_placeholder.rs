@@ -10,7 +10,6 @@ use crate::world::World;
 pub(crate) struct IdentityOrPlaceholder;
 
 impl Rule for IdentityOrPlaceholder {
-    const PAGE: &'static str = include_str!("../../../rules/rot/identity-or-placeholder.md");
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = NoLimits;
 

@@ -10,7 +10,6 @@ use crate::world::{Claim, ClaimKind, Literal, Robot, Spelling, World};
 pub(crate) struct NonFiniteOrZero;
 
 impl Rule for NonFiniteOrZero {
-    const PAGE: &'static str = include_str!("../../../rules/rot/non-finite-or-zero.md");
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = NoLimits;
 

@@ -22,7 +22,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for QuaternionNorm {
-    const PAGE: &'static str = include_str!("../../../rules/rot/quaternion-norm.md");
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = Limits;
 

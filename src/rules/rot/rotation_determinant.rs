@@ -20,7 +20,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for RotationDeterminant {
-    const PAGE: &'static str = include_str!("../../../rules/rot/rotation-determinant.md");
     const NEEDS: &'static [Need] = &[Need::Matrices];
     type Limits = Limits;
 

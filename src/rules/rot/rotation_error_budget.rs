@@ -38,7 +38,6 @@ fn turn_deg(measured: &[Measured]) -> Option<f64> {
 }
 
 impl Review for RotationErrorBudget {
-    const PAGE: &'static str = include_str!("../../../rules/rot/rotation-error-budget.md");
     type Limits = Limits;
 
     fn review(found: &mut [Finding], rows: &[Row], limits: &Limits, out: &mut Judge) {

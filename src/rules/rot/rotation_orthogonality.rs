@@ -23,7 +23,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for RotationOrthogonality {
-    const PAGE: &'static str = include_str!("../../../rules/rot/rotation-orthogonality.md");
     const NEEDS: &'static [Need] = &[Need::Matrices];
     type Limits = Limits;
 

@@ -36,7 +36,6 @@ pub(crate) struct Limits {
 const OUSTER_MM: [f64; 10] = [36.18, 38.195, 74.296, 78.296, 6.253, 11.775, 7.645, 2.441, 9.725, 7.533];
 
 impl Rule for TranslationUnits {
-    const PAGE: &'static str = include_str!("../../../rules/rot/translation-units.md");
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = Limits;
 

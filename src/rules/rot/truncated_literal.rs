@@ -40,7 +40,6 @@ impl Truncated<'_> {
 }
 
 impl Rule for TruncatedLiteral {
-    const PAGE: &'static str = include_str!("../../../rules/rot/truncated-literal.md");
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = Limits;
 

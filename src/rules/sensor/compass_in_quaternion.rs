@@ -23,7 +23,6 @@ struct Against<'a> {
 }
 
 impl Rule for CompassInQuaternion {
-    const PAGE: &'static str = include_str!("../../../rules/sensor/compass-in-quaternion.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

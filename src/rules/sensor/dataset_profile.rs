@@ -17,7 +17,6 @@ use crate::world::{Claim, FrameId, NamedDataset, World};
 pub(crate) struct DatasetProfile;
 
 impl Rule for DatasetProfile {
-    const PAGE: &'static str = include_str!("../../../rules/sensor/dataset-profile.md");
     const NEEDS: &'static [Need] = &[];
     type Limits = Limits;
 

@@ -24,7 +24,6 @@ struct Told {
 }
 
 impl Rule for ExtrinsicZ180Double {
-    const PAGE: &'static str = include_str!("../../../rules/sensor/extrinsic-z180-double.md");
     const NEEDS: &'static [Need] = &[Need::TransformsOrBag];
     type Limits = Limits;
 

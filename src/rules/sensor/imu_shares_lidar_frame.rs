@@ -14,7 +14,6 @@ pub(crate) struct ImuSharesLidarFrame;
 pub(crate) struct Limits {}
 
 impl Rule for ImuSharesLidarFrame {
-    const PAGE: &'static str = include_str!("../../../rules/sensor/imu-shares-lidar-frame.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     const EVIDENCE: Evidence = Evidence::LEAST;
     type Limits = Limits;

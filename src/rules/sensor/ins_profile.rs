@@ -15,7 +15,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for InsProfile {
-    const PAGE: &'static str = include_str!("../../../rules/sensor/ins-profile.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -16,7 +16,6 @@ struct Told {
 }
 
 impl Rule for LeftHandedSimulator {
-    const PAGE: &'static str = include_str!("../../../rules/sensor/left-handed-simulator.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = NoLimits;
 

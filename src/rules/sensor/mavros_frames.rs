@@ -55,7 +55,6 @@ const FIXED: &[Fixed] = &[
 ];
 
 impl Rule for MavrosFrames {
-    const PAGE: &'static str = include_str!("../../../rules/sensor/mavros-frames.md");
     const NEEDS: &'static [Need] = &[Need::RobotOrTf];
     type Limits = Limits;
 

@@ -14,7 +14,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for NativeYForward {
-    const PAGE: &'static str = include_str!("../../../rules/sensor/native-y-forward.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

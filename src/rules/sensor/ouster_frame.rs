@@ -9,7 +9,6 @@ use crate::world::World;
 pub(crate) struct OusterFrame;
 
 impl Rule for OusterFrame {
-    const PAGE: &'static str = include_str!("../../../rules/sensor/ouster-frame.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

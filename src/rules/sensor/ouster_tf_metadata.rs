@@ -12,7 +12,6 @@ use crate::world::World;
 pub(crate) struct OusterTfMetadata;
 
 impl Rule for OusterTfMetadata {
-    const PAGE: &'static str = include_str!("../../../rules/sensor/ouster-tf-metadata.md");
     const NEEDS: &'static [Need] = &[Need::TransformsOrBag];
     type Limits = Limits;
 

@@ -24,7 +24,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for ClockDomain {
-    const PAGE: &'static str = include_str!("../../../rules/time/clock-domain.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

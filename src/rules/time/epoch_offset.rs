@@ -13,7 +13,6 @@ use crate::world::BagEvidence;
 pub(crate) struct EpochOffset;
 
 impl Rule for EpochOffset {
-    const PAGE: &'static str = include_str!("../../../rules/time/epoch-offset.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -14,7 +14,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for LeapTableExpiry {
-    const PAGE: &'static str = include_str!("../../../rules/time/leap-table-expiry.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -17,7 +17,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for PointTimeMissing {
-    const PAGE: &'static str = include_str!("../../../rules/time/point-time-missing.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -45,7 +45,6 @@ struct Told<'w> {
 }
 
 impl Rule for PointTimeReference {
-    const PAGE: &'static str = include_str!("../../../rules/time/point-time-reference.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -13,7 +13,6 @@ use crate::world::World;
 pub(crate) struct PointTimeSweep;
 
 impl Rule for PointTimeSweep {
-    const PAGE: &'static str = include_str!("../../../rules/time/point-time-sweep.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

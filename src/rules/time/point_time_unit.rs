@@ -19,7 +19,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for PointTimeUnit {
-    const PAGE: &'static str = include_str!("../../../rules/time/point-time-unit.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

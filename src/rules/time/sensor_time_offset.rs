@@ -14,7 +14,6 @@ use crate::world::{BagEvidence, World};
 pub(crate) struct SensorTimeOffset;
 
 impl Rule for SensorTimeOffset {
-    const PAGE: &'static str = include_str!("../../../rules/time/sensor-time-offset.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

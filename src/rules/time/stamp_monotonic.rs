@@ -10,7 +10,6 @@ use crate::source::MessageRef;
 pub(crate) struct StampMonotonic;
 
 impl Rule for StampMonotonic {
-    const PAGE: &'static str = include_str!("../../../rules/time/stamp-monotonic.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -14,7 +14,6 @@ use lateness::{Fault, faults};
 pub(crate) struct StampVsLog;
 
 impl Rule for StampVsLog {
-    const PAGE: &'static str = include_str!("../../../rules/time/stamp-vs-log.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -9,7 +9,6 @@ use crate::rules::prelude::*;
 pub(crate) struct TfVsSensorTime;
 
 impl Rule for TfVsSensorTime {
-    const PAGE: &'static str = include_str!("../../../rules/time/tf-vs-sensor-time.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

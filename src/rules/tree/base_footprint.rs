@@ -8,7 +8,6 @@ use crate::world::FrameId;
 pub(crate) struct BaseFootprint;
 
 impl Rule for BaseFootprint {
-    const PAGE: &'static str = include_str!("../../../rules/tree/base-footprint.md");
     const NEEDS: &'static [Need] = &[Need::RobotOrTf];
     type Limits = Limits;
 

@@ -29,7 +29,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for MapOdomJump {
-    const PAGE: &'static str = include_str!("../../../rules/tree/map-odom-jump.md");
     const NEEDS: &'static [Need] = &[Need::Tf];
     type Limits = Limits;
 

@@ -11,7 +11,6 @@ use crate::world::{BagEvidence, FrameId};
 pub(crate) struct MapOdomNotApplied;
 
 impl Rule for MapOdomNotApplied {
-    const PAGE: &'static str = include_str!("../../../rules/tree/map-odom-not-applied.md");
     const NEEDS: &'static [Need] = &[Need::Tf];
     type Limits = Limits;
 

@@ -11,7 +11,6 @@ use crate::world::{BagEvidence, FrameId, World};
 pub(crate) struct MessageFrameUnresolved;
 
 impl Rule for MessageFrameUnresolved {
-    const PAGE: &'static str = include_str!("../../../rules/tree/message-frame-unresolved.md");
     const NEEDS: &'static [Need] = &[Need::RobotOrTf, Need::Bag];
     type Limits = NoLimits;
 

@@ -20,7 +20,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for MultipleParents {
-    const PAGE: &'static str = include_str!("../../../rules/tree/multiple-parents.md");
     const NEEDS: &'static [Need] = &[Need::RobotTfOrLaunch];
     type Limits = Limits;
 

@@ -8,7 +8,6 @@ use crate::world::{BagEvidence, FrameId, content::StepAt};
 pub(crate) struct OdomDiscontinuity;
 
 impl Rule for OdomDiscontinuity {
-    const PAGE: &'static str = include_str!("../../../rules/tree/odom-discontinuity.md");
     const NEEDS: &'static [Need] = &[Need::Bag];
     type Limits = Limits;
 

@@ -11,7 +11,6 @@ use crate::world::{FrameId, FrameRole, World};
 pub(crate) struct OrphanSubtree;
 
 impl Rule for OrphanSubtree {
-    const PAGE: &'static str = include_str!("../../../rules/tree/orphan-subtree.md");
     const NEEDS: &'static [Need] = &[Need::RobotOrTf];
     type Limits = NoLimits;
 

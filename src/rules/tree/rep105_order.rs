@@ -9,7 +9,6 @@ use crate::world::{FrameId, World, graph::FrameGraph};
 pub(crate) struct Rep105Order;
 
 impl Rule for Rep105Order {
-    const PAGE: &'static str = include_str!("../../../rules/tree/rep105-order.md");
     const NEEDS: &'static [Need] = &[Need::RobotOrTf];
     type Limits = NoLimits;
 

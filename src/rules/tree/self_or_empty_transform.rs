@@ -7,7 +7,6 @@ use crate::world::{BagEvidence, ClaimKind, FrameId, Robot, World};
 pub(crate) struct SelfOrEmptyTransform;
 
 impl Rule for SelfOrEmptyTransform {
-    const PAGE: &'static str = include_str!("../../../rules/tree/self-or-empty-transform.md");
     const NEEDS: &'static [Need] = &[Need::Transforms];
     type Limits = NoLimits;
 

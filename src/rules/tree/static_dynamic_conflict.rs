@@ -23,7 +23,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for StaticDynamicConflict {
-    const PAGE: &'static str = include_str!("../../../rules/tree/static-dynamic-conflict.md");
     const NEEDS: &'static [Need] = &[Need::Tf];
     type Limits = Limits;
 

@@ -11,7 +11,6 @@ use crate::world::bag::{TfEdge, TfSample};
 pub(crate) struct StaticTransformChanges;
 
 impl Rule for StaticTransformChanges {
-    const PAGE: &'static str = include_str!("../../../rules/tree/static-transform-changes.md");
     const NEEDS: &'static [Need] = &[Need::Tf];
     type Limits = Limits;
 

@@ -11,7 +11,6 @@ use crate::world::{FrameId, World, graph::Edge};
 pub(crate) struct TfCycle;
 
 impl Rule for TfCycle {
-    const PAGE: &'static str = include_str!("../../../rules/tree/tf-cycle.md");
     const NEEDS: &'static [Need] = &[Need::RobotTfOrLaunch];
     type Limits = NoLimits;
 

@@ -17,7 +17,6 @@ pub(crate) struct TfLookupCoverage;
 type Causes = BTreeMap<Cause, Vec<Finding>>;
 
 impl Rule for TfLookupCoverage {
-    const PAGE: &'static str = include_str!("../../../rules/tree/tf-lookup-coverage.md");
     const NEEDS: &'static [Need] = &[Need::Bag, Need::Tf];
     type Limits = Limits;
 

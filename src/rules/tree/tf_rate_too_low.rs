@@ -19,7 +19,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for TfRateTooLow {
-    const PAGE: &'static str = include_str!("../../../rules/tree/tf-rate-too-low.md");
     const NEEDS: &'static [Need] = &[Need::Bag, Need::Tf];
     type Limits = Limits;
 

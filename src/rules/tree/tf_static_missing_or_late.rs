@@ -19,7 +19,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for TfStaticMissingOrLate {
-    const PAGE: &'static str = include_str!("../../../rules/tree/tf-static-missing-or-late.md");
     const NEEDS: &'static [Need] = &[Need::Tf];
     type Limits = Limits;
 

@@ -14,7 +14,6 @@ use crate::world::{FrameId, Robot, robot::Link};
 pub(crate) struct UrdfStructure;
 
 impl Rule for UrdfStructure {
-    const PAGE: &'static str = include_str!("../../../rules/tree/urdf-structure.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = NoLimits;
 

@@ -21,7 +21,6 @@ pub(crate) struct Limits {
 const CONSUMER: &str = "urdf-rs";
 
 impl Rule for ConsumerDisagrees {
-    const PAGE: &'static str = include_str!("../../../rules/urdf/consumer-disagrees.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = Limits;
 

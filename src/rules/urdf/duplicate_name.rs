@@ -9,7 +9,6 @@ use crate::source::Placed;
 pub(crate) struct DuplicateName;
 
 impl Rule for DuplicateName {
-    const PAGE: &'static str = include_str!("../../../rules/urdf/duplicate-name.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = NoLimits;
 

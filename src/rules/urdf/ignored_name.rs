@@ -9,7 +9,6 @@ use crate::world::robot::{Ignored, Robot};
 pub(crate) struct IgnoredName;
 
 impl Rule for IgnoredName {
-    const PAGE: &'static str = include_str!("../../../rules/urdf/ignored-name.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = NoLimits;
 

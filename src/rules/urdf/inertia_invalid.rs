@@ -26,7 +26,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for InertiaInvalid {
-    const PAGE: &'static str = include_str!("../../../rules/urdf/inertia-invalid.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = Limits;
 

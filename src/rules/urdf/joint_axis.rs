@@ -19,7 +19,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for JointAxis {
-    const PAGE: &'static str = include_str!("../../../rules/urdf/joint-axis.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = Limits;
 

@@ -21,7 +21,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for JointLimits {
-    const PAGE: &'static str = include_str!("../../../rules/urdf/joint-limits.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = Limits;
 

@@ -12,7 +12,6 @@ use crate::world::{Literal, World};
 pub(crate) struct MalformedNumber;
 
 impl Rule for MalformedNumber {
-    const PAGE: &'static str = include_str!("../../../rules/urdf/malformed-number.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = NoLimits;
 

@@ -15,7 +15,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for MeshMissing {
-    const PAGE: &'static str = include_str!("../../../rules/urdf/mesh-missing.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = Limits;
 

@@ -15,7 +15,6 @@ pub(crate) struct Limits {
 }
 
 impl Rule for MeshScale {
-    const PAGE: &'static str = include_str!("../../../rules/urdf/mesh-scale.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = Limits;
 

@@ -7,7 +7,6 @@ use crate::world::robot::Robot;
 pub(crate) struct MissingMimic;
 
 impl Rule for MissingMimic {
-    const PAGE: &'static str = include_str!("../../../rules/urdf/missing-mimic.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = NoLimits;
 

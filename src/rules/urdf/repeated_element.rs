@@ -11,7 +11,6 @@ pub(crate) struct RepeatedElement;
 const PLACING: &[&str] = &["origin", "parent", "child", "axis", "limit", "mimic"];
 
 impl Rule for RepeatedElement {
-    const PAGE: &'static str = include_str!("../../../rules/urdf/repeated-element.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = NoLimits;
 

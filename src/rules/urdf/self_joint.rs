@@ -6,7 +6,6 @@ use crate::rules::prelude::*;
 pub(crate) struct SelfJoint;
 
 impl Rule for SelfJoint {
-    const PAGE: &'static str = include_str!("../../../rules/urdf/self-joint.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = NoLimits;
 

@@ -16,7 +16,6 @@ const KNOWN: &[&str] = &["revolute", "continuous", "prismatic", "fixed", "floati
 const EXTENSIONS: &[&str] = &["spherical", "ball", "universal", "screw"];
 
 impl Rule for UnknownJointType {
-    const PAGE: &'static str = include_str!("../../../rules/urdf/unknown-joint-type.md");
     const NEEDS: &'static [Need] = &[Need::Robot];
     type Limits = NoLimits;
 

@@ -1,0 +1,117 @@
+//! The ground of a run: the folders whose files may be read because a file that is read names them.
+//!
+//! What the user names is read wherever it lies. What only a file names (an include, a table, a configuration that is extended) is read where
+//! it lies on this ground: who wrote that file may be a stranger.
+
+use std::path::{Component, Path, PathBuf};
+
+/// Folders, whole and without links.
+#[derive(Clone, Debug, Default)]
+pub struct Ground {
+    folders: Vec<PathBuf>,
+}
+
+impl Ground {
+    /// The ground around these paths: the folders themselves, those of the files, the repositories that they belong to, and the working
+    /// folder for what lies in it.
+    pub fn around<'p>(paths: impl IntoIterator<Item = &'p Path>) -> Self {
+        let here = std::env::current_dir().and_then(std::fs::canonicalize).ok();
+        let mut folders = Vec::new();
+        for path in paths {
+            let Ok(whole) = std::fs::canonicalize(path) else {
+                continue;
+            };
+            let own = if whole.is_dir() { Some(&*whole) } else { whole.parent() };
+            let Some(own) = own else { continue };
+            let repository = own.ancestors().find(|folder| folder.join(".git").exists());
+            folders.extend(repository.map(Path::to_path_buf));
+            folders.extend(here.clone().filter(|here| own.starts_with(here)));
+            folders.push(own.to_path_buf());
+        }
+        folders.sort();
+        // What lies in another is behind it.
+        folders.dedup_by(|later, earlier| later.starts_with(earlier));
+        Self { folders }
+    }
+
+    /// These files and folders alone.
+    pub fn exactly(paths: &[PathBuf]) -> Self {
+        Self::default().with(paths.iter().map(PathBuf::as_path))
+    }
+
+    /// With further folders.
+    #[must_use]
+    pub fn with<'p>(mut self, more: impl IntoIterator<Item = &'p Path>) -> Self {
+        self.folders
+            .extend(more.into_iter().filter_map(|folder| std::fs::canonicalize(folder).ok()));
+        self
+    }
+
+    /// Its folders.
+    pub fn folders(&self) -> &[PathBuf] {
+        &self.folders
+    }
+
+    /// Whether a path lies on it, links followed. One that is not there is taken as it is written.
+    pub fn holds(&self, path: &Path) -> bool {
+        let whole = std::fs::canonicalize(path).ok().or_else(|| written(path));
+        whole.is_some_and(|whole| self.folders.iter().any(|folder| whole.starts_with(folder)))
+    }
+}
+
+/// A path from the root, `..` taken for the folder above.
+fn written(path: &Path) -> Option<PathBuf> {
+    let mut whole = PathBuf::new();
+    for part in std::path::absolute(path).ok()?.components() {
+        match part {
+            Component::ParentDir => _ = whole.pop(),
+            Component::CurDir => {}
+            part => whole.push(part),
+        }
+    }
+    Some(whole)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    #[test]
+    fn a_repository_is_ground_and_what_lies_beside_it_is_not() {
+        let folder = tempfile::tempdir().unwrap();
+        let root = std::fs::canonicalize(folder.path()).unwrap();
+        for made in ["repo/.git", "repo/robots/a", "other"] {
+            std::fs::create_dir_all(root.join(made)).unwrap();
+        }
+        std::fs::write(root.join("other/x.yaml"), "").unwrap();
+        std::fs::write(root.join("repo/y.yaml"), "").unwrap();
+        let robot = root.join("repo/robots/a");
+        let ground = Ground::around([&*robot]);
+        assert!(ground.holds(&robot.join("../../y.yaml")) && ground.holds(&root.join("repo/none.yaml")));
+        for foreign in [
+            "other/x.yaml",
+            "other/none.yaml",
+            "repo/../other/none.yaml",
+            "repository",
+        ] {
+            assert!(!ground.holds(&root.join(foreign)), "{foreign}");
+        }
+        assert!(ground.with([&*root.join("other")]).holds(&root.join("other/x.yaml")));
+        #[cfg(unix)]
+        {
+            std::os::unix::fs::symlink(root.join("other/x.yaml"), robot.join("link.yaml")).unwrap();
+            assert!(!Ground::around([&*robot]).holds(&robot.join("link.yaml")));
+        }
+    }
+
+    #[test]
+    fn without_a_repository_the_folder_itself_is_ground() {
+        let folder = tempfile::tempdir().unwrap();
+        let robot = folder.path().join("robot");
+        std::fs::create_dir(&robot).unwrap();
+        let ground = Ground::around([&*robot]);
+        assert!(ground.holds(&robot.join("a.yaml")) && !ground.holds(&folder.path().join("a.yaml")));
+        assert!(!Ground::default().holds(&robot));
+    }
+}
