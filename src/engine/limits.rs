@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use crate::config::LimitOverride;
-use crate::page::{Number, names_rule};
+use crate::page::Number;
 
 use super::UsageError;
 use super::enabled::Enabled;
@@ -32,7 +32,6 @@ pub(super) fn set(rules: &mut [Enabled], limit: &LimitOverride) -> Result<(), Us
     });
     let rule = rule.ok_or_else(|| failed(format!("`{}` is a family; limits are those of one rule", limit.rule)))?;
     let page = rule.page;
-    debug_assert!(names_rule(&limit.rule, page.code, page.name));
     let Some(known) = page.limit(&limit.name) else {
         let names: Vec<&str> = page.limits.iter().map(|limit| limit.name).collect();
         let names = if names.is_empty() {

@@ -380,7 +380,7 @@ impl Scope {
         let mut asked = context
             .rules
             .iter()
-            .filter(|rule| names_rule(&waiver.rule, &rule.code, &rule.name))
+            .filter(|rule| names_rule(&waiver.rule, rule.code, rule.name))
             .filter(|rule| context.asked.contains(rule.code))
             .peekable();
         if asked.peek().is_none() {

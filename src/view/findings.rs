@@ -23,7 +23,7 @@ const MAX_FINDINGS: usize = 500;
 /// Where to look for what the rule of a finding judges.
 pub(super) fn view_of(run: &Run, finding: &Finding) -> Option<&'static View> {
     let rule = run.rules.iter().find(|rule| rule.code == finding.rule)?;
-    views::of(&rule.view)
+    views::of(rule.view)
 }
 
 /// Tells every finding.

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-use crate::support;
+use crate::support::{self, deference};
 use crate::{evidence, fixes, views};
 use frames_lint::engine::{self, Options, Sights, Verdicts};
 use frames_lint::page::{self, Block, Page};
@@ -272,7 +272,11 @@ impl Asked {
         }
         evidence::is_the_same(&[folder], &format!("{} {}", page.code, case.title), Some(&run));
         if self.section == "Bad" {
-            faults.extend(views::unseen(page, &case.title, folder));
+            let looked_at = views::looked_at(folder, Verdicts::One);
+            faults.extend(views::unseen(page, &case.title, &looked_at));
+            // No reason points at a rule that is silent.
+            let dangling = looked_at.seen.iter().flat_map(deference::faults);
+            faults.extend(dangling.map(|fault| format!("{} {}: {fault}", page.code, case.title)));
             // Last: files are changed.
             faults.extend(fixes::uncorrected(page, &case.title, folder, &run));
         }

@@ -572,3 +572,68 @@ fn a_hint_that_rests_on_names_says_which_alias_makes_it_more() {
         "{confirmed:?}"
     );
 }
+
+#[test]
+fn a_configuration_that_is_found_reads_files_of_its_own_repository_only() {
+    let folder = tempfile::tempdir().unwrap();
+    let write = |name: &str, text: &str| {
+        let path = folder.path().join(name);
+        fs::create_dir_all(path.parent().unwrap()).unwrap();
+        fs::write(path, text).unwrap();
+    };
+    write("repo/.git/HEAD", "");
+    write("repo/base.yaml", "fail-on: note\n");
+    write(
+        "repo/robot/robot.urdf",
+        "<robot name=\"r\"><link name=\"base_link\"/></robot>",
+    );
+    write("elsewhere/secret.yaml", "hunter2: 1\n");
+    let told = |config: &str, arguments: &[&str]| {
+        write("repo/robot/frames-lint.yaml", config);
+        run(&folder.path().join("repo/robot"), [&["check"], arguments].concat())
+    };
+    assert_eq!(told("extends: ../base.yaml\n", &["."]).code, 0);
+    for config in [
+        "extends: ../../elsewhere/secret.yaml\n",
+        "tables: {lidars: ../../elsewhere/secret.yaml}\n",
+        "extends: ../../elsewhere/none.yaml\n",
+    ] {
+        let ran = told(config, &["."]);
+        assert_eq!(ran.code, 2, "{config}");
+        assert!(
+            ran.err.contains("lies outside of the repository") && ran.err.contains("--outside"),
+            "{}",
+            ran.err
+        );
+        assert!(!ran.err.contains("hunter2"), "{}", ran.err);
+        for allowed in [&[".", "--outside"][..], &[".", "--config", "frames-lint.yaml"]] {
+            let ran = told(config, allowed);
+            assert!(ran.code == 2 && !ran.err.contains("lies outside"), "{}", ran.err);
+        }
+    }
+}
+
+#[test]
+fn the_order_of_paths_changes_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    for (robot, child) in [("a", "lidar"), ("b", "Lidar"), ("c", "camera")] {
+        let at = folder.path().join(robot);
+        fs::create_dir(&at).unwrap();
+        let urdf = format!(
+            "<robot name=\"{robot}\"><link name=\"base_link\"/><link name=\"{child}\"/><joint name=\"j\" type=\"fixed\">\
+             <parent link=\"base_link\"/><child link=\"{child}\"/><origin xyz=\"0 0 1\" rpy=\"0 0 1.5708\"/></joint></robot>"
+        );
+        fs::write(at.join("robot.urdf"), urdf).unwrap();
+        support::write(&NED.replace("60", "6"), &at.join("drive.mcap"));
+    }
+    let orders: [&[&str]; 4] = [
+        &["a", "b/robot.urdf", "c/drive.mcap", "b/drive.mcap"],
+        &["c/drive.mcap", "b/drive.mcap", "a", "b/robot.urdf"],
+        &["b/robot.urdf", "a", "c/drive.mcap", "b/drive.mcap"],
+        &["b/drive.mcap", "a", "a", "c/drive.mcap", "b/robot.urdf"],
+    ];
+    let reports = orders.map(|order| check(folder.path(), order).text());
+    for report in &reports {
+        assert_eq!(report, &reports[0]);
+    }
+}

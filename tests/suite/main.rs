@@ -28,7 +28,6 @@ mod foxglove;
 mod holes;
 mod hostile_input;
 mod html;
-mod ignored;
 mod integrations;
 mod joining;
 mod launched;

@@ -192,6 +192,26 @@ fn a_comment_is_for_what_it_stands_beside() {
 }
 
 #[test]
+fn a_comment_accepts_nothing_where_the_configuration_was_given_by_name() {
+    let text = format!("<!-- frames-lint: allow-file ROT09 looks fine -->\n{ROBOT}");
+    for (gate, code, open) in [
+        ("fail-on: note\n", 1, vec!["GATE03", "ROT09"]),
+        ("comments: accept\n", 0, vec![]),
+    ] {
+        let folder = folder(&[
+            ("data/robot.urdf", &text),
+            ("data/frames-lint.yaml", "rules: {ignore: [ROT09]}\ncomments: accept\n"),
+            ("gate.yaml", gate),
+        ]);
+        let ran = check(folder.path(), &["data", "--config", "gate.yaml"]);
+        let mut rules = said(&ran).0;
+        rules.sort();
+        let open: Vec<String> = open.into_iter().map(str::to_owned).collect();
+        assert_eq!((ran.code, rules), (code, open), "{gate}: {}", ran.text());
+    }
+}
+
+#[test]
 fn a_baseline_lets_old_findings_pass_wherever_their_lines_are() {
     let folder = folder(&[("car/robot.urdf", ROBOT)]);
     let ran = check(folder.path(), &["--write-baseline", "base.json", "car"]);

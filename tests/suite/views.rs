@@ -16,7 +16,7 @@ use nalgebra::{Isometry3, Translation3, UnitQuaternion, Vector3};
 
 use crate::support;
 
-fn looked_at(folder: &Path, verdicts: Verdicts) -> Run {
+pub(crate) fn looked_at(folder: &Path, verdicts: Verdicts) -> Run {
     engine::check(&Options {
         paths: vec![folder.to_path_buf()],
         verdicts,
@@ -70,13 +70,13 @@ fn labels(scene: &Scene) -> Vec<&str> {
 }
 
 /// What is missing in the view of a bad case of a page, where the page says what is to be seen.
-pub(crate) fn unseen(page: &Page, title: &str, folder: &Path) -> Option<String> {
+pub(crate) fn unseen(page: &Page, title: &str, run: &Run) -> Option<String> {
     let code = page.code;
     let Some(row) = views::of(page.view) else {
         return Some(format!("{code}: `{}` is no row of the table of views", page.view));
     };
     let see = row.see.as_ref()?;
-    let scene = scene_of(&looked_at(folder, Verdicts::One));
+    let scene = scene_of(run);
     let told = scene.items.iter().any(|item| {
         let is_log = item.path.is_in(&path("findings/log"));
         is_log && item.path.names().last().is_some_and(|name| name.ends_with(code))

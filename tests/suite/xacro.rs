@@ -317,3 +317,123 @@ fn macros_without_end_are_broken_off() {
     assert_eq!(ran.code, 3, "{}", ran.err);
     assert!(ran.text().contains("the xacro was not expanded"), "{}", ran.text());
 }
+
+/// A robot whose links are called after a secret: of a file elsewhere, of the environment.
+fn spy(how: &str) -> String {
+    robot(&format!("{how}\n<link name=\"base_link\"/>\n"))
+}
+
+#[test]
+fn neither_the_environment_nor_files_elsewhere_reach_a_report() {
+    let folder = tempfile::tempdir().unwrap();
+    write(folder.path(), "elsewhere/secret.yaml", "token: hunter2\n");
+    write(
+        folder.path(),
+        "elsewhere/secret.xacro",
+        &robot("<link name=\"hunter2\"/>"),
+    );
+    write(folder.path(), "elsewhere/broken.xacro", "hunter2 & <");
+    let elsewhere = folder.path().join("elsewhere");
+    let elsewhere = elsewhere.to_str().unwrap();
+    let spies = [
+        format!(
+            "<xacro:property name=\"s\" value=\"${{load_yaml('{elsewhere}/secret.yaml')}}\"/><link name=\"${{s['token']}}\"/>"
+        ),
+        format!("<xacro:include filename=\"{elsewhere}/secret.xacro\"/><link name=\"${{1+1}}\"/>"),
+        format!("<xacro:include filename=\"{elsewhere}/broken.xacro\"/><link name=\"${{1+1}}\"/>"),
+        "<xacro:include filename=\"../elsewhere/secret.xacro\"/><link name=\"${1+1}\"/>".to_owned(),
+        format!(
+            "<xacro:property name=\"s\" value=\"${{load_yaml('{elsewhere}/secret.xacro')}}\"/><link name=\"${{s}}\"/>"
+        ),
+        "<link name=\"$(env SECRET)\"/>".to_owned(),
+        "<link name=\"$(optenv SECRET none)\"/>".to_owned(),
+    ];
+    for (at, how) in spies.iter().enumerate() {
+        let robot = folder.path().join(format!("robot{at}"));
+        write(&robot, "spy.urdf.xacro", &spy(how));
+        let secret = [("SECRET", "hunter2")];
+        for arguments in [
+            ["check", "--format", "json"],
+            ["check", "--format", "human"],
+            ["check", "--format", "html"],
+        ] {
+            let ran = run_with(&robot, arguments.iter().chain(&["."]), &secret);
+            let said = ran.text() + &ran.err;
+            assert!(!said.contains("hunter2"), "{how}: {said}");
+        }
+        let ran = run_with(&robot, ["check", "."], &secret);
+        // What is not there has its default; everything else is not expanded.
+        if how.contains("optenv") {
+            assert!(ran.text().contains("`none`"), "{}", ran.text());
+        } else {
+            assert!(
+                ran.code == 3 && ran.text().contains("was not expanded"),
+                "{how}: {}",
+                ran.text()
+            );
+        }
+    }
+}
+
+#[test]
+fn what_lies_beside_in_the_same_repository_is_loaded() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join(".git")).unwrap();
+    write(folder.path(), "config/names.yaml", "mast: tall_mast\n");
+    let how =
+        "<xacro:property name=\"s\" value=\"${load_yaml('../config/names.yaml')}\"/><link name=\"${s['mast']}\"/>";
+    write(folder.path(), "robot/r.urdf.xacro", &robot(how));
+    let ran = run(folder.path(), ["tree", "robot"]);
+    if cfg!(target_os = "linux") && !ran.text().contains("may read any file here") {
+        assert!(ran.text().contains("tall_mast"), "{}{}", ran.text(), ran.err);
+    } else {
+        left_out("this system holds no process to folders");
+    }
+}
+
+/// A `xacro` program that says what it was asked, and leaves a child behind that writes later.
+const PROGRAM: &str = "#!/bin/sh\necho '<robot name=\"made\"><link name=\"by_program\"/></robot>'\n";
+
+fn program(folder: &Path, text: &str) {
+    use std::os::unix::fs::PermissionsExt;
+    write(folder, "xacro", text);
+    fs::set_permissions(folder.join("xacro"), fs::Permissions::from_mode(0o755)).unwrap();
+}
+
+#[test]
+fn the_program_is_run_only_where_the_user_says_so() {
+    let folder = tempfile::tempdir().unwrap();
+    let (robot, bin) = (folder.path().join("robot"), folder.path().join("bin"));
+    // An element that only the program expands.
+    write(
+        &robot,
+        "r.urdf.xacro",
+        &self::robot("<xacro:element xacro:name=\"link\" name=\"${1+1}\"/>"),
+    );
+    program(&bin, PROGRAM);
+    program(&robot, PROGRAM);
+    let path = format!("{}:/usr/bin:/bin", bin.display());
+    let is_run = |arguments: &[&str], path: &str| {
+        let ran = run_with(&robot, ["tree"].iter().chain(arguments), &[("PATH", path)]);
+        ran.text().contains("by_program")
+    };
+    assert!(!is_run(&["."], &path), "not by itself");
+    assert!(is_run(&[".", "--xacro", "run"], &path));
+    // A folder of what is checked, by a relative path.
+    assert!(!is_run(&[".", "--xacro", "run"], ".:/usr/bin:/bin"));
+    assert!(!is_run(&[".", "--xacro", "run"], ":/usr/bin:/bin"));
+    let checked = |config: &Path| {
+        let arguments = ["check", ".", "--format", "json", "--config", config.to_str().unwrap()];
+        let ran = run_with(&robot, arguments, &[("PATH", path.as_str())]);
+        !ran.text().contains("was not expanded")
+    };
+    write(folder.path(), "gate.yaml", "xacro: run\n");
+    write(&robot, "own.yaml", "xacro: run\n");
+    let inside = run_with(
+        &robot,
+        ["check", ".", "--config", "own.yaml"],
+        &[("PATH", path.as_str())],
+    );
+    assert!(inside.text().contains("no effect of `xacro`"), "{}", inside.text());
+    assert!(checked(&folder.path().join("gate.yaml")) && !checked(&robot.join("own.yaml")));
+}

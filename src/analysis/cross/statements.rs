@@ -27,8 +27,8 @@ pub(crate) fn pairs(world: &World) -> Vec<Pair> {
         by_frames.entry(key).or_default().push(statement);
     }
     let mut pairs = Vec::new();
-    for (frames, mut statements) in by_frames {
-        add_chains(world, &frames, &mut statements);
+    for mut statements in by_frames.into_values() {
+        add_chains(world, &mut statements);
         statements.sort_by(|a, b| (a.rank, a.bare_quaternion, &a.place).cmp(&(b.rank, b.bare_quaternion, &b.place)));
         let from = pairs.len();
         for (index, reference) in statements.iter().enumerate() {
@@ -213,12 +213,11 @@ fn joint_rank(world: &World, id: SourceId) -> Rank {
 }
 
 /// Where a description reaches both frames only over other frames, its composed chain speaks as one more statement.
-fn add_chains(world: &World, (a, b): &(FrameId, FrameId), statements: &mut Vec<Statement>) {
+fn add_chains(world: &World, statements: &mut Vec<Statement>) {
     let Some(first) = statements.iter().find(|s| s.rank == Rank::File || s.rank == Rank::Tf) else {
         return;
     };
     let (target, source_frame) = (first.target.clone(), first.source_frame.clone());
-    debug_assert!(&target == a || &target == b);
     for rank in [Rank::Urdf, Rank::Description, Rank::Tf] {
         if !statements.iter().any(|statement| statement.rank == rank) {
             statements.extend(chain_of(world, rank, &target, &source_frame));

@@ -187,9 +187,9 @@ fn group(
         th scope="rowgroup" id={ "rule-" (code) } {
             strong { (code) " " (name) }
             @if let Some(rule) = rule {
-                p { span class="label" { "Looks for: " } (words(&rule.summary)) }
+                p { span class="label" { "Looks for: " } (words(rule.summary)) }
                 p class="small" { (facts(rule)) }
-                @if let Some(entity) = views::of(&rule.view).and_then(views::View::words) {
+                @if let Some(entity) = views::of(rule.view).and_then(views::View::words) {
                     p class="small" { "Views: " code { (entity) } }
                 }
             }

@@ -14,7 +14,7 @@ pub(super) fn render(page: &Page) -> Markup {
     let run = page.run;
     let mut since: BTreeMap<&str, usize> = BTreeMap::new();
     for rule in &run.rules {
-        *since.entry(&rule.since).or_default() += 1;
+        *since.entry(rule.since).or_default() += 1;
     }
     let trial = run.rules.iter().filter(|rule| rule.status == Status::Trial).count();
     html! {
