@@ -248,7 +248,7 @@ fn the_xacro_program_is_the_second_choice_and_has_places_too() {
     if by_xacro(&folder.path().join("made.xacro")).is_none() {
         return left_out("no xacro");
     }
-    let human = run(folder.path(), ["check", "made.xacro"]).text();
+    let human = run(folder.path(), ["check", "made.xacro", "--xacro", "run"]).text();
     assert!(human.contains("made.xacro:5"), "{human}");
     assert!(human.contains("names `lost` as its child"), "{human}");
 }
