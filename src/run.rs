@@ -8,7 +8,7 @@ use std::ops::Range;
 use crate::page::Page;
 use crate::source::{Confidence, ReadStatus, Source, SourceId};
 use crate::verdict::waiver::FAMILY;
-use crate::verdict::{Finding, Outcome, Severity, Verdict, Waived, judged_of_applicable};
+use crate::verdict::{Finding, Inapplicable, Outcome, Row, Severity, Verdict, Waived, judged_of_applicable};
 use crate::world::World;
 
 /// Exit code of a run that found nothing to complain about.
@@ -47,6 +47,16 @@ pub struct Run {
     pub fail_on: Option<FailOn>,
     /// The verdict of each recording, where there are several.
     pub recordings: Vec<Recording>,
+    /// What becomes of outcomes that do not apply.
+    pub inapplicable: Inapplicable,
+}
+
+impl Run {
+    /// The outcomes that reports for machines list: all, or those that apply.
+    pub fn listed<'r>(&self, rows: &'r [Row]) -> impl Iterator<Item = &'r Row> {
+        let all = self.inapplicable == Inapplicable::Listed;
+        rows.iter().filter(move |row| all || row.applies())
+    }
 }
 
 /// What came to a run: the numbers of new sources, outcomes and findings in it.
@@ -246,6 +256,8 @@ pub struct Summary {
     pub passed: usize,
     /// Rows that could not be judged.
     pub not_evaluated: usize,
+    /// Of these, the rows for which there is nothing to judge.
+    pub not_applicable: usize,
     /// Rows judged wrong all of whose findings the user accepts.
     pub waived: usize,
     /// Rows judged wrong whose findings others say in their place.
@@ -283,6 +295,7 @@ impl Run {
             judged,
             passed: self.verdict.count(Outcome::Pass),
             not_evaluated: self.verdict.count(Outcome::NotEvaluated),
+            not_applicable: self.verdict.count_of_inapplicable(),
             waived: self.verdict.count(Outcome::Waived),
             explained: self.verdict.count(Outcome::Explained),
             crashed: self.verdict.count(Outcome::Crashed),
@@ -404,7 +417,6 @@ fn reason(finding: &Finding) -> String {
 mod tests {
     use super::*;
     use crate::source::{Place, SourceId, SourceKind};
-    use crate::verdict::Row;
 
     fn row(outcome: Outcome) -> Row {
         Row {

@@ -172,9 +172,36 @@ pub struct Verdict {
     /// Findings that others of these say in their place, sorted alike.
     #[serde(default)]
     pub explained: Vec<Finding>,
+    /// Outcomes that do not apply and are not among the rows any more.
+    #[serde(skip)]
+    pub inapplicable: usize,
+}
+
+/// What becomes of outcomes that do not apply. There are more of them than of all others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Inapplicable {
+    /// Every report lists them.
+    #[default]
+    Listed,
+    /// Reports for people can show them; those for machines count them.
+    Kept,
+    /// They are counted when they are judged, and take no memory.
+    Counted,
 }
 
 impl Verdict {
+    /// Counts the outcomes that do not apply instead of keeping them, but for those of these rules.
+    pub fn count_inapplicable(&mut self, but_of: impl Fn(&str) -> bool) {
+        let before = self.rows.len();
+        self.rows.retain(|row| row.applies() || but_of(&row.rule));
+        self.inapplicable += before - self.rows.len();
+    }
+
+    /// How many outcomes do not apply.
+    pub fn count_of_inapplicable(&self) -> usize {
+        self.inapplicable + self.rows.iter().filter(|row| !row.applies()).count()
+    }
+
     /// Puts rows and findings into their order: rows by rule and subject, findings by severity (worst first), then
     /// rule, subject, place and message.
     pub fn sort(&mut self) {
@@ -195,6 +222,7 @@ impl Verdict {
         self.rows.extend(other.rows);
         self.findings.extend(other.findings);
         self.explained.extend(other.explained);
+        self.inapplicable += other.inapplicable;
     }
 
     /// Findings that somebody has accepted.
@@ -204,7 +232,12 @@ impl Verdict {
 
     /// How many rows have this outcome.
     pub fn count(&self, outcome: Outcome) -> usize {
-        self.rows.iter().filter(|row| row.outcome == outcome).count()
+        let counted = if outcome == Outcome::NotEvaluated {
+            self.inapplicable
+        } else {
+            0
+        };
+        counted + self.rows.iter().filter(|row| row.outcome == outcome).count()
     }
 
     /// Findings that nobody has accepted.

@@ -222,6 +222,9 @@ pub(super) struct Check {
     pub(super) reporting: Reporting,
     #[command(flatten)]
     pub(super) views: Views,
+    /// Tell on standard error where the time goes: which inputs, which rules
+    #[arg(long)]
+    pub(super) timings: bool,
 }
 
 /// Views beside a report.

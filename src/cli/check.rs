@@ -10,6 +10,7 @@ use crate::engine;
 use crate::report::{self, Format, Style, plural, terminal};
 use crate::rules::codes;
 use crate::run::Run;
+use crate::verdict::Inapplicable;
 
 use super::args::{Chain, Check, Color, Reporting, Xacro};
 use super::stream::Stream;
@@ -40,6 +41,11 @@ pub(super) fn run(
         fail_on: check.reporting.fail_on,
         outputs: check.reporting.outputs([&check.write_baseline, &check.views.rrd]),
         verdicts: engine::Verdicts::Each,
+        inapplicable: match (check.reporting.verbose, check.reporting.has(Format::Html)) {
+            (true, _) => Inapplicable::Listed,
+            (false, true) => Inapplicable::Kept,
+            (false, false) => Inapplicable::Counted,
+        },
         sights: match (&check.views.rrd, check.reporting.has(Format::Html)) {
             (Some(_), _) => engine::Sights::Everything,
             (None, true) => engine::Sights::Plots,
@@ -53,6 +59,11 @@ pub(super) fn run(
         outside: check.reading.outside,
         msg_paths: check.reading.msg_paths,
         progress: surroundings.progress,
+        timings: if check.timings {
+            engine::Timings::kept()
+        } else {
+            engine::Timings::default()
+        },
     };
     if let Some(file) = &check.show_settings {
         let settings = engine::settings_of(&options, file)?.into_iter();
@@ -97,6 +108,7 @@ pub(super) fn run(
     }
     let mut answer = tell(&mut run, &check.reporting, call, stream, surroundings)?;
     answer.err.insert_str(0, &said);
+    answer.err.push_str(&options.timings.words());
     if check.watch {
         let config = options.config.iter().chain(&options.baseline).cloned();
         answer.watched = options

@@ -20,6 +20,7 @@ use crate::source::{Derived, Examined, MessageRef, Place, ReadStatus, Source, So
 use crate::tables::Tables;
 use crate::world::Facts;
 
+use super::timings::{Phase, Timings};
 use super::{parallel, references};
 
 /// Larger text files are refused: no URDF or calibration is that large.
@@ -53,9 +54,7 @@ pub(super) fn gather(
     inputs: &Inputs,
     which: &[usize],
     emerged_from: usize,
-    means: &xacro::Means,
-    how: &How,
-    tables: &(dyn Fn(usize) -> Arc<Tables> + Sync),
+    manner: Manner,
     progress: &Progress,
 ) -> Vec<Reading> {
     let which = which
@@ -65,13 +64,14 @@ pub(super) fn gather(
     let included = included_xacros(&which);
     let reader = Reader {
         inputs,
-        means,
-        how,
-        tables,
+        manner,
         progress,
         included: &included,
     };
-    let first = parallel::map(which, |(index, input)| reader.read(input, source_id(index), index));
+    let first = parallel::map(which, |(index, input)| {
+        let read = || reader.read(input, source_id(index), index);
+        manner.timings.of(Phase::Read, &input.display, read)
+    });
     let mut readings = Vec::with_capacity(first.len());
     let mut emerged = Vec::new();
     for (reading, texts) in first {
@@ -81,7 +81,7 @@ pub(super) fn gather(
     number(&mut emerged, inputs, emerged_from);
     readings.extend(parallel::map(
         emerged.into_iter().enumerate().collect(),
-        |(offset, text)| read_emerged(text, source_id(emerged_from + offset), inputs, tables),
+        |(offset, text)| read_emerged(text, source_id(emerged_from + offset), inputs, manner.tables),
     ));
     readings
 }
@@ -194,11 +194,22 @@ fn included_xacros(inputs: &[(usize, &Input)]) -> Vec<String> {
     included
 }
 
+/// How inputs are read.
+#[derive(Clone, Copy)]
+pub(super) struct Manner<'a> {
+    /// Xacro files.
+    pub(super) means: &'a xacro::Means,
+    /// Recordings.
+    pub(super) how: &'a How,
+    /// What is known of devices and dialects where the input with this number lies.
+    pub(super) tables: &'a (dyn Fn(usize) -> Arc<Tables> + Sync),
+    /// Where the time goes.
+    pub(super) timings: &'a Timings,
+}
+
 struct Reader<'a> {
     inputs: &'a Inputs,
-    means: &'a xacro::Means,
-    how: &'a How,
-    tables: &'a (dyn Fn(usize) -> Arc<Tables> + Sync),
+    manner: Manner<'a>,
     progress: &'a Progress,
     included: &'a [String],
 }
@@ -243,7 +254,7 @@ impl Reader<'_> {
                 if !load_text(input, source) {
                     return Facts::default();
                 }
-                let tables = (self.tables)(index);
+                let tables = (self.manner.tables)(index);
                 match input.kind {
                     SourceKind::Yaml => with_references(calibration::read_yaml(source, tables.dialects()), input),
                     SourceKind::Json => with_references(calibration::read_json(source, tables.dialects()), input),
@@ -265,7 +276,7 @@ impl Reader<'_> {
             &input.parts
         };
         let task = self.progress.start(&input.display, parts.iter().map(size).sum());
-        let mut how = self.how.clone();
+        let mut how = self.manner.how.clone();
         // A rosbag2 folder's metadata names its files again, with what it says of them.
         if input.kind != SourceKind::Rosbag2 {
             how.parts.clone_from(&input.parts);
@@ -304,7 +315,7 @@ impl Reader<'_> {
             source.kind = SourceKind::Urdf;
             return urdf::read(source, &lookup);
         }
-        match xacro::expand(&input.path, self.means, &self.inputs.packages_near(&input.path)) {
+        match xacro::expand(&input.path, self.manner.means, &self.inputs.packages_near(&input.path)) {
             Ok(expanded) => {
                 source.detail = Some("expanded; judged in its expansion".to_owned());
                 emerged.push(Emerged {

@@ -11,6 +11,7 @@ use crate::verdict::{Finding, Fix, Judge, Measured, NotEvaluated, Outcome, Row, 
 use crate::world::{BagEvidence, World};
 
 use super::enabled::Enabled;
+use super::timings::{Phase, Timings};
 
 /// Judges one world with every enabled rule. `label` is put before each subject when the run has several platforms.
 pub(super) fn judge<'r>(
@@ -18,6 +19,7 @@ pub(super) fn judge<'r>(
     rules: impl IntoIterator<Item = &'r Enabled> + Clone,
     settings: &Settings,
     label: Option<&str>,
+    timings: &Timings,
 ) -> Verdict {
     let mut verdict = Verdict::default();
     let estimates = Estimates::new(world, settings);
@@ -36,7 +38,9 @@ pub(super) fn judge<'r>(
             .collect();
         let mut crash = None;
         if missing.is_empty() {
-            crash = crash_of(|| asked(&estimates, &mut out));
+            crash = timings.of(Phase::Judge, rule.page.code, || {
+                crash_of(|| asked(&estimates, &mut out))
+            });
         } else {
             not_asked(world, &missing, &mut out);
         }
@@ -290,7 +294,13 @@ mod tests {
 
     fn run_with(entry: &'static Entry) -> Verdict {
         let rule = Enabled::new(entry);
-        judge(&World::default(), [&rule], &Settings::default(), None)
+        judge(
+            &World::default(),
+            [&rule],
+            &Settings::default(),
+            None,
+            &Timings::default(),
+        )
     }
 
     #[test]

@@ -17,6 +17,7 @@ mod references;
 mod renumber;
 mod sampling;
 mod sessions;
+mod timings;
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -31,7 +32,7 @@ use crate::read::messages::definition::Definitions;
 use crate::run::{Grown, Run};
 use crate::source::Source;
 use crate::tables::Tables;
-use crate::verdict::Verdict;
+use crate::verdict::{Inapplicable, Verdict};
 use crate::world::{Conventions, NamedDataset, World};
 
 use evidence::Saved;
@@ -41,6 +42,7 @@ use platform::{Member, Platforms};
 use policy::{Demanded, RunPolicy};
 use renumber::Renumber;
 use sessions::Sessions;
+use timings::Phase;
 
 pub use crate::read::discover::Wanted;
 pub use crate::read::xacro::own::expand as expand_xacro;
@@ -50,6 +52,7 @@ pub use hash::hash;
 pub use options::{Options, Sights, UsageError, Verdicts};
 pub use policy::write_baseline;
 pub use sampling::Extent;
+pub use timings::Timings;
 
 /// Reads the inputs, judges them, and lays over the verdict what the user accepts and requires. Of several recordings each has a verdict of
 /// its own.
@@ -64,7 +67,9 @@ pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Resu
     let setup = Setup {
         options,
         definitions: definitions(options)?,
-        governed: Governed::new(options, &inputs)?,
+        governed: options
+            .timings
+            .of(Phase::Configure, "", || Governed::new(options, &inputs))?,
     };
     let mut saved: Vec<(usize, &PathBuf)> = (0..).zip(&options.evidence).collect();
     saved.sort_by_key(|(_, path)| *path);
@@ -110,6 +115,7 @@ impl Setup<'_> {
             rules: rules.map(|rule| rule.page).collect(),
             skipped,
             fail_on: self.governed.fail_on(),
+            inapplicable: self.options.inapplicable,
             ..Run::default()
         }
     }
@@ -133,7 +139,10 @@ impl Setup<'_> {
     fn judge_as(&self, governed: usize, world: &World, several: bool) -> (usize, Verdict) {
         let label = several.then_some(world.label.as_str());
         let choice = &self.governed.at(governed).choice;
-        (governed, judge::judge(world, &choice.rules, &choice.settings, label))
+        (
+            governed,
+            judge::judge(world, &choice.rules, &choice.settings, label, &self.options.timings),
+        )
     }
 }
 
@@ -158,6 +167,9 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, Usa
     let (verdict, laid) = policy.lay(verdicts, (&run.sources, &run.platforms), Some(&Demanded::default()));
     run.verdict = verdict;
     policy.close(laid, &mut run);
+    if run.inapplicable == Inapplicable::Counted {
+        run.verdict.count_inapplicable(|_| false);
+    }
     Ok(run)
 }
 
@@ -216,7 +228,7 @@ impl Rules {
 
     /// What the rules say of a world. Nothing is read, and nothing is asked for again.
     pub fn judge(&self, world: &World) -> Verdict {
-        let mut verdict = judge::judge(world, &self.0.rules, &self.0.settings, None);
+        let mut verdict = judge::judge(world, &self.0.rules, &self.0.settings, None, &Timings::default());
         verdict.sort();
         verdict
     }
@@ -284,7 +296,8 @@ fn inputs(options: &Options) -> Result<Inputs, UsageError> {
     if options.paths.is_empty() && options.evidence.is_empty() {
         return Err(UsageError("no path was given".to_owned()));
     }
-    let mut inputs = discover_of(&options.paths, options.wanted);
+    let find = || discover_of(&options.paths, options.wanted);
+    let mut inputs = options.timings.of(Phase::Find, "", find);
     let files = inputs.files.iter();
     let found = files.flat_map(|input| std::iter::once(&input.path).chain(&input.parts));
     let given = options.evidence.iter().chain(&options.config);
@@ -411,9 +424,12 @@ impl<'a> Reading<'a> {
             self.inputs,
             which,
             emerged_from,
-            &means,
-            &how,
-            &|input| governed.tables(input),
+            gather::Manner {
+                means: &means,
+                how: &how,
+                tables: &|input| governed.tables(input),
+                timings: &options.timings,
+            },
             self.progress,
         );
         platform::members(readings, self.inputs)

@@ -8,9 +8,11 @@ use crate::files::Outputs;
 use crate::read::discover::Wanted;
 use crate::read::xacro::Means;
 use crate::run::FailOn;
+use crate::verdict::Inapplicable;
 use crate::verdict::waiver::Day;
 
 use super::sampling::Extent;
+use super::timings::Timings;
 
 /// What the user asked for.
 #[derive(Clone, Debug, Default)]
@@ -41,6 +43,8 @@ pub struct Options {
     pub fail_on: Option<FailOn>,
     /// What has a verdict of its own.
     pub verdicts: Verdicts,
+    /// What becomes of outcomes that do not apply.
+    pub inapplicable: Inapplicable,
     /// What there is to be looked at besides.
     pub sights: Sights,
     /// The day on which waivers must still hold; this one in UTC where `None`.
@@ -53,6 +57,8 @@ pub struct Options {
     pub msg_paths: Vec<PathBuf>,
     /// Whether to draw a progress bar on a terminal.
     pub progress: bool,
+    /// Where the time goes, if somebody asks.
+    pub timings: Timings,
 }
 
 /// What has a verdict of its own in a run.

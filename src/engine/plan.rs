@@ -3,7 +3,7 @@
 use crate::analysis::Settings;
 use crate::config::Config;
 use crate::page::{Page, names_rule};
-use crate::rules::RULES;
+use crate::rules::{Kind, RULES};
 
 use super::enabled::Enabled;
 use super::{UsageError, limits};
@@ -11,6 +11,12 @@ use super::{UsageError, limits};
 /// Every rule of the tool, in code order of the registry.
 fn all() -> Vec<Enabled> {
     RULES.iter().map(Enabled::new).collect()
+}
+
+/// Whether a rule compares the recordings of a platform.
+pub(super) fn compares(code: &str) -> bool {
+    let entry = RULES.iter().find(|entry| entry.page.code == code);
+    entry.is_some_and(|entry| matches!(entry.kind, Kind::Across(_)))
 }
 
 /// The rules that run, and the limits of all.

@@ -1,10 +1,10 @@
 //! Which recordings have one verdict: those of one folder that were recorded at the same time are of one drive, each of the others is by
 //! itself.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use crate::read::bag::{self, Recording};
+use crate::read::bag::{self, Outline, Recording};
 use crate::read::discover::Inputs;
 use crate::read::input::Input;
 use crate::source::{Source, SourceKind};
@@ -23,30 +23,41 @@ const EARLIEST_NS: i64 = 1_000_000_000_000_000_000;
 pub(super) struct Sessions {
     /// A list for each drive, in the order of the inputs.
     pub(super) drives: Vec<Vec<usize>>,
-    /// Of a recording, one that was made at the same time and lies in a folder beside its own.
-    beside: BTreeMap<usize, usize>,
+    /// Of a recording, one that was made at the same time near it and is judged apart, and why.
+    beside: BTreeMap<usize, (usize, Apart)>,
 }
 
 impl Sessions {
-    fn of(known: Vec<Known>) -> Self {
+    fn of(known: &[Known]) -> Self {
+        let numbered = Numbered::new(known);
         Self {
-            beside: beside(&known),
-            drives: drives(known),
+            beside: beside(known, &numbered),
+            drives: drives(known, &numbered),
         }
     }
 
     /// What is said of a recording where another one was made at the same time and is judged apart; `path` is where a recording is.
     pub(super) fn note(&self, recording: usize, path: impl Fn(usize) -> Option<String>) -> Option<String> {
-        let other = self.beside.get(&recording)?;
-        let is_of_both = |drive: &Vec<usize>| drive.contains(&recording) && drive.contains(other);
-        if self.drives.iter().any(is_of_both) {
-            return None;
-        }
+        let (other, why) = self.beside.get(&recording)?;
         let other = path(*other)?;
-        Some(format!(
-            "recorded at the same time as `{other}` in another folder, and judged without it; recordings in one folder are judged together"
-        ))
+        Some(match why {
+            Apart::Elsewhere => format!(
+                "recorded at the same time as `{other}` in another folder, and judged without it; recordings in one folder are judged together"
+            ),
+            Apart::Alike => format!(
+                "recorded at the same time as `{other}` with the same topics, and judged without it: a copy, or another robot"
+            ),
+        })
     }
+}
+
+/// Why two recordings of one time are not of one drive.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Apart {
+    /// They lie in neighbouring folders.
+    Elsewhere,
+    /// They hold the same topics.
+    Alike,
 }
 
 /// What tells which drive a recording is of.
@@ -54,18 +65,33 @@ impl Sessions {
 struct Known {
     number: usize,
     folder: Folder,
-    /// First and last log time, nanoseconds, as far as anybody asks for them.
-    span_ns: Option<(i64, i64)>,
+    outline: Outline,
 }
 
 /// The argument that a recording came with, and the folder that it stands in.
 type Folder = (usize, Option<PathBuf>);
 
-impl Known {
-    fn is_with(&self, other: &Self) -> bool {
-        let spans = self.span_ns.zip(other.span_ns);
-        self.folder == other.folder && spans.is_some_and(|(own, its)| overlap(own, its))
-    }
+/// Topics that every part of a drive may hold.
+const SHARED: [&str; 7] = [
+    "/tf",
+    "/tf_static",
+    "/clock",
+    "/rosout",
+    "/diagnostics",
+    "/parameter_events",
+    "/robot_description",
+];
+
+/// The topics of a recording that are its own.
+fn own_topics(outline: &Outline) -> BTreeSet<&str> {
+    let topics = outline.topics.iter().map(String::as_str);
+    topics.filter(|topic| !SHARED.contains(topic)).collect()
+}
+
+/// Whether recordings with these topics hold different streams: at least half of those of the one that has fewer. What has the same topics at
+/// the same time is a copy, or of another robot.
+fn complete_each_other(a: &BTreeSet<&str>, b: &BTreeSet<&str>) -> bool {
+    2 * a.intersection(b).count() <= a.len().min(b.len())
 }
 
 /// The recordings of the inputs.
@@ -91,10 +117,10 @@ pub(super) fn of(inputs: &Inputs) -> Sessions {
         Known {
             number,
             folder,
-            span_ns: is_asked.then(|| span_ns(input)).flatten(),
+            outline: if is_asked { outline(input) } else { Outline::default() },
         }
     });
-    Sessions::of(known)
+    Sessions::of(&known)
 }
 
 /// The folder in which a folder stands.
@@ -102,22 +128,74 @@ fn above((group, folder): &Folder) -> Folder {
     (*group, folder.as_deref().and_then(Path::parent).map(Path::to_path_buf))
 }
 
-/// Of recordings with a time, the first one of a neighbouring folder that was made at the same time.
-fn beside(known: &[Known]) -> BTreeMap<usize, usize> {
-    let mut timed: Vec<(&Known, (i64, i64))> = known.iter().filter_map(|one| Some((one, one.span_ns?))).collect();
-    timed.sort_by_key(|(one, span)| (span.0, one.number));
-    let mut beside = BTreeMap::new();
-    for (at, (one, span)) in timed.iter().enumerate() {
-        let later = timed.iter().skip(at + 1).take_while(|(_, other)| other.0 <= span.1);
-        for (other, its) in later {
-            let is_near = one.folder != other.folder && above(&one.folder) == above(&other.folder);
-            if is_near && overlap(*span, *its) {
-                beside.entry(one.number).or_insert(other.number);
-                beside.entry(other.number).or_insert(one.number);
+/// What recordings are held against each other by, as numbers: sets and paths are compared once, and not for each pair.
+struct Numbered<'k> {
+    /// Of each recording, the folder, the one above it, and the topics.
+    of: Vec<(usize, usize, usize)>,
+    topics: Vec<BTreeSet<&'k str>>,
+}
+
+impl<'k> Numbered<'k> {
+    fn new(known: &'k [Known]) -> Self {
+        let mut folders: BTreeMap<Folder, usize> = BTreeMap::new();
+        let mut topics: BTreeMap<BTreeSet<&str>, usize> = BTreeMap::new();
+        let mut of = Vec::with_capacity(known.len());
+        for one in known {
+            let [own, above] = [one.folder.clone(), above(&one.folder)].map(|folder| {
+                let next = folders.len();
+                *folders.entry(folder).or_insert(next)
+            });
+            let next = topics.len();
+            of.push((own, above, *topics.entry(own_topics(&one.outline)).or_insert(next)));
+        }
+        let mut topics: Vec<(usize, BTreeSet<&str>)> = topics.into_iter().map(|(set, at)| (at, set)).collect();
+        topics.sort_unstable();
+        Self {
+            of,
+            topics: topics.into_iter().map(|(_, set)| set).collect(),
+        }
+    }
+
+    /// Whether two recordings of one time are of one drive, or why not; `None` where they have nothing to do with each other.
+    fn judge(&self, a: usize, b: usize) -> Option<Result<(), Apart>> {
+        let ((own, own_above, topics), (its, its_above, its_topics)) = (*self.of.get(a)?, *self.of.get(b)?);
+        if own != its {
+            return (own_above == its_above).then_some(Err(Apart::Elsewhere));
+        }
+        let (topics, its_topics) = (self.topics.get(topics)?, self.topics.get(its_topics)?);
+        // The same set is the same: nothing is compared.
+        let are_one = std::ptr::eq(topics, its_topics) && !topics.is_empty();
+        let is_complete = !are_one && complete_each_other(topics, its_topics);
+        Some(if is_complete { Ok(()) } else { Err(Apart::Alike) })
+    }
+}
+
+/// Pairs of recordings of one time, by their places in the list, in a fixed order.
+fn pairs(known: &[Known]) -> impl Iterator<Item = (usize, usize)> {
+    let spans = known.iter().enumerate();
+    let mut timed: Vec<(usize, (i64, i64))> = spans.filter_map(|(at, one)| Some((at, one.outline.span_ns?))).collect();
+    timed.sort_by_key(|(at, span)| (span.0, *at));
+    (0..timed.len()).flat_map(move |first| {
+        let (at, span) = timed.get(first).copied().unwrap_or_default();
+        let later = timed.get(first + 1..).unwrap_or_default();
+        let later = later.iter().take_while(move |(_, its)| its.0 <= span.1);
+        let with = later.filter(move |(_, its)| overlap(span, *its));
+        with.map(move |(other, _)| (at, *other)).collect::<Vec<_>>()
+    })
+}
+
+/// Of recordings with a time, the first one near it that was made at the same time and is judged apart.
+fn beside(known: &[Known], numbered: &Numbered) -> BTreeMap<usize, (usize, Apart)> {
+    let mut beside = vec![None; known.len()];
+    for (a, b) in pairs(known) {
+        for (one, other) in [(a, b), (b, a)] {
+            if let (Some(place @ None), Some(Err(apart))) = (beside.get_mut(one), numbered.judge(one, other)) {
+                *place = known.get(other).map(|other| (other.number, apart));
             }
         }
     }
-    beside
+    let said = known.iter().zip(beside);
+    said.filter_map(|(one, beside)| Some((one.number, beside?))).collect()
 }
 
 /// The same for the recordings of saved worlds: the numbers of their sources.
@@ -128,33 +206,47 @@ pub(super) fn of_worlds(worlds: &[World], sources: &[Source]) -> Sessions {
         Some(Known {
             number: bag.source.0 as usize,
             folder: (0, folder(Path::new(&source.path), source.kind)),
-            span_ns: bag.share.span_ns.or(bag.start_ns.zip(bag.end_ns)),
+            outline: Outline {
+                span_ns: bag.share.span_ns.or(bag.start_ns.zip(bag.end_ns)),
+                topics: bag.topics.keys().cloned().collect(),
+            },
         })
     });
-    Sessions::of(known.collect())
+    Sessions::of(&known.collect::<Vec<_>>())
 }
 
-fn drives(known: Vec<Known>) -> Vec<Vec<usize>> {
-    let mut drives: Vec<Vec<Known>> = Vec::new();
-    for recording in known {
-        let is_of = |drive: &Vec<Known>| drive.iter().any(|other| recording.is_with(other));
-        let (joined, apart): (Vec<_>, Vec<_>) = drives.into_iter().partition(is_of);
-        let drive = joined.into_iter().flatten().chain([recording]).collect();
-        drives = apart;
-        drives.push(drive);
-    }
-    let numbers = |drive: Vec<Known>| {
-        let mut numbers: Vec<usize> = drive.iter().map(|one| one.number).collect();
-        numbers.sort_unstable();
-        numbers
+/// Recordings of one folder and time with different topics, together with all that is together with either.
+fn drives(known: &[Known], numbered: &Numbered) -> Vec<Vec<usize>> {
+    // Each points to an earlier one of its drive, the first to itself.
+    let mut first: Vec<usize> = (0..known.len()).collect();
+    let root = |first: &[usize], mut at: usize| {
+        while let Some(before) = first.get(at).filter(|before| **before != at) {
+            at = *before;
+        }
+        at
     };
-    let mut drives: Vec<Vec<usize>> = drives.into_iter().map(numbers).collect();
+    for (a, b) in pairs(known) {
+        if numbered.judge(a, b) == Some(Ok(())) {
+            let (a, b) = (root(&first, a), root(&first, b));
+            if let Some(place) = first.get_mut(a.max(b)) {
+                *place = a.min(b);
+            }
+        }
+    }
+    let mut drives: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+    for (at, one) in known.iter().enumerate() {
+        drives.entry(root(&first, at)).or_default().push(one.number);
+    }
+    let mut drives: Vec<Vec<usize>> = drives.into_values().collect();
+    for drive in &mut drives {
+        drive.sort_unstable();
+    }
     drives.sort_unstable();
     drives
 }
 
-fn span_ns(input: &Input) -> Option<(i64, i64)> {
-    bag::span_ns(&Recording {
+fn outline(input: &Input) -> Outline {
+    bag::outline(&Recording {
         path: &input.path,
         // A rosbag2 folder's metadata names its files itself.
         parts: if input.kind == SourceKind::Rosbag2 {
@@ -186,6 +278,7 @@ fn overlap(a: (i64, i64), b: (i64, i64)) -> bool {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
 
     #[test]
@@ -198,6 +291,37 @@ mod tests {
         assert!(!overlap((0, 100), (100, 200)));
         assert!(!overlap((0, 100), (200, 300)));
         assert!(!overlap((0, 0), (0, 0)));
+    }
+
+    #[test]
+    fn copies_are_judged_apart_and_what_completes_each_other_together() {
+        let known = |number: usize, topics: &[&str]| Known {
+            number,
+            folder: (1, Some(PathBuf::from("drive"))),
+            outline: Outline {
+                span_ns: Some((EARLIEST_NS, EARLIEST_NS + 100)),
+                topics: topics.iter().map(|topic| (*topic).to_owned()).collect(),
+            },
+        };
+        let all = [
+            known(0, &["/tf", "/points", "/scan"]),
+            known(1, &["/tf", "/imu", "/fix", "/odom"]),
+            known(2, &["/tf", "/points", "/scan"]),
+            known(3, &["/tf"]),
+        ];
+        let sessions = Sessions::of(&all[..2]);
+        assert_eq!(sessions.drives, [[0, 1]]);
+        assert!(sessions.beside.is_empty());
+        let copies = Sessions::of(&[all[0].clone(), all[2].clone()]);
+        assert_eq!(copies.drives, [[0], [2]]);
+        assert_eq!(copies.beside[&2], (0, Apart::Alike));
+        assert!(
+            copies
+                .note(0, |other| Some(format!("{other}.mcap")))
+                .unwrap()
+                .contains("`2.mcap` with the same topics")
+        );
+        assert_eq!(Sessions::of(&[all[0].clone(), all[3].clone()]).drives, [[0, 3]]);
     }
 
     #[test]

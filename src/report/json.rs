@@ -24,7 +24,7 @@ struct Document<'a> {
     #[serde(flatten)]
     made: Made,
     inputs: Rows<'a, Source, Input<'a>>,
-    outcomes: Rows<'a, Row, OutcomeRow<'a>>,
+    outcomes: Outcomes<'a>,
     findings: Rows<'a, Finding, FindingRow<'a>>,
     explained: Rows<'a, Finding, FindingRow<'a>>,
     required: Vec<UnmetRow<'a>>,
@@ -61,6 +61,15 @@ struct Rows<'a, T, R> {
 impl<T, R: Serialize> Serialize for Rows<'_, T, R> {
     fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.collect_seq(self.items.iter().map(|item| (self.row)(item, self.locator)))
+    }
+}
+
+/// The outcomes that are listed, one by one as well.
+struct Outcomes<'a>(&'a Run);
+
+impl Serialize for Outcomes<'_> {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_seq(self.0.listed(&self.0.verdict.rows).map(outcome))
     }
 }
 
@@ -223,6 +232,7 @@ pub(super) struct Counts {
     judged: usize,
     passed: usize,
     not_evaluated: usize,
+    not_applicable: usize,
     waived: usize,
     explained: usize,
     crashed: usize,
@@ -239,11 +249,7 @@ pub fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
             locator: &locator,
             row: input,
         },
-        outcomes: Rows {
-            items: &run.verdict.rows,
-            locator: &locator,
-            row: |row, _| outcome(row),
-        },
+        outcomes: Outcomes(run),
         findings: Rows {
             items: &run.verdict.findings,
             locator: &locator,
@@ -273,6 +279,7 @@ pub(super) fn counts(summary: &Summary) -> Counts {
         judged: summary.judged,
         passed: summary.passed,
         not_evaluated: summary.not_evaluated,
+        not_applicable: summary.not_applicable,
         waived: summary.waived,
         explained: summary.explained,
         crashed: summary.crashed,

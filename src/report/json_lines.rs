@@ -37,7 +37,7 @@ pub fn grown(run: &Run, grown: &Grown) -> Result<String, serde_json::Error> {
     for source in grown.sources.iter().filter_map(|number| run.sources.get(*number)) {
         line("input", json::input(source, &locator), &mut out)?;
     }
-    for row in run.verdict.rows.get(grown.rows.clone()).unwrap_or_default() {
+    for row in run.listed(run.verdict.rows.get(grown.rows.clone()).unwrap_or_default()) {
         line("outcome", json::outcome(row), &mut out)?;
     }
     for finding in run.verdict.findings.get(grown.findings.clone()).unwrap_or_default() {

@@ -24,7 +24,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, ReportError> 
             .push(finding);
     }
     let mut suites: BTreeMap<&str, TestSuite> = BTreeMap::new();
-    for row in &run.verdict.rows {
+    for row in run.listed(&run.verdict.rows) {
         let suite = suites
             .entry(&row.rule)
             .or_insert_with(|| TestSuite::new(format!("{} {}", row.rule, row.name)));

@@ -161,7 +161,7 @@ fn notifications(run: &Run, numbers: &BTreeMap<&str, usize>) -> Vec<Value> {
         descriptor
     };
     let mut notifications = Vec::new();
-    for row in &run.verdict.rows {
+    for row in run.listed(&run.verdict.rows) {
         let level = match row.outcome {
             Outcome::NotEvaluated => "note",
             Outcome::Crashed => "error",

@@ -89,7 +89,7 @@ pub(super) fn findings(run: &Run, placed: &[Placed], labels: &Labels, scene: &mu
 
 /// What was checked: that nothing was found says only so much.
 fn summary(run: &Run) -> String {
-    let count = |outcome: Outcome| run.verdict.rows.iter().filter(|row| row.outcome == outcome).count();
+    let count = |outcome: Outcome| run.verdict.count(outcome);
     format!(
         "Findings: {}. Checks that passed: {}. Checks that could not be made: {}.\n\n",
         run.verdict.findings.len(),

@@ -17,6 +17,7 @@ use crate::run::{Grown, Recording, Run};
 use crate::source::{Source, SourceId, SourceKind};
 use crate::verdict::waiver::plain_subject;
 use crate::verdict::{Finding, Outcome, Row, Verdict};
+use crate::world::bag::{Said, TopicEvidence};
 use crate::world::{Facts, World};
 
 use super::evidence::Saved;
@@ -359,7 +360,8 @@ impl Room<'_> {
                 .rules
                 .iter()
                 .filter(|rule| matches!(rule.entry.kind, Kind::Across(_)));
-            let verdict = judge::judge(world, rules, &choice.settings, Some(&world.label));
+            let timings = &self.setup.options.timings;
+            let verdict = judge::judge(world, rules, &choice.settings, Some(&world.label), timings);
             (governed, verdict)
         });
         let before = &whole.run;
@@ -415,17 +417,37 @@ fn name(recordings: &[usize], worlds: &mut [World], sources: &[Source]) -> Strin
     names.join(" + ")
 }
 
-/// Takes out of the recordings of a judged world what nobody compares: the points of clouds and scans. What is left, by the recordings'
-/// numbers.
+/// Takes out of the recordings of a judged world what nobody compares: all but latched transforms, and what tells where maps begin. What is
+/// left, by the recordings' numbers.
 fn slim(world: &mut World) -> Vec<(usize, Facts)> {
     let frames = &world.frames;
     let bags = world.bags.iter_mut().map(|bag| {
+        // Without fixes no track tells where its map begins.
+        let tells = |said: Said| said.content.fixes.is_some() || said.content.motion.nmea.is_some();
+        let has_fixes = bag.topics.values().flat_map(TopicEvidence::said).any(tells);
         for topic in bag.topics.values_mut() {
-            topic.content.clouds = None;
-            topic.content.lasers = None;
-            topic.content.radar = None;
-            topic.content.grids = None;
-            topic.content.images = None;
+            topic.stamps.samples = Vec::new();
+            for content in
+                std::iter::once(&mut topic.content).chain(topic.members.values_mut().map(|member| &mut member.content))
+            {
+                content.clouds = None;
+                content.lasers = None;
+                content.radar = None;
+                content.grids = None;
+                content.images = None;
+                content.imu = None;
+                content.covariances.clear();
+                content.motion.inertial = None;
+                content.motion.twists = None;
+                content.motion.orientations = None;
+                content.motion.vectors = None;
+            }
+        }
+        for edge in &mut bag.tf {
+            edge.stamps.samples = Vec::new();
+            if !has_fixes {
+                edge.motion = None;
+            }
         }
         let frames = frames.iter().filter(|used| used.place.source == bag.source).cloned();
         let facts = Facts {

@@ -6,9 +6,9 @@ use crate::policy::Laid;
 use crate::run::{Grown, Recording, Run};
 use crate::source::{Derived, Source};
 use crate::verdict::waiver::plain_subject;
-use crate::verdict::{Finding, Label, Outcome, Row, Verdict};
+use crate::verdict::{Finding, Inapplicable, Label, Outcome, Row, Verdict};
 
-use super::super::{Renumber, RunPolicy};
+use super::super::{Renumber, RunPolicy, plan};
 use super::{Drive, Room, put};
 
 /// The run as it grows.
@@ -107,9 +107,13 @@ impl<'a> Whole<'a> {
         self.take(verdict, laid, Vec::new(), None);
     }
 
-    fn take(&mut self, verdict: Verdict, laid: Laid, new: Vec<usize>, recording: Option<Recording>) {
+    fn take(&mut self, mut verdict: Verdict, laid: Laid, new: Vec<usize>, recording: Option<Recording>) {
         let (rows, findings) = (self.run.verdict.rows.len(), self.run.verdict.findings.len());
         self.laid.join(laid);
+        if self.run.inapplicable == Inapplicable::Counted {
+            // Of rules that compare recordings it counts later what was said of one of them.
+            verdict.count_inapplicable(plan::compares);
+        }
         self.run.verdict.extend(verdict);
         let number = recording.is_some().then_some(self.run.recordings.len());
         self.run.recordings.extend(recording);

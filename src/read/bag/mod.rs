@@ -15,7 +15,7 @@ pub(in crate::read) mod rosbag2;
 pub(in crate::read) mod split;
 mod sqlite;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
 use std::path::{Path, PathBuf};
@@ -229,18 +229,28 @@ pub fn read(
     extent
 }
 
-/// First and last log time of a recording, nanoseconds, as its index says; without one, of what little of it is read for that. `None`
-/// where it holds no messages, or can't be read.
-pub fn span_ns(recording: &Recording<'_>) -> Option<(i64, i64)> {
-    struct Times(Option<(i64, i64)>);
-    impl Visit for Times {
-        fn channel(&mut self, _channel: &Channel) {}
-        fn message(&mut self, _channel: &Channel, message: &Message<'_>) {
-            let (first, last) = self.0.unwrap_or((message.log_ns, message.log_ns));
-            self.0 = Some((first.min(message.log_ns), last.max(message.log_ns)));
-        }
-        fn seam(&mut self) {}
+/// What a recording is, without its messages.
+#[derive(Clone, Debug, Default)]
+pub struct Outline {
+    /// First and last log time, nanoseconds.
+    pub span_ns: Option<(i64, i64)>,
+    /// Its topics.
+    pub topics: BTreeSet<String>,
+}
+
+impl Visit for Outline {
+    fn channel(&mut self, channel: &Channel) {
+        self.topics.insert(channel.topic.clone());
     }
+    fn message(&mut self, _channel: &Channel, message: &Message<'_>) {
+        let (first, last) = self.span_ns.unwrap_or((message.log_ns, message.log_ns));
+        self.span_ns = Some((first.min(message.log_ns), last.max(message.log_ns)));
+    }
+    fn seam(&mut self) {}
+}
+
+/// The outline of a recording, from its index where it has one.
+pub fn outline(recording: &Recording<'_>) -> Outline {
     let wanted = Wanted {
         sampling: Some(Sampling {
             windows: 1,
@@ -251,10 +261,11 @@ pub fn span_ns(recording: &Recording<'_>) -> Option<(i64, i64)> {
         throughout: &|_| false,
         in_a_row: &|_| false,
     };
-    let mut times = Times(None);
+    let mut outline = Outline::default();
     let mut nowhere = Source::new(SourceId(0), "", SourceKind::Unsupported);
-    let extent = read(recording, &wanted, &mut nowhere, &|_, _| {}, &mut times);
-    extent.span_ns.or(times.0)
+    let extent = read(recording, &wanted, &mut nowhere, &|_, _| {}, &mut outline);
+    outline.span_ns = extent.span_ns.or(outline.span_ns);
+    outline
 }
 
 /// Reads one file. `metadata` is what the recording's `metadata.yaml` says, where there is one.

@@ -158,6 +158,7 @@ fn the_worst_recording_and_what_failed_stand_first() {
         label: label.to_owned(),
         sources: Vec::new(),
         summary: crate::run::Summary {
+            not_applicable: 0,
             errors,
             warnings,
             verdict: if errors > 0 {

@@ -212,7 +212,7 @@ fn why_nothing(run: &Run) -> String {
     if run.verdict.count(Outcome::Crashed) > 0 {
         return "every check that could be made crashed".to_owned();
     }
-    if run.verdict.rows.is_empty() {
+    if run.verdict.rows.is_empty() && run.verdict.inapplicable == 0 {
         return "no rule was asked".to_owned();
     }
     let (_, count) = inputs(run);

@@ -33,7 +33,7 @@ pub(in crate::report) fn reasons(run: &Run) -> BTreeMap<&str, (BTreeSet<&str>, u
 /// Rows that were not evaluated: in one line, or every one with `--verbose`.
 pub(super) fn not_evaluated(run: &Run, options: &Options, out: &mut String) {
     let rows = rows(run, Outcome::NotEvaluated);
-    if rows.is_empty() {
+    if rows.is_empty() && run.verdict.inapplicable == 0 {
         return;
     }
     if options.verbose {
@@ -43,14 +43,25 @@ pub(super) fn not_evaluated(run: &Run, options: &Options, out: &mut String) {
             let _ = writeln!(out, "{}", wrap(&one_line(&line), options.style.width, "  ", "      "));
         }
     } else {
-        let _ = writeln!(out, "{}", options.style.paint(Ink::Faint, &brief(&rows, options.style)));
+        let _ = writeln!(
+            out,
+            "{}",
+            options.style.paint(Ink::Faint, &brief(run, &rows, options.style))
+        );
     }
     out.push('\n');
 }
 
 /// One line: how many checks for what reason, and which input would help most.
-fn brief(rows: &[&Row], style: Style) -> String {
-    let count = |kind: NotEvaluated| rows.iter().filter(|row| row.why_not() == Some(kind)).count();
+fn brief(run: &Run, rows: &[&Row], style: Style) -> String {
+    let count = |kind: NotEvaluated| {
+        let counted = if kind == NotEvaluated::NotApplicable {
+            run.verdict.inapplicable
+        } else {
+            0
+        };
+        counted + rows.iter().filter(|row| row.why_not() == Some(kind)).count()
+    };
     let kinds = [
         (NotEvaluated::NotApplicable, "with nothing to judge"),
         (NotEvaluated::TooLittleEvidence, "with too little evidence"),

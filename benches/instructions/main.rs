@@ -1,0 +1,215 @@
+//! What the program costs, in instructions: the same number on a busy machine. Every case is held against `baseline.tsv`; 3 % more fails.
+//!
+//! ```text
+//! cargo test --locked --test instructions            # counts, and compares
+//! UPDATE=1 cargo test --locked --test instructions   # writes a new baseline: the commit says why
+//! ```
+//!
+//! Counted by Valgrind's callgrind in the program that `cargo test` builds, with one thread. Counts of another compiler are another program's:
+//! with another version than the baseline's nothing is compared, and that is said.
+
+#![allow(
+    clippy::unwrap_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    clippy::print_stdout,
+    unreachable_pub,
+    missing_docs
+)]
+
+#[path = "../../tests/support/mod.rs"]
+mod support;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fmt::Write as _;
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use frames_lint::rules::RULES;
+use rayon::prelude::*;
+use support::left_out;
+
+/// So much more than the baseline fails; so much less asks for a new one.
+const MORE: f64 = 0.03;
+const LESS: f64 = 0.10;
+
+/// One call of the program.
+struct Case {
+    name: String,
+    arguments: Vec<String>,
+}
+
+fn case(name: &str, arguments: &[&str]) -> Case {
+    let arguments = ["check", "--format", "json"].iter().chain(arguments);
+    Case {
+        name: name.to_owned(),
+        arguments: arguments.map(|argument| (*argument).to_owned()).collect(),
+    }
+}
+
+/// A chain of arms with so many links, with shapes and inertias.
+fn robot(links: usize) -> String {
+    let mut text = "<robot name=\"r\">\n<link name=\"base_link\"/>\n".to_owned();
+    for link in 1..links {
+        let parent = if link < 8 {
+            "base_link".to_owned()
+        } else {
+            format!("link_{}", link - 7)
+        };
+        let _ = write!(
+            text,
+            "<link name=\"link_{link}\">\n<inertial><origin xyz=\"0 0 0.1\"/><mass value=\"1.5\"/>\
+             <inertia ixx=\"0.01\" ixy=\"0\" ixz=\"0\" iyy=\"0.01\" iyz=\"0\" izz=\"0.01\"/></inertial>\n\
+             <visual><origin xyz=\"0 0 0.1\" rpy=\"0 0 0\"/><geometry><box size=\"0.1 0.1 0.2\"/></geometry></visual>\n\
+             <collision><geometry><cylinder radius=\"0.05\" length=\"0.2\"/></geometry></collision>\n</link>\n\
+             <joint name=\"joint_{link}\" type=\"revolute\">\n<parent link=\"{parent}\"/><child link=\"link_{link}\"/>\n\
+             <origin xyz=\"0 0.01 0.2\" rpy=\"0 {} 0\"/><axis xyz=\"0 0 1\"/>\n\
+             <limit lower=\"-1.5\" upper=\"1.5\" effort=\"10\" velocity=\"2\"/>\n</joint>\n",
+            0.1 + 0.001 * (link % 7) as f64
+        );
+    }
+    text + "</robot>\n"
+}
+
+/// A car with an inertial sensor, a receiver and a lidar.
+const DRIVE: &str = "\
+duration_s: 20
+drive: {vehicle: car, motion: turning, seed: 3}
+chunk_size_bytes: 200000
+topics:
+  - topic: /tf_static
+    transforms:
+      - {parent: base_link, child: imu_link, xyz: [0.1, 0.05, 0.3]}
+      - {parent: base_link, child: gps, xyz: [-0.1, 0, 0.8]}
+      - {parent: base_link, child: velodyne, xyz: [0.6, 0.1, 1.8], rpy_deg: [0, 0, 30]}
+  - {topic: /tf, rate_hz: 20, transforms: [{parent: odom, child: base_link, from_drive: odometry}]}
+  - {topic: /odom, from_drive: odometry, rate_hz: 20, frame_id: odom, child_frame_id: base_link}
+  - {topic: /fix, from_drive: fix, rate_hz: 5, frame_id: gps, xyz: [-0.1, 0, 0.8]}
+  - {topic: /imu, from_drive: imu, rate_hz: 100, frame_id: imu_link, xyz: [0.1, 0.05, 0.3]}
+";
+
+const CLOUDS: &str = "  - {topic: /points, from_drive: lidar, rate_hz: 5, frame_id: velodyne, xyz: [0.6, 0.1, 1.8], rpy_deg: [0, 0, 30], \
+                      lidar: {driver: velodyne, table: vlp16, beams: 16, columns: 180}}\n";
+
+const CALIBRATION: &str = "\
+base_link:
+  velodyne:
+    translation: [0.6, 0.1, 1.8]
+    rotation: [0.0, 0.0, 0.25881904510252074, 0.9659258262890683]
+  imu_link:
+    translation: [0.1, 0.05, 0.3]
+    rotation: [0.0, 0.0, 0.0, 1.0]
+";
+
+/// What is counted, with its files in `folder`.
+fn cases(folder: &Path) -> Vec<Case> {
+    let mut cases = vec![case("nothing to read", &["none"])];
+    fs::create_dir(folder.join("none")).unwrap();
+    for (name, links) in [("small", 4), ("median", 40), ("large", 1500)] {
+        let file = format!("{name}.urdf");
+        fs::write(folder.join(&file), robot(links)).unwrap();
+        cases.push(case(&format!("urdf, {links} links"), &[&file]));
+    }
+    fs::create_dir(folder.join("files")).unwrap();
+    for file in 0..60 {
+        fs::write(folder.join(format!("files/{file:02}.yaml")), CALIBRATION).unwrap();
+    }
+    cases.push(case("60 calibrations", &["files"]));
+    for (name, compression) in [("zstd", "zstd"), ("lz4", "lz4"), ("plain", "none")] {
+        let file = format!("{name}.mcap");
+        support::write(&format!("compression: {compression}\n{DRIVE}"), &folder.join(&file));
+        cases.push(case(&format!("mcap {name}, whole"), &["--full", &file]));
+        cases.push(case(&format!("mcap {name}, 4 windows"), &["--windows", "4", &file]));
+    }
+    support::write(&format!("{DRIVE}{CLOUDS}"), &folder.join("clouds.mcap"));
+    cases.push(case("mcap with clouds", &["clouds.mcap"]));
+    fs::create_dir(folder.join("copies")).unwrap();
+    for copy in 0..20 {
+        fs::copy(folder.join("zstd.mcap"), folder.join(format!("copies/{copy:02}.mcap"))).unwrap();
+    }
+    cases.push(case("20 recordings", &["--windows", "2", "copies"]));
+    // The rules on evidence that is there already.
+    fs::create_dir(folder.join("car")).unwrap();
+    fs::copy(folder.join("clouds.mcap"), folder.join("car/drive.mcap")).unwrap();
+    fs::write(folder.join("car/lidar.yaml"), CALIBRATION).unwrap();
+    let saved = support::program::run(folder, ["collect", "car", "-o", "evidence.json"]);
+    assert_eq!(saved.code, 0, "{}", saved.err);
+    let families: BTreeSet<&str> = RULES.iter().map(|entry| entry.page.family()).collect();
+    for family in families.into_iter().filter(|family| *family != "GATE") {
+        let arguments = ["--evidence", "evidence.json", "--select", family];
+        cases.push(case(&format!("rules {family}"), &arguments));
+    }
+    cases
+}
+
+/// Instructions of one call; `None` where Valgrind is not there.
+fn counted(folder: &Path, case: &Case) -> Option<u64> {
+    let ran = Command::new("valgrind")
+        .args([
+            "--tool=callgrind",
+            "--callgrind-out-file=/dev/null",
+            env!("CARGO_BIN_EXE_frames-lint"),
+        ])
+        .args(&case.arguments)
+        .current_dir(folder)
+        .env_clear()
+        .env("PATH", std::env::var_os("PATH").unwrap_or_default())
+        .env("RAYON_NUM_THREADS", "1")
+        .output()
+        .ok()?;
+    let said = String::from_utf8_lossy(&ran.stderr).into_owned();
+    let count = said.lines().find_map(|line| line.split("Collected :").nth(1));
+    let count = count.and_then(|count| count.trim().parse().ok());
+    Some(count.unwrap_or_else(|| panic!("{}: {said}", case.name)))
+}
+
+/// The compiler's version.
+fn compiler() -> String {
+    let ran = Command::new("rustc").arg("--version").output().unwrap();
+    String::from_utf8(ran.stdout).unwrap().trim().to_owned()
+}
+
+#[test]
+fn no_case_costs_more_than_its_baseline() {
+    let folder = tempfile::tempdir().unwrap();
+    let cases = cases(folder.path());
+    let counts: Option<Vec<(&str, u64)>> = cases
+        .par_iter()
+        .map(|case| Some((case.name.as_str(), counted(folder.path(), case)?)))
+        .collect();
+    let Some(counts) = counts else {
+        return left_out("no valgrind, which counts instructions");
+    };
+    let place = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("benches/instructions/baseline.tsv");
+    if std::env::var_os("UPDATE").is_some() {
+        let mut text = format!("# instructions, {}\n", compiler());
+        for (name, count) in &counts {
+            let _ = writeln!(text, "{name}\t{count}");
+        }
+        return fs::write(place, text).unwrap();
+    }
+    let text = fs::read_to_string(place).unwrap();
+    let (head, rows) = text.split_once('\n').unwrap();
+    let rows = rows.lines().filter_map(|line| line.split_once('\t'));
+    let baseline: BTreeMap<&str, f64> = rows.map(|(name, count)| (name, count.parse().unwrap())).collect();
+    let mut faults = Vec::new();
+    for (name, count) in &counts {
+        let millions = *count as f64 / 1e6;
+        let Some(before) = baseline.get(name) else {
+            faults.push(format!("{name}: {millions:.2} M, and the baseline does not have it"));
+            continue;
+        };
+        let grown = *count as f64 / before - 1.0;
+        let line = format!("{name}: {millions:.2} M instructions, {:+.1} %", 100.0 * grown);
+        println!("{line}");
+        if grown > MORE || grown < -LESS {
+            faults.push(line);
+        }
+    }
+    if !head.ends_with(&compiler()) {
+        return left_out("the baseline of instructions is of another compiler");
+    }
+    let advice = "UPDATE=1 writes a new baseline; the commit says why";
+    assert!(faults.is_empty(), "{}\n{advice}", faults.join("\n"));
+}
