@@ -107,7 +107,7 @@ fn only_files_can_be_edited() {
 fn the_summary_counts() {
     assert_eq!(
         document(&everything())["summary"],
-        json!({"errors": 0, "warnings": 1, "notes": 0, "hints": 1, "applicable": 6, "judged": 4, "passed": 1, "explained": 0, "not_evaluated": 1, "waived": 1, "crashed": 1,
+        json!({"errors": 0, "warnings": 1, "notes": 0, "hints": 1, "applicable": 6, "judged": 4, "passed": 1, "explained": 0, "not_evaluated": 1, "not_applicable": 0, "waived": 1, "crashed": 1,
                "verdict": "incomplete"})
     );
 }
