@@ -195,7 +195,7 @@ pub fn run_to(
         Verb::Completions { shell } => {
             completions::script(shell, arguments.first().map_or("".as_ref(), OsString::as_os_str))
         }
-        Verb::ExpandXacro { file, args, ground } => Ok(match engine::expand_xacro(&file, &args, &ground) {
+        Verb::ExpandXacro { file, args, allowed } => Ok(match engine::expand_xacro(&file, &args, &allowed) {
             Ok(out) => Answer {
                 out,
                 ..Answer::default()

@@ -61,8 +61,8 @@ use std::sync::Arc;
 use globset::{Glob, GlobMatcher};
 
 use crate::policy::Policy;
+use crate::read::allowed::AllowedFolders;
 use crate::read::discover::CONFIGURATION;
-use crate::read::ground::Ground;
 use crate::run::FailOn;
 use crate::source::{Place, Source, SourceId, SourceKind, Span};
 use crate::tables::Tables;
@@ -87,7 +87,7 @@ pub struct Config {
     /// What is known of devices, with the user's own rows.
     tables: Arc<Tables>,
     /// Where files that it names may lie; anywhere where `None`.
-    ground: Option<Ground>,
+    allowed: Option<AllowedFolders>,
 }
 
 /// One file, or a profile of the tool.
@@ -117,10 +117,14 @@ struct Layer {
 pub struct ConfigError(pub String);
 
 /// A profile where one is named, and on top of it a file where there is one. `None` where there is neither. Files that the file names lie
-/// on the ground, if there is one.
-pub fn find(file: Option<&Path>, profile: Option<&str>, ground: Option<Ground>) -> Result<Option<Config>, ConfigError> {
+/// in the allowed folders, if there are any.
+pub fn find(
+    file: Option<&Path>,
+    profile: Option<&str>,
+    allowed: Option<AllowedFolders>,
+) -> Result<Option<Config>, ConfigError> {
     let mut config = Config {
-        ground,
+        allowed,
         ..Config::default()
     };
     if let Some(profile) = profile {
@@ -195,7 +199,7 @@ impl Config {
             reader.keys(&root, KEYS)?;
             self.extend(&reader, &root, folder, open)?;
             if let Some(node) = root.get("tables") {
-                let tables = reader.tables(node, folder, (*self.tables).clone(), self.ground.as_ref())?;
+                let tables = reader.tables(node, folder, (*self.tables).clone(), self.allowed.as_ref())?;
                 self.tables = Arc::new(tables);
             }
             layer.conventions = reader.conventions(&root)?;

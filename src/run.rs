@@ -295,7 +295,7 @@ impl Run {
             judged,
             passed: self.verdict.count(Outcome::Pass),
             not_evaluated: self.verdict.count(Outcome::NotEvaluated),
-            not_applicable: self.verdict.count_of_inapplicable(),
+            not_applicable: self.verdict.not_applicable_count(),
             waived: self.verdict.count(Outcome::Waived),
             explained: self.verdict.count(Outcome::Explained),
             crashed: self.verdict.count(Outcome::Crashed),

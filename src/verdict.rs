@@ -191,14 +191,14 @@ pub enum Inapplicable {
 
 impl Verdict {
     /// Counts the outcomes that do not apply instead of keeping them, but for those of these rules.
-    pub fn count_inapplicable(&mut self, but_of: impl Fn(&str) -> bool) {
+    pub fn drop_not_applicable(&mut self, but_of: impl Fn(&str) -> bool) {
         let before = self.rows.len();
         self.rows.retain(|row| row.applies() || but_of(&row.rule));
         self.inapplicable += before - self.rows.len();
     }
 
     /// How many outcomes do not apply.
-    pub fn count_of_inapplicable(&self) -> usize {
+    pub fn not_applicable_count(&self) -> usize {
         self.inapplicable + self.rows.iter().filter(|row| !row.applies()).count()
     }
 

@@ -76,7 +76,7 @@ pub(super) enum Verb {
         args: Vec<String>,
         /// Folder that may be read; may be repeated, and without it any may
         #[arg(long, value_name = "DIR")]
-        ground: Vec<PathBuf>,
+        allowed: Vec<PathBuf>,
     },
     /// Write a completion script for a shell
     Completions {

@@ -12,7 +12,7 @@ use crate::rules::codes;
 use crate::run::Run;
 use crate::verdict::Inapplicable;
 
-use super::args::{Chain, Check, Color, Reporting, Xacro};
+use super::args::{Chain, Check, Color, Reporting};
 use super::stream::Stream;
 use super::{Answer, Failure, Surroundings, call, fixes, paths, save, view};
 
@@ -27,7 +27,6 @@ pub(super) fn run(
     let mut call = call::of(arguments, &today);
     call.settings.push(("Recordings", check.reading.extent_words()));
     let options = engine::Options {
-        extent: check.reading.extent(),
         paths: match (check.paths.is_empty(), check.evidence.is_empty()) {
             (true, true) => vec![PathBuf::from(".")],
             (true, false) => Vec::new(),
@@ -51,19 +50,14 @@ pub(super) fn run(
             (None, true) => engine::Sights::Plots,
             (None, false) => engine::Sights::None,
         },
-        without_config: false,
-        wanted: engine::Wanted::Facts,
         select: check.select,
         ignore: check.ignore,
-        xacro: surroundings.xacro(check.reading.xacro_args, check.reading.xacro == Xacro::Run),
-        outside: check.reading.outside,
-        msg_paths: check.reading.msg_paths,
-        progress: surroundings.progress,
         timings: if check.timings {
             engine::Timings::kept()
         } else {
             engine::Timings::default()
         },
+        ..check.reading.options(Vec::new(), surroundings)
     };
     if let Some(file) = &check.show_settings {
         let settings = engine::settings_of(&options, file)?.into_iter();

@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::read::allowed::AllowedFolders;
 use crate::read::calibration::document::Node;
-use crate::read::ground::Ground;
 
 use super::reader::Reader;
 use super::{Config, ConfigError};
@@ -57,7 +57,7 @@ impl Config {
                 return Err(reader.error(at, &unknown(name)));
             }
             let path = folder.join(name);
-            guard(self.ground.as_ref(), &path, name).map_err(|what| reader.error(at, &what))?;
+            guard(self.allowed.as_ref(), &path, name).map_err(|what| reader.error(at, &what))?;
             let whole = std::fs::canonicalize(&path)
                 .map_err(|error| reader.error(at, &format!("`{name}` cannot be read: {error}")))?;
             if !whole.is_file() {
@@ -72,10 +72,10 @@ impl Config {
     }
 }
 
-/// Why a file that a configuration names is not read: it lies off the ground.
-pub(super) fn guard(ground: Option<&Ground>, path: &Path, name: &str) -> Result<(), String> {
-    match ground {
-        Some(ground) if !ground.holds(path) => Err(format!(
+/// Why a file that a configuration names is not read: it lies outside of the allowed folders.
+pub(super) fn guard(allowed: Option<&AllowedFolders>, path: &Path, name: &str) -> Result<(), String> {
+    match allowed {
+        Some(allowed) if !allowed.holds(path) => Err(format!(
             "`{name}` lies outside of the repository, and was not read; --outside allows it, or --config names this configuration"
         )),
         _ => Ok(()),

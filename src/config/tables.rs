@@ -6,8 +6,8 @@ use std::fs::File;
 use std::io::Read;
 use std::path::Path;
 
+use crate::read::allowed::AllowedFolders;
 use crate::read::calibration::document::{Kind, Node};
-use crate::read::ground::Ground;
 use crate::tables::{RowFault, Tables};
 
 use super::extends::guard;
@@ -24,14 +24,14 @@ impl Reader<'_> {
         node: &Node,
         folder: &Path,
         mut tables: Tables,
-        ground: Option<&Ground>,
+        allowed: Option<&AllowedFolders>,
     ) -> Result<Tables, ConfigError> {
         self.keys(node, &Tables::NAMES)?;
         for (key, value) in node.pairs() {
             let table = key.text().unwrap_or_default();
             match value.text() {
                 Some(path) if !path.is_empty() => {
-                    guard(ground, &folder.join(path), path).map_err(|what| self.error(value.span.start, &what))?;
+                    guard(allowed, &folder.join(path), path).map_err(|what| self.error(value.span.start, &what))?;
                     self.file(table, path, value, folder, &mut tables)?;
                 }
                 _ => self.rows(table, value, &mut tables)?,

@@ -2,13 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use crate::page::{Number, Page};
+use crate::page::Number;
 use crate::rules::Entry;
 
 /// A rule that runs.
 pub(super) struct Enabled {
-    /// Its page.
-    pub(super) page: &'static Page,
     /// The rule.
     pub(super) entry: &'static Entry,
     /// Whether it makes plots.
@@ -21,7 +19,6 @@ impl Enabled {
     /// A rule by its entry.
     pub(super) fn new(entry: &'static Entry) -> Self {
         Self {
-            page: entry.page,
             entry,
             plots: false,
             overrides: BTreeMap::new(),

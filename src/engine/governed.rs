@@ -9,8 +9,8 @@ use globset::GlobMatcher;
 
 use crate::config::{self, Config};
 use crate::policy::Force;
+use crate::read::allowed::AllowedFolders;
 use crate::read::discover::Inputs;
-use crate::read::ground::Ground;
 use crate::read::input::Input;
 use crate::rules::RULES;
 use crate::run::FailOn;
@@ -42,8 +42,8 @@ impl Governance {
         let profile = options.profile.as_deref().filter(|_| !options.without_config);
         // Who gives a configuration answers for what it names.
         let is_given = options.config.as_deref() == file;
-        let ground = file.filter(|_| !is_given && !options.outside);
-        let config = config::find(file, profile, ground.map(|file| Ground::around([file])))?;
+        let allowed = file.filter(|_| !is_given && !options.outside);
+        let config = config::find(file, profile, allowed.map(|file| AllowedFolders::around([file])))?;
         let mut choice = plan::enabled(&options.select, &options.ignore, config.as_ref())?;
         for rule in &mut choice.rules {
             rule.plots = options.sights >= Sights::Plots;
@@ -169,23 +169,18 @@ impl Governed {
     pub(super) fn note_idle(&self, options: &Options, sources: &mut [Source]) {
         let configs = self.each().filter_map(|one| one.config.as_ref());
         let refused = configs.filter(|config| config.runs_xacro() && !self.runs_xacro(options) && !options.xacro.run);
+        let why = "the configuration lies inside of what is checked, or governs only a part of it; use --xacro run";
         for config in refused {
-            let is_it = |source: &&mut Source| source.kind == SourceKind::Configuration && source.path == config.path();
-            if let Some(source) = sources.iter_mut().find(is_it) {
-                let why = "it lies in what is checked, or counts for a part of it: --xacro run does it";
-                source.notes.push(format!("no effect of `xacro`: {why}"));
-            }
+            note(sources, config, format!("no effect of `xacro`: {why}"));
         }
         let in_force = self.in_force.lock().map(|known| known.clone()).unwrap_or_default();
         let idle = (1..).zip(&self.deeper).filter(|(at, _)| !in_force.contains(at));
         for config in idle.filter_map(|(_, one)| one.config.as_ref()) {
             let keys: Vec<String> = config.keys_of_platforms().map(|key| format!("`{key}`")).collect();
-            let is_it = |source: &&mut Source| source.kind == SourceKind::Configuration && source.path == config.path();
-            let source = sources.iter_mut().find(is_it).filter(|_| !keys.is_empty());
-            if let Some(source) = source {
+            if !keys.is_empty() {
                 let keys = keys.join(", ");
                 let why = "the platform's recordings or description lie outside of this folder";
-                source.notes.push(format!("no effect of {keys}: {why}"));
+                note(sources, config, format!("no effect of {keys}: {why}"));
             }
         }
     }
@@ -211,7 +206,7 @@ impl Governed {
     /// The rules that run anywhere, once each.
     pub(super) fn rules(&self) -> Vec<&Enabled> {
         let all = self.each().flat_map(|one| &one.choice.rules);
-        let rules: BTreeMap<&str, &Enabled> = all.map(|rule| (rule.page.code, rule)).collect();
+        let rules: BTreeMap<&str, &Enabled> = all.map(|rule| (rule.entry.page.code, rule)).collect();
         rules.into_values().collect()
     }
 
@@ -240,7 +235,7 @@ impl Governed {
     /// Whether the `xacro` program may be run: the outer configuration says so, and lies outside of what is checked.
     pub(super) fn runs_xacro(&self, options: &Options) -> bool {
         let config = self.outer.config.as_ref().filter(|config| config.runs_xacro());
-        config.is_some_and(|config| !Ground::exactly(&options.paths).holds(Path::new(config.path())))
+        config.is_some_and(|config| !AllowedFolders::exactly(&options.paths).holds(Path::new(config.path())))
     }
 
     /// Their files as sources, behind these. The id of the first.
@@ -249,6 +244,14 @@ impl Governed {
         let configs = self.each().filter_map(|one| one.config.as_ref());
         sources.extend(configs.flat_map(|config| config.sources(first)));
         first
+    }
+}
+
+/// Says something of a configuration, which is among the sources.
+fn note(sources: &mut [Source], config: &Config, words: String) {
+    let is_it = |source: &&mut Source| source.kind == SourceKind::Configuration && source.path == config.path();
+    if let Some(source) = sources.iter_mut().find(is_it) {
+        source.notes.push(words);
     }
 }
 

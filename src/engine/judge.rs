@@ -38,7 +38,7 @@ pub(super) fn judge<'r>(
             .collect();
         let mut crash = None;
         if missing.is_empty() {
-            crash = timings.of(Phase::Judge, rule.page.code, || {
+            crash = timings.of(Phase::Judge, rule.entry.page.code, || {
                 crash_of(|| asked(&estimates, &mut out))
             });
         } else {
@@ -124,7 +124,7 @@ fn not_silent(rule: &Enabled, out: &mut Judge) {
         out.not_evaluated(
             "platform",
             NotEvaluated::NotApplicable,
-            format!("nothing here to judge ({})", rule.page.subject),
+            format!("nothing here to judge ({})", rule.entry.page.subject),
         );
     }
 }
@@ -215,8 +215,8 @@ fn unmeasured(out: &Judge) -> Option<String> {
 fn take(mut out: Judge, rule: &Enabled, label: Option<&str>, crash: Option<String>, verdict: &mut Verdict) {
     let prefixed = |subject: String| label.map_or_else(|| subject.clone(), |label| format!("{label}: {subject}"));
     let row = |subject: String, outcome, reason, measured| Row {
-        rule: rule.page.code.to_owned(),
-        name: rule.page.name.to_owned(),
+        rule: rule.entry.page.code.to_owned(),
+        name: rule.entry.page.name.to_owned(),
         subject,
         outcome,
         reason,
@@ -241,15 +241,15 @@ fn take(mut out: Judge, rule: &Enabled, label: Option<&str>, crash: Option<Strin
             ..row(prefixed(judged.subject), judged.outcome, judged.reason, judged.measured)
         });
     }
-    let ceiling = match rule.page.status {
+    let ceiling = match rule.entry.page.status {
         Status::Trial => Confidence::Hint,
-        Status::Stable => rule.page.confidence,
+        Status::Stable => rule.entry.page.confidence,
     };
     for finding in out.findings {
         let subject = prefixed(finding.subject.clone());
         verdict.findings.push(Finding {
-            rule: rule.page.code.to_owned(),
-            name: rule.page.name.to_owned(),
+            rule: rule.entry.page.code.to_owned(),
+            name: rule.entry.page.name.to_owned(),
             subject,
             ..finding.confidence(ceiling)
         });

@@ -26,12 +26,12 @@ const KINDS: [&[(&str, f64)]; 6] = [
 pub(super) fn set(rules: &mut [Enabled], limit: &LimitOverride) -> Result<(), UsageError> {
     let failed = |what: String| UsageError(format!("{}: {what}", limit.origin));
     let rule = rules.iter_mut().find(|rule| {
-        [rule.page.code, rule.page.name]
+        [rule.entry.page.code, rule.entry.page.name]
             .iter()
             .any(|known| known.eq_ignore_ascii_case(&limit.rule))
     });
     let rule = rule.ok_or_else(|| failed(format!("`{}` is a family; limits are those of one rule", limit.rule)))?;
-    let page = rule.page;
+    let page = rule.entry.page;
     let Some(known) = page.limit(&limit.name) else {
         let names: Vec<&str> = page.limits.iter().map(|limit| limit.name).collect();
         let names = if names.is_empty() {

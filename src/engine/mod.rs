@@ -26,8 +26,8 @@ use std::sync::Arc;
 use crate::collect::How;
 use crate::config::Config;
 use crate::progress::Progress;
+use crate::read::allowed::AllowedFolders;
 use crate::read::discover::{Inputs, discover_of};
-use crate::read::ground::Ground;
 use crate::read::messages::definition::Definitions;
 use crate::run::{Grown, Run};
 use crate::source::Source;
@@ -112,7 +112,7 @@ impl Setup<'_> {
         let rules = self.governed.rules().into_iter();
         Run {
             sources,
-            rules: rules.map(|rule| rule.page).collect(),
+            rules: rules.map(|rule| rule.entry.page).collect(),
             skipped,
             fail_on: self.governed.fail_on(),
             inapplicable: self.options.inapplicable,
@@ -168,7 +168,7 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, Usa
     run.verdict = verdict;
     policy.close(laid, &mut run);
     if run.inapplicable == Inapplicable::Counted {
-        run.verdict.count_inapplicable(|_| false);
+        run.verdict.drop_not_applicable(|_| false);
     }
     Ok(run)
 }
@@ -380,14 +380,22 @@ struct Reading<'a> {
     inputs: &'a Inputs,
     setup: &'a Setup<'a>,
     progress: &'a Progress,
+    /// How xacro files are expanded.
+    means: XacroMeans,
 }
 
 impl<'a> Reading<'a> {
     fn new(inputs: &'a Inputs, setup: &'a Setup<'a>, progress: &'a Progress) -> Self {
+        let options = setup.options;
         Self {
             inputs,
             setup,
             progress,
+            means: XacroMeans {
+                run: options.xacro.run || setup.governed.runs_xacro(options),
+                allowed: AllowedFolders::around(options.paths.iter().map(PathBuf::as_path)),
+                ..options.xacro.clone()
+            },
         }
     }
 
@@ -414,21 +422,15 @@ impl<'a> Reading<'a> {
             time_fields: governed.time_fields(),
             ..How::default()
         };
-        let options = self.setup.options;
-        let means = XacroMeans {
-            run: options.xacro.run || governed.runs_xacro(options),
-            ground: Ground::around(options.paths.iter().map(PathBuf::as_path)),
-            ..options.xacro.clone()
-        };
         let readings = gather::gather(
             self.inputs,
             which,
             emerged_from,
             gather::Manner {
-                means: &means,
+                means: &self.means,
                 how: &how,
                 tables: &|input| governed.tables(input),
-                timings: &options.timings,
+                timings: &self.setup.options.timings,
             },
             self.progress,
         );

@@ -30,7 +30,7 @@ pub(super) struct Choice {
 fn settings(rules: &[Enabled]) -> Settings {
     let mut settings = Settings::default();
     for rule in rules {
-        (rule.entry.add_limits)(&mut settings, rule.page, rule.overrides.clone());
+        (rule.entry.add_limits)(&mut settings, rule.entry.page, rule.overrides.clone());
     }
     settings
 }
@@ -40,14 +40,14 @@ fn settings(rules: &[Enabled]) -> Settings {
 pub(super) fn enabled(select: &[String], ignore: &[String], config: Option<&Config>) -> Result<Choice, UsageError> {
     let mut all = all();
     for word in select.iter().chain(ignore) {
-        if !all.iter().any(|rule| matches(rule.page, word)) {
+        if !all.iter().any(|rule| matches(rule.entry.page, word)) {
             return Err(UsageError(unknown(&all, word)));
         }
     }
     let (mut select, mut ignore) = (select.to_vec(), ignore.to_vec());
     if let Some(config) = config {
         for (word, origin) in config.named_rules() {
-            if !all.iter().any(|rule| matches(rule.page, word)) {
+            if !all.iter().any(|rule| matches(rule.entry.page, word)) {
                 return Err(UsageError(format!("{origin}: {}", unknown(&all, word))));
             }
         }
@@ -63,8 +63,8 @@ pub(super) fn enabled(select: &[String], ignore: &[String], config: Option<&Conf
     let settings = settings(&all);
     let rules: Vec<Enabled> = all
         .into_iter()
-        .filter(|rule| select.is_empty() || select.iter().any(|word| matches(rule.page, word)))
-        .filter(|rule| !ignore.iter().any(|word| matches(rule.page, word)))
+        .filter(|rule| select.is_empty() || select.iter().any(|word| matches(rule.entry.page, word)))
+        .filter(|rule| !ignore.iter().any(|word| matches(rule.entry.page, word)))
         .collect();
     if rules.is_empty() {
         return Err(UsageError("--select and --ignore leave no rule to run".to_owned()));
@@ -83,9 +83,9 @@ fn unknown(all: &[Enabled], word: &str) -> String {
         .iter()
         .flat_map(|rule| {
             [
-                rule.page.code.to_lowercase(),
-                rule.page.name.to_owned(),
-                rule.page.family().to_lowercase(),
+                rule.entry.page.code.to_lowercase(),
+                rule.entry.page.name.to_owned(),
+                rule.entry.page.family().to_lowercase(),
             ]
         })
         .map(|known| (strsim::damerau_levenshtein(&known, &lower), known))

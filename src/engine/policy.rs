@@ -66,7 +66,12 @@ impl<'a> RunPolicy<'a> {
         let of_config = |config: &Option<Config>| Some(config.as_ref()?.policy(first?));
         let each = governed.each().map(|one| Governing {
             policy: of_config(&one.config).unwrap_or_default(),
-            asked: one.choice.rules.iter().map(|rule| rule.page.code.to_owned()).collect(),
+            asked: one
+                .choice
+                .rules
+                .iter()
+                .map(|rule| rule.entry.page.code.to_owned())
+                .collect(),
         });
         let mut each: Vec<Governing> = each.collect();
         if let Some(path) = &options.baseline {

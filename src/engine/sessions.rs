@@ -30,10 +30,42 @@ pub(super) struct Sessions {
 impl Sessions {
     fn of(known: &[Known]) -> Self {
         let numbered = Numbered::new(known);
-        Self {
-            beside: beside(known, &numbered),
-            drives: drives(known, &numbered),
+        // Of each recording an earlier one of its drive, of the first itself; and the first near it that is judged apart, with the reason.
+        let mut first: Vec<usize> = (0..known.len()).collect();
+        let mut apart = vec![None; known.len()];
+        for (a, b) in pairs(known) {
+            match numbered.judge(a, b) {
+                Some(Ok(())) => {
+                    let (a, b) = (root(&first, a), root(&first, b));
+                    if let Some(place) = first.get_mut(a.max(b)) {
+                        *place = a.min(b);
+                    }
+                }
+                Some(Err(why)) => {
+                    for (one, other) in [(a, b), (b, a)] {
+                        if let Some(place @ None) = apart.get_mut(one) {
+                            *place = Some((other, why));
+                        }
+                    }
+                }
+                None => {}
+            }
         }
+        let mut drives: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
+        let mut beside = BTreeMap::new();
+        for (at, (one, apart)) in known.iter().zip(apart).enumerate() {
+            drives.entry(root(&first, at)).or_default().push(one.number);
+            // A third recording may join two that are alike.
+            let apart = apart.filter(|(other, _)| root(&first, *other) != root(&first, at));
+            let other = apart.and_then(|(other, why)| Some((known.get(other)?.number, why)));
+            beside.extend(other.map(|other| (one.number, other)));
+        }
+        let mut drives: Vec<Vec<usize>> = drives.into_values().collect();
+        for drive in &mut drives {
+            drive.sort_unstable();
+        }
+        drives.sort_unstable();
+        Self { drives, beside }
     }
 
     /// What is said of a recording where another one was made at the same time and is judged apart; `path` is where a recording is.
@@ -184,20 +216,6 @@ fn pairs(known: &[Known]) -> impl Iterator<Item = (usize, usize)> {
     })
 }
 
-/// Of recordings with a time, the first one near it that was made at the same time and is judged apart.
-fn beside(known: &[Known], numbered: &Numbered) -> BTreeMap<usize, (usize, Apart)> {
-    let mut beside = vec![None; known.len()];
-    for (a, b) in pairs(known) {
-        for (one, other) in [(a, b), (b, a)] {
-            if let (Some(place @ None), Some(Err(apart))) = (beside.get_mut(one), numbered.judge(one, other)) {
-                *place = known.get(other).map(|other| (other.number, apart));
-            }
-        }
-    }
-    let said = known.iter().zip(beside);
-    said.filter_map(|(one, beside)| Some((one.number, beside?))).collect()
-}
-
 /// The same for the recordings of saved worlds: the numbers of their sources.
 pub(super) fn of_worlds(worlds: &[World], sources: &[Source]) -> Sessions {
     let bags = worlds.iter().flat_map(|world| &world.bags);
@@ -215,34 +233,12 @@ pub(super) fn of_worlds(worlds: &[World], sources: &[Source]) -> Sessions {
     Sessions::of(&known.collect::<Vec<_>>())
 }
 
-/// Recordings of one folder and time with different topics, together with all that is together with either.
-fn drives(known: &[Known], numbered: &Numbered) -> Vec<Vec<usize>> {
-    // Each points to an earlier one of its drive, the first to itself.
-    let mut first: Vec<usize> = (0..known.len()).collect();
-    let root = |first: &[usize], mut at: usize| {
-        while let Some(before) = first.get(at).filter(|before| **before != at) {
-            at = *before;
-        }
-        at
-    };
-    for (a, b) in pairs(known) {
-        if numbered.judge(a, b) == Some(Ok(())) {
-            let (a, b) = (root(&first, a), root(&first, b));
-            if let Some(place) = first.get_mut(a.max(b)) {
-                *place = a.min(b);
-            }
-        }
+/// The first recording of the drive that one is of, so far.
+fn root(first: &[usize], mut at: usize) -> usize {
+    while let Some(before) = first.get(at).filter(|before| **before != at) {
+        at = *before;
     }
-    let mut drives: BTreeMap<usize, Vec<usize>> = BTreeMap::new();
-    for (at, one) in known.iter().enumerate() {
-        drives.entry(root(&first, at)).or_default().push(one.number);
-    }
-    let mut drives: Vec<Vec<usize>> = drives.into_values().collect();
-    for drive in &mut drives {
-        drive.sort_unstable();
-    }
-    drives.sort_unstable();
-    drives
+    at
 }
 
 fn outline(input: &Input) -> Outline {
@@ -322,6 +318,10 @@ mod tests {
                 .contains("`2.mcap` with the same topics")
         );
         assert_eq!(Sessions::of(&[all[0].clone(), all[3].clone()]).drives, [[0, 3]]);
+        // Both copies complete the second: all are together, and nothing is said to be apart.
+        let joined = Sessions::of(&all[..3]);
+        assert_eq!(joined.drives, [[0, 1, 2]]);
+        assert!(joined.beside.is_empty());
     }
 
     #[test]

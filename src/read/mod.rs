@@ -2,6 +2,7 @@
 //!
 //! Owns the formats. Must not judge, nor know rules or reports.
 
+pub mod allowed;
 #[cfg(test)]
 #[allow(dead_code, unreachable_pub)]
 #[path = "../../tests/support/at_hand.rs"]
@@ -11,7 +12,6 @@ pub mod calibration;
 pub mod code;
 pub mod discover;
 pub mod feather;
-pub mod ground;
 pub mod input;
 pub mod launch;
 pub mod messages;

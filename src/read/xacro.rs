@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 use crate::source::{LineIndex, Place, ReadStatus, Source, Span, Written};
 use crate::world::Facts;
 
-use super::ground::Ground;
+use super::allowed::AllowedFolders;
 use super::urdf::{self, MeshLookup};
 
 use self::marked::Copies;
@@ -66,7 +66,7 @@ pub struct Means {
     /// say, and reads what they name.
     pub run: bool,
     /// Where files that are included may lie, besides packages.
-    pub ground: Ground,
+    pub allowed: AllowedFolders,
 }
 
 /// Expands a xacro file; packages that it names are looked for among `packages` and around the file. No shell is involved.
@@ -85,8 +85,8 @@ pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) 
     // A path that begins with a dash is a path all the same.
     let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let packages = around(&path, packages);
-    let ground = means.ground.clone().with(packages.values().map(PathBuf::as_path));
-    let copies = Copies::new(&path, &packages, &ground);
+    let allowed = means.allowed.clone().with(packages.values().map(PathBuf::as_path));
+    let copies = Copies::new(&path, &packages, &allowed);
     let top = copies.as_ref().map(Copies::top);
     let top = top.as_deref().unwrap_or(&path);
     let own = means.own.as_ref().map(|program| {
@@ -99,9 +99,9 @@ pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) 
         if let Some(folder) = path.parent() {
             command.current_dir(folder);
         }
-        let folders = ground.folders().iter().map(PathBuf::as_path).chain(top.parent());
+        let folders = allowed.folders().iter().map(PathBuf::as_path).chain(top.parent());
         for folder in folders {
-            command.arg("--ground").arg(folder);
+            command.arg("--allowed").arg(folder);
         }
         expand_by(command, top, &means.args)
     });
@@ -160,13 +160,13 @@ impl Expanded {
 fn program() -> Option<PathBuf> {
     let folders = std::env::var_os("PATH")?;
     let absolute = std::env::split_paths(&folders).filter(|folder| folder.is_absolute());
-    let names = if cfg!(windows) {
-        ["xacro.exe", "xacro.bat"]
+    let names: &[&str] = if cfg!(windows) {
+        &["xacro.exe", "xacro.bat"]
     } else {
-        ["xacro"; 2]
+        &["xacro"]
     };
     absolute
-        .flat_map(|folder| names.map(|name| folder.join(name)))
+        .flat_map(|folder| names.iter().map(move |name| folder.join(name)))
         .find(|program| program.is_file())
 }
 

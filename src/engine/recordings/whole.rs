@@ -112,7 +112,7 @@ impl<'a> Whole<'a> {
         self.laid.join(laid);
         if self.run.inapplicable == Inapplicable::Counted {
             // Of rules that compare recordings it counts later what was said of one of them.
-            verdict.count_inapplicable(plan::compares);
+            verdict.drop_not_applicable(plan::compares);
         }
         self.run.verdict.extend(verdict);
         let number = recording.is_some().then_some(self.run.recordings.len());

@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 use roxmltree::Node;
 
-use super::super::ground::Ground;
+use super::super::allowed::AllowedFolders;
 use super::super::urdf;
 use crate::files::Temporary;
 use crate::source::{Place, SourceId, Span, Written};
@@ -38,16 +38,16 @@ pub struct Template {
 pub(super) struct Copies {
     folder: Temporary,
     templates: Vec<Template>,
-    ground: Ground,
+    allowed: AllowedFolders,
 }
 
 impl Copies {
     /// `None` where the file cannot be copied, or is no XML.
-    pub(super) fn new(path: &Path, packages: &BTreeMap<String, PathBuf>, ground: &Ground) -> Option<Self> {
+    pub(super) fn new(path: &Path, packages: &BTreeMap<String, PathBuf>, allowed: &AllowedFolders) -> Option<Self> {
         let mut copies = Self {
             folder: Temporary::folder().ok()?,
             templates: Vec::new(),
-            ground: ground.clone(),
+            allowed: allowed.clone(),
         };
         copies.add(path)?;
         let mut next = 0;
@@ -74,7 +74,7 @@ impl Copies {
             return Some(known);
         }
         // The first is the user's own.
-        if !self.templates.is_empty() && !self.ground.holds(path) {
+        if !self.templates.is_empty() && !self.allowed.holds(path) {
             return None;
         }
         let meta = fs::metadata(path).ok()?;

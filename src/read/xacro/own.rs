@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use xacro_rs::extensions::{CwdExtension, EnvExtension, ExtensionHandler, FindExtension, OptEnvExtension};
 use xacro_rs::{XacroError, XacroProcessor};
 
-use super::super::ground::Ground;
+use super::super::allowed::AllowedFolders;
 
 /// How deep elements and macro calls may lie inside each other.
 const DEEPEST: usize = 1000;
@@ -21,19 +21,19 @@ const STACK: usize = 1 << 29;
 #[cfg(unix)]
 const MEMORY: u64 = 2 << 30;
 
-/// Expands `file` with `args` of the form `name:=value`; it and what it names lie in the folders `ground`, or anywhere where that is empty.
+/// Expands `file` with `args` of the form `name:=value`; it and what it names lie in the folders `allowed`, or anywhere where that is empty.
 /// Limits the memory and the rights of the whole process: call it in one of its own.
 ///
 /// # Errors
 ///
 /// Why there is no expansion, in lines as the `xacro` program writes them.
-pub fn expand(file: &Path, args: &[String], ground: &[PathBuf]) -> Result<String, String> {
+pub fn expand(file: &Path, args: &[String], allowed: &[PathBuf]) -> Result<String, String> {
     // Where the limit cannot be set, time and output are still bounded from outside.
     #[cfg(unix)]
     let _ = nix::sys::resource::setrlimit(nix::sys::resource::Resource::RLIMIT_AS, MEMORY, MEMORY);
-    let bounds = (!ground.is_empty()).then(|| Bounds {
-        ground: Ground::exactly(ground),
-        in_force: confined(ground),
+    let bounds = (!allowed.is_empty()).then(|| Bounds {
+        allowed: AllowedFolders::exactly(allowed),
+        in_force: confined(allowed),
     });
     let args: HashMap<String, String> = args
         .iter()
@@ -52,7 +52,7 @@ pub fn expand(file: &Path, args: &[String], ground: &[PathBuf]) -> Result<String
 
 /// What may be read.
 struct Bounds {
-    ground: Ground,
+    allowed: AllowedFolders,
     /// Whether the system holds this process to it. If not, what was read is looked at afterwards.
     in_force: bool,
 }
@@ -60,11 +60,9 @@ struct Bounds {
 impl Bounds {
     /// Why what was read of a file may not be used.
     fn refusal(&self, path: &Path, text: &str) -> Option<String> {
-        if !self.ground.holds(path) {
-            return Some(format!(
-                "error: `{}` lies outside of what is checked\n{BY_PROGRAM}",
-                path.display()
-            ));
+        if !self.allowed.holds(path) {
+            let path = path.display();
+            return Some(format!("error: `{path}` lies outside of what is checked\n{BY_PROGRAM}"));
         }
         let is_loaded = !self.in_force && text.contains("load_yaml");
         is_loaded.then(|| format!("error: `load_yaml` may read any file here\n{BY_PROGRAM}"))
@@ -181,22 +179,25 @@ fn opening(inner: &str) -> &str {
 
 /// The error in the words of the `xacro` program. Of a file that may not be read nothing is quoted.
 fn words(error: &XacroError, bounds: Option<&Bounds>) -> String {
+    let about = match error {
+        XacroError::WithContext { context, .. } => context
+            .include_stack
+            .last()
+            .or(context.file.as_ref())
+            .map(PathBuf::as_path),
+        XacroError::YamlParseError { path, .. } => Some(Path::new(path)),
+        _ => None,
+    };
+    if let Some(refusal) = bounds.zip(about).and_then(|(bounds, file)| bounds.refusal(file, "")) {
+        return refusal;
+    }
     match error {
-        XacroError::WithContext { source, context } => {
-            let file = context.include_stack.last().or(context.file.as_ref());
-            let refusal = bounds.zip(file).and_then(|(bounds, file)| bounds.refusal(file, ""));
-            if let Some(refusal) = refusal {
-                return refusal;
-            }
+        XacroError::WithContext { source, .. } => {
+            let file = about;
             let file = file.map_or_else(String::new, |file| {
                 format!("\nwhen processing file: {}", file.display())
             });
             words(source, bounds) + &file
-        }
-        XacroError::YamlParseError { path, .. }
-            if bounds.is_some_and(|bounds| !bounds.ground.holds(Path::new(path))) =>
-        {
-            format!("error: `{path}` lies outside of what is checked\n{BY_PROGRAM}")
         }
         XacroError::UndefinedArgument { name } => format!("error: Undefined substitution argument {name}"),
         XacroError::InvalidExtension { reason, .. } if reason.starts_with("Package not found: ") => {

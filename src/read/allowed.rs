@@ -1,18 +1,18 @@
-//! The ground of a run: the folders whose files may be read because a file that is read names them.
+//! The folders whose files may be read because a file that is read names them.
 //!
-//! What the user names is read wherever it lies. What only a file names (an include, a table, a configuration that is extended) is read where
-//! it lies on this ground: who wrote that file may be a stranger.
+//! What the user names is read wherever it lies. What only a file names (an include, a table, a configuration that is extended) is read in
+//! these folders alone: who wrote that file may be a stranger.
 
 use std::path::{Component, Path, PathBuf};
 
 /// Folders, whole and without links.
 #[derive(Clone, Debug, Default)]
-pub struct Ground {
+pub struct AllowedFolders {
     folders: Vec<PathBuf>,
 }
 
-impl Ground {
-    /// The ground around these paths: the folders themselves, those of the files, the repositories that they belong to, and the working
+impl AllowedFolders {
+    /// Those around these paths: the folders themselves, those of the files, the repositories that they belong to, and the working
     /// folder for what lies in it.
     pub fn around<'p>(paths: impl IntoIterator<Item = &'p Path>) -> Self {
         let here = std::env::current_dir().and_then(std::fs::canonicalize).ok();
@@ -47,12 +47,12 @@ impl Ground {
         self
     }
 
-    /// Its folders.
+    /// All of them.
     pub fn folders(&self) -> &[PathBuf] {
         &self.folders
     }
 
-    /// Whether a path lies on it, links followed. One that is not there is taken as it is written.
+    /// Whether a path lies in one of them, links followed. One that is not there is taken as it is written.
     pub fn holds(&self, path: &Path) -> bool {
         let whole = std::fs::canonicalize(path).ok().or_else(|| written(path));
         whole.is_some_and(|whole| self.folders.iter().any(|folder| whole.starts_with(folder)))
@@ -78,7 +78,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_repository_is_ground_and_what_lies_beside_it_is_not() {
+    fn a_repository_is_allowed_and_what_lies_beside_it_is_not() {
         let folder = tempfile::tempdir().unwrap();
         let root = std::fs::canonicalize(folder.path()).unwrap();
         for made in ["repo/.git", "repo/robots/a", "other"] {
@@ -87,31 +87,31 @@ mod tests {
         std::fs::write(root.join("other/x.yaml"), "").unwrap();
         std::fs::write(root.join("repo/y.yaml"), "").unwrap();
         let robot = root.join("repo/robots/a");
-        let ground = Ground::around([&*robot]);
-        assert!(ground.holds(&robot.join("../../y.yaml")) && ground.holds(&root.join("repo/none.yaml")));
+        let allowed = AllowedFolders::around([&*robot]);
+        assert!(allowed.holds(&robot.join("../../y.yaml")) && allowed.holds(&root.join("repo/none.yaml")));
         for foreign in [
             "other/x.yaml",
             "other/none.yaml",
             "repo/../other/none.yaml",
             "repository",
         ] {
-            assert!(!ground.holds(&root.join(foreign)), "{foreign}");
+            assert!(!allowed.holds(&root.join(foreign)), "{foreign}");
         }
-        assert!(ground.with([&*root.join("other")]).holds(&root.join("other/x.yaml")));
+        assert!(allowed.with([&*root.join("other")]).holds(&root.join("other/x.yaml")));
         #[cfg(unix)]
         {
             std::os::unix::fs::symlink(root.join("other/x.yaml"), robot.join("link.yaml")).unwrap();
-            assert!(!Ground::around([&*robot]).holds(&robot.join("link.yaml")));
+            assert!(!AllowedFolders::around([&*robot]).holds(&robot.join("link.yaml")));
         }
     }
 
     #[test]
-    fn without_a_repository_the_folder_itself_is_ground() {
+    fn without_a_repository_the_folder_itself_is_allowed() {
         let folder = tempfile::tempdir().unwrap();
         let robot = folder.path().join("robot");
         std::fs::create_dir(&robot).unwrap();
-        let ground = Ground::around([&*robot]);
-        assert!(ground.holds(&robot.join("a.yaml")) && !ground.holds(&folder.path().join("a.yaml")));
-        assert!(!Ground::default().holds(&robot));
+        let allowed = AllowedFolders::around([&*robot]);
+        assert!(allowed.holds(&robot.join("a.yaml")) && !allowed.holds(&folder.path().join("a.yaml")));
+        assert!(!AllowedFolders::default().holds(&robot));
     }
 }
