@@ -9,10 +9,14 @@ use std::path::Path;
 use frames_lint::engine::{self, Options};
 use frames_lint::run::Run;
 use frames_lint::source::ReadStatus;
+use frames_lint::verdict::Row;
 use rayon::prelude::*;
 
 use crate::support;
 use crate::support::damage::behind;
+use crate::support::ros1;
+use crate::support::rosbag1::{self, Compression};
+use crate::support::rosbag2::{Db3, Drive};
 
 /// What rules on absence and continuity look at: latched and moving transforms, corrections of the map, stamps, rates, and topics that begin
 /// late, end early, or are slow.
@@ -69,35 +73,130 @@ fn chunks(bytes: &[u8]) -> Vec<(usize, usize)> {
     chunks
 }
 
-#[test]
-fn a_damaged_chunk_of_an_mcap_adds_no_finding() {
-    let bytes = support::build(&drive("chunk_size_bytes: 100000"));
+/// The damaged copies of a recording, each with its name.
+type Damaged = Vec<(String, Vec<u8>)>;
+
+/// Checks a recording whole and damaged: nothing is found that the whole does not show, and most of the messages are read.
+fn adds_nothing(ending: &str, bytes: &[u8], damaged: &Damaged) {
     let checked = |bytes: &[u8]| {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("drive.mcap");
+        let path = folder.path().join(format!("drive.{ending}"));
         fs::write(&path, bytes).unwrap();
         check(&path)
     };
-    let whole = checked(&bytes);
+    let whole = checked(bytes);
     let (known, messages) = (found(&whole), whole.sources[0].examined.messages.unwrap());
-    let chunks = chunks(&bytes);
-    assert!(chunks.len() > 7, "{}", chunks.len());
-    let added: Vec<String> = chunks
+    for rule in ON_ABSENCE {
+        let judged = |row: &Row| row.rule == rule && row.outcome.is_judged();
+        assert!(
+            whole.verdict.rows.iter().any(judged),
+            "{ending}: {rule} judges nothing of the whole drive"
+        );
+    }
+    let added: Vec<String> = damaged
         .par_iter()
-        .flat_map_iter(|(at, end)| {
-            let mut damaged = bytes.clone();
-            let middle = (at + 60).midpoint(*end);
-            for byte in &mut damaged[middle..middle + 64] {
-                *byte ^= 0x5a;
-            }
-            let run = checked(&damaged);
+        .flat_map_iter(|(damage, bytes)| {
+            let run = checked(bytes);
             let source = &run.sources[0];
-            assert_eq!(source.status, ReadStatus::Partial);
+            assert_eq!(source.status, ReadStatus::Partial, "{damage}");
             let read = source.examined.messages.unwrap();
-            assert!(read * 10 > messages * 7, "{read} of {messages} messages: {source:?}");
+            assert!(
+                read * 10 > messages * 7,
+                "{damage}: {read} of {messages} messages: {source:?}"
+            );
             let new: Vec<_> = found(&run).difference(&known).cloned().collect();
-            new.into_iter().map(move |new| format!("bytes {at} to {end}: {new:?}"))
+            new.into_iter().map(move |new| format!("{ending}, {damage}: {new:?}"))
         })
         .collect();
     assert!(added.is_empty(), "{added:#?}");
+}
+
+/// The recording with other bytes in the middle of each of these stretches.
+fn bent(bytes: &[u8], stretches: &[(usize, usize)]) -> Damaged {
+    let one = |(at, end): &(usize, usize)| {
+        let middle = at.midpoint(*end);
+        let mut damaged = bytes.to_vec();
+        for byte in &mut damaged[middle..(middle + 64).min(*end)] {
+            *byte ^= 0x5a;
+        }
+        (format!("bytes {at} to {end}"), damaged)
+    };
+    stretches.iter().map(one).collect()
+}
+
+/// Those that judge whether something is missing, comes late, ends, jumps or is slow.
+const ON_ABSENCE: [&str; 13] = [
+    "AUTH01", "TIME02", "TIME03", "TIME10", "TREE01", "TREE05", "TREE07", "TREE08", "TREE09", "TREE10", "TREE14",
+    "TREE15", "TREE16",
+];
+
+#[test]
+fn a_damaged_chunk_of_an_mcap_adds_no_finding() {
+    for compression in ["zstd", "lz4", "none"] {
+        let knobs = format!("chunk_size_bytes: 100000\ncompression: {compression}");
+        let bytes = support::build(&drive(&knobs));
+        let chunks = chunks(&bytes);
+        assert!(chunks.len() > 7, "{}", chunks.len());
+        adds_nothing("mcap", &bytes, &bent(&bytes, &chunks));
+    }
+}
+
+#[test]
+fn a_damaged_chunk_of_a_ros_1_bag_adds_no_finding() {
+    let drive = Drive::of(&drive(""));
+    for compression in Compression::ALL {
+        let layout = rosbag1::Layout {
+            compression,
+            chunk_bytes: 100_000,
+            ..rosbag1::Layout::default()
+        };
+        let written = ros1::bag_of(&drive, layout);
+        let ends = written.chunks[1..].iter().chain([&written.index]);
+        let chunks: Vec<(usize, usize)> = written.chunks.iter().copied().zip(ends.copied()).collect();
+        assert!(chunks.len() > 7, "{}", chunks.len());
+        let damaged = match compression {
+            // Nothing guards the bytes of a message: what is broken is the record around them.
+            Compression::None => chunks
+                .iter()
+                .map(|chunk| without_records(&written.bytes, *chunk))
+                .collect(),
+            _ => bent(&written.bytes, &chunks),
+        };
+        adds_nothing("bag", &written.bytes, &damaged);
+    }
+}
+
+/// The bag with a chunk whose records in the middle have lost the names of their fields.
+fn without_records(bytes: &[u8], (at, end): (usize, usize)) -> (String, Vec<u8>) {
+    let mut damaged = bytes.to_vec();
+    let middle = at.midpoint(end);
+    let field = memchr::memmem::find(&bytes[middle..end], b"conn=").unwrap() + middle;
+    damaged[field..field + 4].copy_from_slice(b"\0\0\0\0");
+    (format!("bytes {at} to {end}"), damaged)
+}
+
+#[test]
+fn a_damaged_page_of_a_database_adds_no_finding() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("drive.db3");
+    for indexed in [true, false] {
+        let layout = Db3 {
+            indexed,
+            ..Db3::default()
+        };
+        let _ = fs::remove_file(&path);
+        Drive::of(&drive("")).write_db3(&path, layout);
+        let bytes = fs::read(&path).unwrap();
+        let page = layout.page_size as usize;
+        // Behind the tables of topics and definitions.
+        let pages = (20..bytes.len() / page).filter(|number| number % 17 == 3);
+        // Of a leaf of a table the kind, and where its rows stand.
+        let without = |number: usize| {
+            let mut damaged = bytes.clone();
+            damaged[number * page..number * page + 64].fill(0xa5);
+            (format!("page {number}"), damaged)
+        };
+        let leaves = pages.filter(|number| bytes[number * page] == 0x0d);
+        adds_nothing("db3", &bytes, &leaves.map(without).collect());
+    }
 }

@@ -2,6 +2,17 @@
 
 #[path = "../support/mod.rs"]
 mod support;
+#[allow(
+    unreachable_pub,
+    clippy::unwrap_used,
+    clippy::expect_used,
+    clippy::panic,
+    clippy::indexing_slicing,
+    clippy::cast_possible_truncation,
+    clippy::cast_possible_wrap
+)]
+#[path = "../../fuzz/targets/mod.rs"]
+mod targets;
 
 mod altered_evidence;
 mod bad_input;
@@ -30,6 +41,7 @@ mod hostile_input;
 mod html;
 mod integrations;
 mod joining;
+mod kept_inputs;
 mod launched;
 mod layers;
 mod limits;

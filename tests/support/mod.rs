@@ -37,6 +37,7 @@ pub mod radars;
 pub mod raw;
 pub mod reading;
 pub mod recipe;
+pub mod ros1;
 pub mod rosbag1;
 pub mod rosbag1_drive;
 pub mod rosbag2;

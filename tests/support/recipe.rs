@@ -121,6 +121,7 @@ use serde::Deserialize;
 
 use super::drive::{Description, Drive};
 use super::raw::{self, Layout};
+use super::rosbag2;
 use super::topic::{Topic, active, nanoseconds};
 
 /// A drive of 1 + 300 + 600 messages.
@@ -179,6 +180,39 @@ fn default_start() -> f64 {
 
 fn default_duration() -> f64 {
     10.0
+}
+
+impl rosbag2::Drive {
+    /// The drive that a recipe describes.
+    pub fn of(recipe: &str) -> Self {
+        let bytes = Recipe::parse(recipe).to_mcap();
+        let mut drive = Self::default();
+        for message in mcap::MessageStream::new(&bytes).unwrap() {
+            let message = message.unwrap();
+            let channel = &message.channel;
+            let known = drive.topics.iter().position(|topic| topic.name == channel.topic);
+            let topic = known.unwrap_or_else(|| {
+                let schema = channel.schema.as_ref().unwrap();
+                drive.topics.push(rosbag2::Topic {
+                    name: channel.topic.clone(),
+                    message_type: schema.name.clone(),
+                    schema: String::from_utf8(schema.data.to_vec()).unwrap(),
+                    qos: channel
+                        .metadata
+                        .get("offered_qos_profiles")
+                        .cloned()
+                        .unwrap_or_default(),
+                });
+                drive.topics.len() - 1
+            });
+            drive.messages.push(rosbag2::Message {
+                topic,
+                log_ns: i64::try_from(message.log_time).unwrap(),
+                data: message.data.to_vec(),
+            });
+        }
+        drive
+    }
 }
 
 impl Recipe {

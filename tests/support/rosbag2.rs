@@ -1,4 +1,4 @@
-//! rosbag2 recordings: databases, MCAP files and the folders they lie in, from recipes.
+//! rosbag2 recordings: databases, MCAP files and the folders they lie in.
 
 use std::fmt::Write;
 use std::fs;
@@ -34,37 +34,6 @@ pub struct Drive {
 }
 
 impl Drive {
-    /// The drive that a recipe describes.
-    pub fn of(recipe: &str) -> Self {
-        let bytes = super::build(recipe);
-        let mut drive = Self::default();
-        for message in mcap::MessageStream::new(&bytes).unwrap() {
-            let message = message.unwrap();
-            let channel = &message.channel;
-            let known = drive.topics.iter().position(|topic| topic.name == channel.topic);
-            let topic = known.unwrap_or_else(|| {
-                let schema = channel.schema.as_ref().unwrap();
-                drive.topics.push(Topic {
-                    name: channel.topic.clone(),
-                    message_type: schema.name.clone(),
-                    schema: String::from_utf8(schema.data.to_vec()).unwrap(),
-                    qos: channel
-                        .metadata
-                        .get("offered_qos_profiles")
-                        .cloned()
-                        .unwrap_or_default(),
-                });
-                drive.topics.len() - 1
-            });
-            drive.messages.push(Message {
-                topic,
-                log_ns: i64::try_from(message.log_time).unwrap(),
-                data: message.data.to_vec(),
-            });
-        }
-        drive
-    }
-
     /// The drive in `count` pieces of equal length, as a recorder splits it. Every piece knows all topics.
     pub fn split(&self, count: usize) -> Vec<Self> {
         let each = self.messages.len().div_ceil(count);
@@ -106,9 +75,9 @@ impl Drive {
         self.messages.iter().filter(|message| message.topic == topic).count()
     }
 
-    /// Writes an MCAP.
-    pub fn write_mcap(&self, path: &Path) {
-        let bytes = in_memory(Layout::default(), |out| {
+    /// The bytes of an MCAP.
+    pub fn mcap(&self, layout: Layout) -> Vec<u8> {
+        in_memory(layout, |out| {
             let channels: Vec<u16> = self
                 .topics
                 .iter()
@@ -125,8 +94,12 @@ impl Drive {
             for message in &self.messages {
                 out.message(channels[message.topic], message.log_ns, &message.data);
             }
-        });
-        fs::write(path, bytes).unwrap();
+        })
+    }
+
+    /// Writes an MCAP.
+    pub fn write_mcap(&self, path: &Path) {
+        fs::write(path, self.mcap(Layout::default())).unwrap();
     }
 
     /// Writes a database.

@@ -94,9 +94,17 @@ fn report(pass: &Pass<'_, '_>, path: &Path, whole: bool, source: &mut Source) ->
     if let Some(why) = &pass.stopped {
         missing = true;
         let after = pass.messages;
-        let message = match missing_end(path, pass.total) {
-            Some(end) => format!("{end}: {after} messages were read, then: {why}"),
-            None => format!("damaged: {after} messages were read, then: {why}"),
+        let what = missing_end(path, pass.total).unwrap_or_else(|| "damaged".to_owned());
+        let message = match pass.lost {
+            None => format!("{what}: {after} messages were read, then: {why}"),
+            Some(((first, last), count)) => {
+                let more = if count > 1 {
+                    format!(" and {} more stretches", count - 1)
+                } else {
+                    String::new()
+                };
+                format!("{what}: rows {first} to {last}{more} could not be read: {why}; {after} messages were read")
+            }
         };
         source.problem_with_help(status, place.clone(), message, Some(help.to_owned()));
     } else if let Some(end) = missing_end(path, pass.total) {

@@ -9,6 +9,9 @@ use super::super::MAX_MESSAGE;
 use super::super::{Message, Progress, Visit};
 use super::tables::Tables;
 
+/// Stretches of rows that cannot be read, over which reading goes on.
+const MAX_LOSSES: usize = 1000;
+
 /// Bytes of messages between two calls of the progress function.
 const PROGRESS_STEP: u64 = 4 << 20;
 
@@ -47,8 +50,10 @@ pub(super) struct Pass<'c, 'v> {
     pub(super) orphans: u64,
     pub(super) too_large: u64,
     pub(super) unfit: u64,
-    /// Why reading ended early.
+    /// Why something could not be read.
     pub(super) stopped: Option<String>,
+    /// The first rows that could not be read though there are some behind them, and how many such stretches there are.
+    pub(super) lost: Option<((i64, i64), usize)>,
 }
 
 impl<'c, 'v> Pass<'c, 'v> {
@@ -74,6 +79,7 @@ impl<'c, 'v> Pass<'c, 'v> {
             too_large: 0,
             unfit: 0,
             stopped: None,
+            lost: None,
         }
     }
 
@@ -97,17 +103,57 @@ impl<'c, 'v> Pass<'c, 'v> {
         };
         let Err(why) = result else { return };
         self.stopped = Some(why);
-        // The index may be what is damaged, and the messages behind it whole.
-        self.seam();
-        let after = self.largest_row;
-        let sql = select("WHERE rowid > ?1 ORDER BY rowid");
-        let _ = self.run(&sql, [after], |pass, row| {
-            let at = row_number(row)?;
-            if at <= pass.largest_row {
-                return Err("its rows are out of order".to_owned());
+        // The index may be what is damaged, and the messages behind it whole; so may those behind a damaged page.
+        for _ in 0..MAX_LOSSES {
+            self.seam();
+            let behind = self.largest_row.saturating_add(1);
+            let Some(from) = self.readable_from(behind) else { return };
+            if from > behind && self.messages > 0 {
+                let (first, count) = self.lost.unwrap_or(((behind, from - 1), 0));
+                self.lost = Some((first, count + 1));
             }
-            pass.deliver(row)
-        });
+            let sql = select("WHERE rowid >= ?1 ORDER BY rowid");
+            let result = self.run(&sql, [from], |pass, row| {
+                let at = row_number(row)?;
+                if at <= pass.largest_row {
+                    return Err("its rows are out of order".to_owned());
+                }
+                pass.deliver(row)
+            });
+            if result.is_ok() || self.largest_row < from {
+                return;
+            }
+        }
+    }
+
+    /// The first row from `from` on that can be read; `None` where there is none.
+    fn readable_from(&self, from: i64) -> Option<i64> {
+        let sql = select("WHERE rowid >= ?1 ORDER BY rowid LIMIT 1");
+        // The row that is found behind this one: an error where that cannot be read, `None` where there is none.
+        let found = |row: i128| -> Result<Option<i64>, ()> {
+            let row = i64::try_from(row).map_err(|_| ())?;
+            let mut statement = self.connection.prepare(&sql).map_err(|_| ())?;
+            let mut rows = statement.query([row]).map_err(|_| ())?;
+            let first = rows.next().map_err(|_| ())?;
+            first.map(|row| row_number(row).map_err(|_| ())).transpose()
+        };
+        let from = i128::from(from);
+        if let Ok(row) = found(from) {
+            return row;
+        }
+        // Pages hold rows in a row: what can be read begins at some distance.
+        let readable = |distance: &i128| found(from + distance).is_ok();
+        let mut far = (0..64).map(|power| 1_i128 << power).find(readable)?;
+        let mut near = far / 2;
+        while far - near > 1 {
+            let middle = i128::midpoint(near, far);
+            if readable(&middle) {
+                far = middle;
+            } else {
+                near = middle;
+            }
+        }
+        found(from + far).ok().flatten()
     }
 
     /// Reads every message of a database without an index: sorts the row numbers, then fetches row by row. To sort the

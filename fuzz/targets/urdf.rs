@@ -1,11 +1,9 @@
 //! Any bytes as a URDF or an unexpanded xacro: no panic, and a problem or a robot.
-#![no_main]
-
 use frames_lint::read::{text, urdf, xacro};
 use frames_lint::source::{Source, SourceId, SourceKind};
-use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|bytes: &[u8]| {
+/// Runs the target.
+pub fn run(bytes: &[u8]) {
     let Ok((text, _note)) = text::decode(bytes.to_vec()) else {
         return;
     };
@@ -17,4 +15,4 @@ fuzz_target!(|bytes: &[u8]| {
     let mut source = Source::new(SourceId(0), "fuzz.xacro", SourceKind::Xacro);
     source.text = text;
     xacro::read_unexpanded(&mut source, &lookup);
-});
+}

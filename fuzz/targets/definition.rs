@@ -1,15 +1,12 @@
 //! Any bytes as a definition in every encoding, and any bytes as a message of its type: no panic, bounded work.
 //!
 //! The input is a definition up to the first byte 0xff, which no text holds, and a message behind it.
-#![no_main]
-
 use frames_lint::read::messages::MAX_NAME;
 use frames_lint::read::messages::content::Body;
 use frames_lint::read::messages::decoder::Decoder;
-use frames_lint::read::messages::format::Format;
 use frames_lint::read::messages::definition::{Carried, Definitions, Schema};
+use frames_lint::read::messages::format::Format;
 use frames_lint::read::messages::radar::{Form, MAX_ECHOES};
-use libfuzzer_sys::fuzz_target;
 
 const TYPES: [&str; 6] = [
     "acme_msgs/msg/Top",
@@ -20,7 +17,8 @@ const TYPES: [&str; 6] = [
     "sensor_msgs/msg/NavSatFix",
 ];
 
-fuzz_target!(|bytes: &[u8]| {
+/// Runs the target.
+pub fn run(bytes: &[u8]) {
     let definitions = Definitions::builtin();
     let end = bytes.iter().position(|byte| *byte == 0xff).unwrap_or(bytes.len());
     let (schema, rest) = bytes.split_at(end);
@@ -68,4 +66,4 @@ fuzz_target!(|bytes: &[u8]| {
             }
         }
     }
-});
+}

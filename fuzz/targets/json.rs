@@ -1,16 +1,14 @@
 //! Any bytes as JSON: no panic, bounded work.
-#![no_main]
-
 use frames_lint::read::{calibration, text};
 use frames_lint::source::{Source, SourceId, SourceKind};
 use frames_lint::tables::Tables;
-use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|bytes: &[u8]| {
+/// Runs the target.
+pub fn run(bytes: &[u8]) {
     let Ok((text, _note)) = text::decode(bytes.to_vec()) else {
         return;
     };
     let mut source = Source::new(SourceId(0), "fuzz.json", SourceKind::Json);
     source.text = text;
     calibration::read_json(&mut source, Tables::default().dialects());
-});
+}

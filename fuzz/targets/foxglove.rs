@@ -1,13 +1,10 @@
 //! Any bytes as a protobuf message of each type that is read, as JSON, and as a descriptor: no panic, no endless work.
-#![no_main]
-
 use std::sync::LazyLock;
 
 use frames_lint::read::messages::MAX_NAME;
 use frames_lint::read::messages::content::{Body, Content};
 use frames_lint::read::messages::format::Format;
 use frames_lint::read::messages::foxglove::Reader;
-use libfuzzer_sys::fuzz_target;
 
 const TYPES: [&str; 10] = [
     "foxglove.FrameTransform",
@@ -165,7 +162,8 @@ fn held(content: &Content<'_>) {
     assert!(names.iter().all(|name| name.len() <= MAX_NAME));
 }
 
-fuzz_target!(|bytes: &[u8]| {
+/// Runs the target.
+pub fn run(bytes: &[u8]) {
     for reader in READERS.iter() {
         if let Ok(content) = reader.decode(bytes) {
             held(&content);
@@ -181,4 +179,4 @@ fuzz_target!(|bytes: &[u8]| {
     if let Ok(reader) = reader("protobuf", "foxglove.FrameTransforms", bytes) {
         let _ = reader.decode(bytes);
     }
-});
+}

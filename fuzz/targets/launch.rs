@@ -1,11 +1,9 @@
 //! Any bytes as a launch file in XML and Python, and as a shell script: no panic, bounded work.
-#![no_main]
-
 use frames_lint::read::{launch, text};
 use frames_lint::source::{Source, SourceId, SourceKind};
-use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|bytes: &[u8]| {
+/// Runs the target.
+pub fn run(bytes: &[u8]) {
     let Ok((text, _note)) = text::decode(bytes.to_vec()) else {
         return;
     };
@@ -14,4 +12,4 @@ fuzz_target!(|bytes: &[u8]| {
         source.text.clone_from(&text);
         launch::read(&mut source);
     }
-});
+}

@@ -1,13 +1,11 @@
 //! Any text as a rosbag2 folder's `metadata.yaml`, beside a file that is no recording: no panic, and a status that says
 //! what was read.
-#![no_main]
-
 use frames_lint::collect::{How, collect};
 use frames_lint::read::discover::discover;
 use frames_lint::source::{At, Source, SourceId, SourceKind};
-use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|bytes: &[u8]| {
+/// Runs the target.
+pub fn run(bytes: &[u8]) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("metadata.yaml");
     std::fs::write(&path, bytes).expect("writable");
@@ -24,4 +22,4 @@ fuzz_target!(|bytes: &[u8]| {
         }
     }
     drop(collected);
-});
+}

@@ -1,15 +1,12 @@
 //! Any bytes as a message of each type that is read, as CDR and as ROS 1: no panic, no work beyond the bytes that are
 //! there.
-#![no_main]
-
 use frames_lint::read::messages::content::{Body, MAX_PATH};
 use frames_lint::read::messages::decoder::Decoder;
-use frames_lint::read::messages::format::Format;
 use frames_lint::read::messages::definition::Definitions;
+use frames_lint::read::messages::format::Format;
 use frames_lint::read::messages::header::Header;
 use frames_lint::read::messages::radar::{Columns, MAX_ECHOES};
 use frames_lint::read::messages::{MAX_NAME, Wire, tf};
-use libfuzzer_sys::fuzz_target;
 
 const TYPES: [(&str, &str); 25] = [
     ("/tf", "tf2_msgs/msg/TFMessage"),
@@ -39,7 +36,8 @@ const TYPES: [(&str, &str); 25] = [
     ("/tracks", "radar_msgs/msg/RadarTracks"),
 ];
 
-fuzz_target!(|bytes: &[u8]| {
+/// Runs the target.
+pub fn run(bytes: &[u8]) {
     let definitions = Definitions::builtin();
     for (wire, message_encoding) in [(Wire::Cdr, "cdr"), (Wire::Ros1, "ros1")] {
         for (topic, message_type) in TYPES {
@@ -73,7 +71,10 @@ fuzz_target!(|bytes: &[u8]| {
                         let _ = last.map(|point| columns.echo(point));
                     }
                 }
-                Body::Fix(fix) => assert!(fix.velocity.is_none_or(|velocity| velocity.iter().all(|part| part.is_finite()))),
+                Body::Fix(fix) => assert!(
+                    fix.velocity
+                        .is_none_or(|velocity| velocity.iter().all(|part| part.is_finite()))
+                ),
                 _ => {}
             }
         }
@@ -92,4 +93,4 @@ fuzz_target!(|bytes: &[u8]| {
             assert!(cursor.position() <= bytes.len());
         }
     }
-});
+}

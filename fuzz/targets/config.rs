@@ -1,10 +1,8 @@
 //! Any text as a configuration: no panic, and a place for every declaration and every fault.
-#![no_main]
-
 use frames_lint::config;
-use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|bytes: &[u8]| {
+/// Runs the target.
+pub fn run(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     match config::parse("frames-lint.yaml", text.to_owned(), std::path::Path::new("")) {
         Ok(config) => {
@@ -15,4 +13,4 @@ fuzz_target!(|bytes: &[u8]| {
         }
         Err(error) => assert!(error.0.starts_with("frames-lint.yaml:"), "{}", error.0),
     }
-});
+}

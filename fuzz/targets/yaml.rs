@@ -1,16 +1,14 @@
 //! Any bytes as YAML: no panic, bounded work.
-#![no_main]
-
 use frames_lint::read::{calibration, text};
 use frames_lint::source::{Source, SourceId, SourceKind};
 use frames_lint::tables::Tables;
-use libfuzzer_sys::fuzz_target;
 
-fuzz_target!(|bytes: &[u8]| {
+/// Runs the target.
+pub fn run(bytes: &[u8]) {
     let Ok((text, _note)) = text::decode(bytes.to_vec()) else {
         return;
     };
     let mut source = Source::new(SourceId(0), "fuzz.yaml", SourceKind::Yaml);
     source.text = text;
     calibration::read_yaml(&mut source, Tables::default().dialects());
-});
+}

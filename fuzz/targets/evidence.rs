@@ -1,11 +1,8 @@
 //! Any bytes as saved evidence: no panic, what was read is written and read again the same, and every rule can judge it.
-#![no_main]
-
 use std::sync::LazyLock;
 
 use frames_lint::engine::{Rules, evidence};
 use frames_lint::run::Run;
-use libfuzzer_sys::fuzz_target;
 
 static RULES: LazyLock<Rules> = LazyLock::new(|| Rules::select(&[]).expect("all rules can be selected"));
 
@@ -25,9 +22,10 @@ fn rewritten(bytes: &[u8]) -> Result<String, String> {
     Ok(evidence::write(&run).expect("what was read can be written"))
 }
 
-fuzz_target!(|bytes: &[u8]| {
+/// Runs the target.
+pub fn run(bytes: &[u8]) {
     if let Ok(text) = rewritten(bytes) {
         let again = rewritten(text.as_bytes()).expect("what was written can be read");
         assert_eq!(text, again);
     }
-});
+}
