@@ -81,7 +81,7 @@ fn written(joints: &[Joint], choices: &mut Choices<'_>) -> String {
     for (at, joint) in joints.iter().enumerate() {
         let [x, y, z] = joint.xyz;
         let [roll, pitch, yaw] = joint.rpy;
-        let blank = choices.of(&[" ", "  ", "\n", "\t"]);
+        let blank = choices.of(&[" ", "  "]);
         parts.push(format!(
             "<joint name={quote}{}{quote} type='{}'>{}<parent link='l{}'/><child link='l{}'/><origin \
              xyz='{x}{blank}{y} {z}' rpy='{roll} {pitch}{blank}{yaw}'/></joint>",
