@@ -222,7 +222,7 @@ mod tests {
         let mut source = Source::new(id, path.display().to_string(), SourceKind::Urdf);
         source.text = text.to_owned();
         let mut run = Run {
-            sources: vec![source],
+            sources: vec![source.into()],
             ..Run::default()
         };
         for (index, (safety, edits)) in fixes.iter().enumerate() {

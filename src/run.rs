@@ -4,11 +4,11 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::Range;
+use std::sync::Arc;
 
 use crate::page::Page;
 use crate::source::{Confidence, ReadStatus, Source, SourceId};
-use crate::verdict::waiver::FAMILY;
-use crate::verdict::{Finding, Inapplicable, Outcome, Row, Severity, Verdict, Waived, judged_of_applicable};
+use crate::verdict::{Finding, KeptOutcomes, Outcome, Row, Severity, Verdict, Waived};
 use crate::world::World;
 
 /// Exit code of a run that found nothing to complain about.
@@ -26,7 +26,7 @@ pub const EXIT_CRASHED: u8 = 70;
 #[derive(Clone, Debug, Default)]
 pub struct Run {
     /// Every input, by id.
-    pub sources: Vec<Source>,
+    pub sources: Vec<Arc<Source>>,
     /// Outcomes and findings.
     pub verdict: Verdict,
     /// What is known, one world for each platform that was read. Those of saved evidence are not among them: their
@@ -47,14 +47,14 @@ pub struct Run {
     pub fail_on: Option<FailOn>,
     /// The verdict of each recording, where there are several.
     pub recordings: Vec<Recording>,
-    /// What becomes of outcomes that do not apply.
-    pub inapplicable: Inapplicable,
+    /// Which outcomes are kept.
+    pub kept: KeptOutcomes,
 }
 
 impl Run {
     /// The outcomes that reports for machines list: all, or those that apply.
     pub fn listed<'r>(&self, rows: &'r [Row]) -> impl Iterator<Item = &'r Row> {
-        let all = self.inapplicable == Inapplicable::Listed;
+        let all = self.kept == KeptOutcomes::Listed;
         rows.iter().filter(move |row| all || row.applies())
     }
 }
@@ -285,7 +285,7 @@ impl Run {
         } else {
             VerdictWord::Clean
         };
-        let (judged, applicable) = judged_of_applicable(&self.verdict.rows);
+        let (judged, applicable) = self.verdict.judged_of_applicable();
         Summary {
             errors: self.verdict.count_findings(Severity::Error),
             warnings: self.verdict.count_findings(Severity::Warning),
@@ -344,7 +344,7 @@ impl Run {
         if !lacking.is_empty() {
             return Some(format!("required and not met: {}", lacking.join(", ")));
         }
-        (!self.checked_anything()).then(|| "nothing could be checked".to_owned())
+        (!self.verdict.judges_anything()).then(|| "nothing could be checked".to_owned())
     }
 
     /// The errors and warnings that nobody accepts, without hints: of each rule the worst one in words, the worst first.
@@ -373,6 +373,7 @@ impl Run {
     pub fn unread(&self) -> impl Iterator<Item = &Source> {
         self.sources
             .iter()
+            .map(AsRef::as_ref)
             .filter(|source| source.required && source.status != ReadStatus::Read)
     }
 
@@ -381,19 +382,9 @@ impl Run {
         self.unmet.iter().filter(|unmet| unmet.waived.is_none())
     }
 
-    /// Whether any rule came to a judgement of the inputs. A waived row was judged before it was accepted; what is said of
-    /// waivers is no judgement of a robot.
-    pub fn checked_anything(&self) -> bool {
-        self.verdict
-            .rows
-            .iter()
-            .filter(|row| !row.rule.starts_with(FAMILY))
-            .any(|row| row.outcome.is_judged())
-    }
-
     fn is_incomplete(&self) -> bool {
         let is_open = |recording: &Recording| recording.summary.verdict == VerdictWord::Incomplete;
-        !self.checked_anything()
+        !self.verdict.judges_anything()
             || self.unread().next().is_some()
             || self.lacking().next().is_some()
             || self.recordings.iter().any(is_open)
@@ -440,7 +431,7 @@ mod tests {
             .iter()
             .map(|(severity, confidence)| Finding::new(*severity, "x", "m", Place::whole(id)).confidence(*confidence));
         Run {
-            sources: vec![source],
+            sources: vec![source.into()],
             verdict: Verdict {
                 rows: outcomes.iter().map(|outcome| row(*outcome)).collect(),
                 findings: findings.collect(),

@@ -9,6 +9,8 @@ mod measured;
 pub mod plot;
 pub mod waiver;
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use nalgebra::Vector3;
 use serde::{Deserialize, Serialize};
 
@@ -19,6 +21,7 @@ pub use finding::{Edit, Finding, Fix, Label, PlaceRole, Preferred, Safety, Sever
 pub use judge::{Judge, Judged};
 pub use measured::Measured;
 pub use plot::Plot;
+use waiver::FAMILY;
 pub use waiver::Waived;
 
 impl Confidence {
@@ -172,34 +175,119 @@ pub struct Verdict {
     /// Findings that others of these say in their place, sorted alike.
     #[serde(default)]
     pub explained: Vec<Finding>,
-    /// Outcomes that do not apply and are not among the rows any more.
+    /// The outcomes and findings that are not among these any more.
     #[serde(skip)]
-    pub inapplicable: usize,
+    pub dropped: Tally,
 }
 
-/// What becomes of outcomes that do not apply. There are more of them than of all others.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Inapplicable {
-    /// Every report lists them.
-    #[default]
-    Listed,
-    /// Reports for people can show them; those for machines count them.
-    Kept,
-    /// They are counted when they are judged, and take no memory.
-    Counted,
+/// Counts of outcomes and findings.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Tally {
+    by_outcome: BTreeMap<Outcome, usize>,
+    /// Of those that were not evaluated, the ones that do not apply.
+    inapplicable: usize,
+    /// Of those that were judged, the ones that are of the robot, and not of what the user accepts.
+    of_robot: usize,
+    /// Findings that nobody has accepted, by severity, and whether they are hints.
+    findings: BTreeMap<(Severity, bool), usize>,
 }
 
-impl Verdict {
-    /// Counts the outcomes that do not apply instead of keeping them, but for those of these rules.
-    pub fn drop_not_applicable(&mut self, but_of: impl Fn(&str) -> bool) {
-        let before = self.rows.len();
-        self.rows.retain(|row| row.applies() || but_of(&row.rule));
-        self.inapplicable += before - self.rows.len();
+impl Tally {
+    fn add(&mut self, row: &Row) {
+        *self.by_outcome.entry(row.outcome).or_default() += 1;
+        self.inapplicable += usize::from(!row.applies());
+        self.of_robot += usize::from(row.outcome.is_judged() && !row.rule.starts_with(FAMILY));
+    }
+
+    fn join(&mut self, other: &Self) {
+        for (outcome, count) in &other.by_outcome {
+            *self.by_outcome.entry(*outcome).or_default() += count;
+        }
+        self.inapplicable += other.inapplicable;
+        self.of_robot += other.of_robot;
+        for (kind, count) in &other.findings {
+            *self.findings.entry(*kind).or_default() += count;
+        }
     }
 
     /// How many outcomes do not apply.
     pub fn not_applicable_count(&self) -> usize {
-        self.inapplicable + self.rows.iter().filter(|row| !row.applies()).count()
+        self.inapplicable
+    }
+
+    fn of(&self, is_one: impl Fn(Outcome) -> bool) -> usize {
+        let ones = self.by_outcome.iter().filter(|(outcome, _)| is_one(**outcome));
+        ones.map(|(_, count)| count).sum()
+    }
+}
+
+/// Which outcomes are kept. Those that do not apply are more than all others.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum KeptOutcomes {
+    /// All, and every report lists them.
+    #[default]
+    Listed,
+    /// All, and reports for people can show them; those for machines count the ones that do not apply.
+    Shown,
+    /// Those that apply. The others are counted when they are judged.
+    Applicable,
+    /// Those that apply, until they are told.
+    Untold,
+}
+
+impl Verdict {
+    /// Counts outcomes instead of keeping them.
+    pub fn drop_rows(&mut self, is_dropped: impl Fn(&Row) -> bool) {
+        let dropped = &mut self.dropped;
+        self.rows.retain(|row| {
+            let drops = is_dropped(row);
+            if drops {
+                dropped.add(row);
+            }
+            !drops
+        });
+    }
+
+    /// Counts findings instead of keeping them, but for the first of each severity that is more than a hint: it may decide.
+    pub fn drop_findings(&mut self) {
+        let dropped = &mut self.dropped;
+        let mut known = BTreeSet::new();
+        self.findings.retain(|finding| {
+            let is_hint = finding.confidence == Confidence::Hint;
+            let stays = finding.waived.is_some() || !is_hint && known.insert(finding.severity);
+            if !stays {
+                *dropped.findings.entry((finding.severity, is_hint)).or_default() += 1;
+            }
+            stays
+        });
+        self.explained.clear();
+    }
+
+    /// How many outcomes do not apply.
+    pub fn not_applicable_count(&self) -> usize {
+        self.dropped.inapplicable + self.rows.iter().filter(|row| !row.applies()).count()
+    }
+
+    /// How many outcomes were judged, and how many apply.
+    pub fn judged_of_applicable(&self) -> (usize, usize) {
+        let (judged, applicable) = judged_of_applicable(&self.rows);
+        let dropped = &self.dropped;
+        (
+            judged + dropped.of(Outcome::is_judged),
+            applicable + dropped.of(|_| true) - dropped.inapplicable,
+        )
+    }
+
+    /// Whether any rule came to a judgement of the inputs. A waived row was judged before it was accepted; what is said of waivers is no
+    /// judgement of a robot.
+    pub fn judges_anything(&self) -> bool {
+        let of_robot = |row: &Row| row.outcome.is_judged() && !row.rule.starts_with(FAMILY);
+        self.dropped.of_robot > 0 || self.rows.iter().any(of_robot)
+    }
+
+    /// Whether there was any outcome.
+    pub fn has_rows(&self) -> bool {
+        !self.rows.is_empty() || self.dropped.of(|_| true) > 0
     }
 
     /// Puts rows and findings into their order: rows by rule and subject, findings by severity (worst first), then
@@ -222,7 +310,7 @@ impl Verdict {
         self.rows.extend(other.rows);
         self.findings.extend(other.findings);
         self.explained.extend(other.explained);
-        self.inapplicable += other.inapplicable;
+        self.dropped.join(&other.dropped);
     }
 
     /// Findings that somebody has accepted.
@@ -232,12 +320,7 @@ impl Verdict {
 
     /// How many rows have this outcome.
     pub fn count(&self, outcome: Outcome) -> usize {
-        let counted = if outcome == Outcome::NotEvaluated {
-            self.inapplicable
-        } else {
-            0
-        };
-        counted + self.rows.iter().filter(|row| row.outcome == outcome).count()
+        self.dropped.of(|dropped| dropped == outcome) + self.rows.iter().filter(|row| row.outcome == outcome).count()
     }
 
     /// Findings that nobody has accepted.
@@ -248,13 +331,14 @@ impl Verdict {
     /// How many findings that nobody has accepted, and that are more than hints, have this severity.
     pub fn count_findings(&self, severity: Severity) -> usize {
         let is_one = |finding: &&Finding| finding.severity == severity && finding.confidence > Confidence::Hint;
-        self.open().filter(is_one).count()
+        let dropped = self.dropped.findings.get(&(severity, false));
+        dropped.unwrap_or(&0) + self.open().filter(is_one).count()
     }
 
     /// How many findings that nobody has accepted are hints.
     pub fn count_hints(&self) -> usize {
-        self.open()
-            .filter(|finding| finding.confidence == Confidence::Hint)
-            .count()
+        let dropped = self.dropped.findings.iter().filter(|((_, is_hint), _)| *is_hint);
+        let is_hint = |finding: &&Finding| finding.confidence == Confidence::Hint;
+        dropped.map(|(_, count)| count).sum::<usize>() + self.open().filter(is_hint).count()
     }
 }

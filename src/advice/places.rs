@@ -129,7 +129,7 @@ mod tests {
     fn world_of(source: Source, text: &str, spelled: &str) -> World {
         let id = source.id;
         let mut world = World::default();
-        world.sources = vec![source].into();
+        world.sources = vec![source.into()].into();
         for (start, found) in text.match_indices(spelled) {
             world.frames.push(FrameUse {
                 frame: FrameId::new(spelled.trim_matches('"')),

@@ -357,6 +357,12 @@ impl Reporting {
         self.output.iter().any(|output| output.format.is_none())
     }
 
+    /// Whether every report is written while the run goes on.
+    pub(super) fn streams(&self) -> bool {
+        let mut formats = self.output.iter().map(|output| self.format_of(output));
+        formats.all(|one| one == Format::JsonLines) && (self.is_in_file() || self.format == Format::JsonLines)
+    }
+
     /// Whether some report has this form.
     pub(super) fn has(&self, format: Format) -> bool {
         let mut formats = self.output.iter().map(|output| self.format_of(output));

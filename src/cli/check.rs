@@ -10,7 +10,7 @@ use crate::engine;
 use crate::report::{self, Format, Style, plural, terminal};
 use crate::rules::codes;
 use crate::run::Run;
-use crate::verdict::Inapplicable;
+use crate::verdict::KeptOutcomes;
 
 use super::args::{Chain, Check, Color, Reporting};
 use super::stream::Stream;
@@ -26,6 +26,9 @@ pub(super) fn run(
     let today = call::today()?;
     let mut call = call::of(arguments, &today);
     call.settings.push(("Recordings", check.reading.extent_words()));
+    let fixing = check.fixing;
+    // What is altered behind the check is expressed in the end.
+    let is_final = !fixing.fix && !fixing.unsafe_fixes && !fixing.diff && check.write_baseline.is_none();
     let options = engine::Options {
         paths: match (check.paths.is_empty(), check.evidence.is_empty()) {
             (true, true) => vec![PathBuf::from(".")],
@@ -40,10 +43,13 @@ pub(super) fn run(
         fail_on: check.reporting.fail_on,
         outputs: check.reporting.outputs([&check.write_baseline, &check.views.rrd]),
         verdicts: engine::Verdicts::Each,
-        inapplicable: match (check.reporting.verbose, check.reporting.has(Format::Html)) {
-            (true, _) => Inapplicable::Listed,
-            (false, true) => Inapplicable::Kept,
-            (false, false) => Inapplicable::Counted,
+        outcomes: match (check.reporting.verbose, check.reporting.has(Format::Html)) {
+            (true, _) => KeptOutcomes::Listed,
+            (false, true) => KeptOutcomes::Shown,
+            (false, false) if is_final && check.views.rrd.is_none() && check.reporting.streams() => {
+                KeptOutcomes::Untold
+            }
+            (false, false) => KeptOutcomes::Applicable,
         },
         sights: match (&check.views.rrd, check.reporting.has(Format::Html)) {
             (Some(_), _) => engine::Sights::Everything,
@@ -71,9 +77,6 @@ pub(super) fn run(
     if check.views.rrd.is_some() {
         view::is_there()?;
     }
-    let fixing = check.fixing;
-    // What is altered behind the check is expressed in the end.
-    let is_final = !fixing.fix && !fixing.unsafe_fixes && !fixing.diff && check.write_baseline.is_none();
     let mut stream = if is_final {
         Stream::open(&check.reporting, stdout)?
     } else {

@@ -33,7 +33,7 @@ struct Written<'a> {
     schema: &'static str,
     tool: Tool<'a>,
     skipped: &'a BTreeMap<String, usize>,
-    sources: &'a [Source],
+    sources: &'a [Arc<Source>],
     worlds: &'a [World],
 }
 
@@ -46,7 +46,7 @@ struct Tool<'a> {
 #[derive(Deserialize)]
 struct Document {
     skipped: BTreeMap<String, usize>,
-    sources: Vec<Source>,
+    sources: Vec<Arc<Source>>,
     worlds: Vec<World>,
 }
 
@@ -68,7 +68,7 @@ pub struct Saved {
     /// The worlds, each with all sources of the document.
     pub worlds: Vec<World>,
     /// The sources.
-    pub sources: Arc<Vec<Source>>,
+    pub sources: Arc<Vec<Arc<Source>>>,
     /// Files met in folders that no reader exists for.
     pub skipped: BTreeMap<String, usize>,
     /// The number of the configuration that governs it.
@@ -107,7 +107,7 @@ fn unreadable(path: &Path, why: String) -> Saved {
     let mut world = World::default();
     world.label = display;
     world.members = vec![id];
-    let sources = Arc::new(vec![source]);
+    let sources = Arc::new(vec![Arc::new(source)]);
     world.sources = Arc::clone(&sources);
     Saved {
         worlds: vec![world],

@@ -88,6 +88,9 @@ pub(super) fn gather(
 
 /// Gives the places of expansions the ids of the files that they are in. A file that is no input is put behind the others.
 fn number(emerged: &mut Vec<Emerged>, inputs: &Inputs, emerged_from: usize) {
+    if emerged.iter().all(|text| text.templates.is_empty()) {
+        return;
+    }
     let absolute = |path: &Path| std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
     let files = inputs.files.iter().enumerate();
     let mut ids: BTreeMap<PathBuf, SourceId> = files

@@ -166,7 +166,7 @@ impl Governed {
 
     /// Says of configurations what has no effect: of those that govern no platform, and of one that would run a program on what it lies in.
     /// Behind all judging.
-    pub(super) fn note_idle(&self, options: &Options, sources: &mut [Source]) {
+    pub(super) fn note_idle(&self, options: &Options, sources: &mut [Arc<Source>]) {
         let configs = self.each().filter_map(|one| one.config.as_ref());
         let refused = configs.filter(|config| config.runs_xacro() && !self.runs_xacro(options) && !options.xacro.run);
         let why = "the configuration lies inside of what is checked, or governs only a part of it; use --xacro run";
@@ -239,19 +239,19 @@ impl Governed {
     }
 
     /// Their files as sources, behind these. The id of the first.
-    pub(super) fn add_sources(&self, sources: &mut Vec<Source>) -> u32 {
+    pub(super) fn add_sources(&self, sources: &mut Vec<Arc<Source>>) -> u32 {
         let first = source_id(sources.len()).0;
         let configs = self.each().filter_map(|one| one.config.as_ref());
-        sources.extend(configs.flat_map(|config| config.sources(first)));
+        sources.extend(configs.flat_map(|config| config.sources(first)).map(Arc::new));
         first
     }
 }
 
 /// Says something of a configuration, which is among the sources.
-fn note(sources: &mut [Source], config: &Config, words: String) {
-    let is_it = |source: &&mut Source| source.kind == SourceKind::Configuration && source.path == config.path();
+fn note(sources: &mut [Arc<Source>], config: &Config, words: String) {
+    let is_it = |source: &&mut Arc<Source>| source.kind == SourceKind::Configuration && source.path == config.path();
     if let Some(source) = sources.iter_mut().find(is_it) {
-        source.notes.push(words);
+        Arc::make_mut(source).notes.push(words);
     }
 }
 

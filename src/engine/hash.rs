@@ -6,6 +6,7 @@ use std::fmt::Write;
 use std::fs::File;
 use std::io::Read;
 use std::path::Path;
+use std::sync::Arc;
 
 use sha2::{Digest, Sha256};
 
@@ -20,7 +21,8 @@ const CHUNK: usize = 1 << 20;
 /// Fills in [`Source::hashes`] of every input that was read from files here.
 pub fn hash(run: &mut Run) {
     parallel::map(run.sources.iter_mut().collect(), |source| {
-        source.hashes = of(source);
+        let hashes = of(source);
+        Arc::make_mut(source).hashes = hashes;
     });
 }
 

@@ -32,7 +32,7 @@ use crate::read::messages::definition::Definitions;
 use crate::run::{Grown, Run};
 use crate::source::Source;
 use crate::tables::Tables;
-use crate::verdict::{Inapplicable, Verdict};
+use crate::verdict::{KeptOutcomes, Verdict};
 use crate::world::{Conventions, NamedDataset, World};
 
 use evidence::Saved;
@@ -108,14 +108,14 @@ struct Setup<'o> {
 
 impl Setup<'_> {
     /// A run of these rules that has nothing yet.
-    fn run(&self, sources: Vec<Source>, skipped: BTreeMap<String, usize>) -> Run {
+    fn run(&self, sources: Vec<Arc<Source>>, skipped: BTreeMap<String, usize>) -> Run {
         let rules = self.governed.rules().into_iter();
         Run {
             sources,
             rules: rules.map(|rule| rule.entry.page).collect(),
             skipped,
             fail_on: self.governed.fail_on(),
-            inapplicable: self.options.inapplicable,
+            kept: self.options.outcomes,
             ..Run::default()
         }
     }
@@ -167,8 +167,8 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, Usa
     let (verdict, laid) = policy.lay(verdicts, (&run.sources, &run.platforms), Some(&Demanded::default()));
     run.verdict = verdict;
     policy.close(laid, &mut run);
-    if run.inapplicable == Inapplicable::Counted {
-        run.verdict.drop_not_applicable(|_| false);
+    if matches!(run.kept, KeptOutcomes::Applicable | KeptOutcomes::Untold) {
+        run.verdict.drop_rows(|row| !row.applies());
     }
     Ok(run)
 }
@@ -326,10 +326,10 @@ fn definitions(options: &Options) -> Result<Arc<Definitions>, UsageError> {
 /// numbers do not depend on it.
 fn declare(
     worlds: &mut [World],
-    sources: Arc<Vec<Source>>,
+    sources: Arc<Vec<Arc<Source>>>,
     governed: &Governed,
     of: impl Fn(&World) -> usize,
-) -> Arc<Vec<Source>> {
+) -> Arc<Vec<Arc<Source>>> {
     // Let go by the worlds, the list can be added to where it is.
     for world in worlds.iter_mut() {
         world.sources = Arc::default();
@@ -356,7 +356,7 @@ struct Declared {
 
 impl Declared {
     /// Of every configuration, by its number. Their files become sources behind these.
-    fn all(governed: &Governed, sources: &mut Vec<Source>) -> Vec<Self> {
+    fn all(governed: &Governed, sources: &mut Vec<Arc<Source>>) -> Vec<Self> {
         let first = governed.add_sources(sources);
         let declared = |config: &Config| Self {
             conventions: Arc::new(config.conventions(Some(first))),
@@ -414,7 +414,7 @@ impl<'a> Reading<'a> {
     }
 
     /// Reads these of the inputs; see [`gather::gather`].
-    fn members(&self, which: &[usize], emerged_from: usize, plan: &sampling::Plan) -> (Vec<Source>, Vec<Member>) {
+    fn members(&self, which: &[usize], emerged_from: usize, plan: &sampling::Plan) -> (Vec<Arc<Source>>, Vec<Member>) {
         let governed = &self.setup.governed;
         let how = How {
             sampling: plan.sampling(),
@@ -439,7 +439,7 @@ impl<'a> Reading<'a> {
 }
 
 /// The sources of all worlds, moved out: texts are large, and a judged world is looked at no more.
-fn take_sources(worlds: &mut [World]) -> Vec<Source> {
+fn take_sources(worlds: &mut [World]) -> Vec<Arc<Source>> {
     let shared = worlds
         .first()
         .map(|world| Arc::clone(&world.sources))

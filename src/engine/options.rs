@@ -8,7 +8,7 @@ use crate::files::Outputs;
 use crate::read::discover::Wanted;
 use crate::read::xacro::Means;
 use crate::run::FailOn;
-use crate::verdict::Inapplicable;
+use crate::verdict::KeptOutcomes;
 use crate::verdict::waiver::Day;
 
 use super::sampling::Extent;
@@ -43,8 +43,8 @@ pub struct Options {
     pub fail_on: Option<FailOn>,
     /// What has a verdict of its own.
     pub verdicts: Verdicts,
-    /// What becomes of outcomes that do not apply.
-    pub inapplicable: Inapplicable,
+    /// Which outcomes are kept.
+    pub outcomes: KeptOutcomes,
     /// What there is to be looked at besides.
     pub sights: Sights,
     /// The day on which waivers must still hold; this one in UTC where `None`.

@@ -9,6 +9,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::analysis::cross::fit::Fit;
 use crate::read::discover::Inputs;
@@ -47,12 +48,12 @@ impl Member {
 }
 
 /// The sources of readings, and all of them with their facts.
-pub(super) fn members(readings: Vec<Reading>, inputs: &Inputs) -> (Vec<Source>, Vec<Member>) {
+pub(super) fn members(readings: Vec<Reading>, inputs: &Inputs) -> (Vec<Arc<Source>>, Vec<Member>) {
     let mut members = Vec::with_capacity(readings.len());
     let mut sources = Vec::with_capacity(readings.len());
     for Reading { source, facts, input } in readings {
         members.extend(inputs.files.get(input).map(|input| Member::new(&source, facts, input)));
-        sources.push(source);
+        sources.push(Arc::new(source));
     }
     (sources, members)
 }
@@ -88,10 +89,10 @@ impl Platforms {
     }
 
     /// Says of sources how they were joined.
-    pub(super) fn note(&self, sources: &mut [Source]) {
+    pub(super) fn note(&self, sources: &mut [Arc<Source>]) {
         for (id, note) in &self.notes {
             if let Some(source) = sources.iter_mut().find(|source| source.id == *id) {
-                source.notes.push(note.clone());
+                Arc::make_mut(source).notes.push(note.clone());
             }
         }
     }

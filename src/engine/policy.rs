@@ -1,7 +1,8 @@
 //! Lays over a run what the user accepts and requires: the policy of the configuration, a baseline, today, and the rules that speak of waivers.
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::SystemTime;
 
 use crate::config::Config;
@@ -29,7 +30,7 @@ pub(super) struct RunPolicy<'a> {
     /// Every rule of the tool.
     rules: Vec<&'static Page>,
     /// The folder that the paths of the baseline start from, where there is one.
-    folder: Option<&'a Path>,
+    folder: Option<PathBuf>,
     today: Day,
     enabled: Vec<&'a Enabled>,
     /// Whether comments in what is checked accept findings.
@@ -57,7 +58,7 @@ impl<'a> RunPolicy<'a> {
     pub(super) fn new(
         options: &'a Options,
         governed: &'a Governed,
-        sources: &mut Vec<Source>,
+        sources: &mut Vec<Arc<Source>>,
     ) -> Result<Self, UsageError> {
         let first = sources
             .iter()
@@ -88,12 +89,12 @@ impl<'a> RunPolicy<'a> {
             for one in &mut each {
                 one.policy.exceptions.extend(exceptions.iter().cloned());
             }
-            sources.push(source);
+            sources.push(Arc::new(source));
         }
         Ok(Self {
             each,
             rules: RULES.iter().map(|entry| entry.page).collect(),
-            folder: options.baseline.as_deref().and_then(Path::parent),
+            folder: options.baseline.as_deref().and_then(folder_of),
             today: options.today.clone().unwrap_or_else(|| Day::of(SystemTime::now())),
             enabled: governed.rules(),
             comments: governed.counts_comments(options),
@@ -104,7 +105,7 @@ impl<'a> RunPolicy<'a> {
     pub(super) fn lay(
         &self,
         verdicts: impl IntoIterator<Item = (usize, Verdict)>,
-        (sources, platforms): (&[Source], &[String]),
+        (sources, platforms): (&[Arc<Source>], &[String]),
         demanded: Option<&Demanded>,
     ) -> (Verdict, Laid) {
         let mut parts: BTreeMap<usize, Verdict> = BTreeMap::new();
@@ -150,17 +151,18 @@ impl<'a> RunPolicy<'a> {
 
     fn with<T>(
         &self,
-        sources: &[Source],
+        sources: &[Arc<Source>],
         platforms: &[String],
         asked: &BTreeSet<String>,
         ask: impl FnOnce(&Context) -> T,
     ) -> T {
+        let known_as = |source: &Source| path_from(self.folder.as_deref(), source);
         ask(&Context {
             sources,
             platforms,
             rules: &self.rules,
             asked,
-            paths: &self.folder.map(|folder| paths(sources, folder)).unwrap_or_default(),
+            known_as: self.folder.is_some().then_some(&known_as),
             today: &self.today,
             comments: self.comments,
         })
@@ -169,6 +171,7 @@ impl<'a> RunPolicy<'a> {
 
 /// Writes the findings of a run to a baseline, and accepts them in the run. Says how many they are.
 pub fn write_baseline(run: &mut Run, path: &Path) -> Result<usize, UsageError> {
+    let folder = folder_of(path);
     let document = baseline::of(
         &run.verdict,
         &Context {
@@ -176,7 +179,7 @@ pub fn write_baseline(run: &mut Run, path: &Path) -> Result<usize, UsageError> {
             platforms: &run.platforms,
             rules: &[],
             asked: &BTreeSet::new(),
-            paths: &paths(&run.sources, path.parent().unwrap_or(Path::new(""))),
+            known_as: Some(&|source| path_from(folder.as_deref(), source)),
             today: &Day::of(SystemTime::UNIX_EPOCH),
             comments: true,
         },
@@ -188,28 +191,21 @@ pub fn write_baseline(run: &mut Run, path: &Path) -> Result<usize, UsageError> {
     Ok(document.findings.iter().map(|entry| entry.count).sum())
 }
 
-/// The paths of sources from a folder, where they lie below it; else as they are.
-fn paths(sources: &[Source], folder: &Path) -> Vec<String> {
-    let folder = if folder.as_os_str().is_empty() {
-        Path::new(".")
-    } else {
-        folder
+/// The path of a source from a folder of a baseline, where it lies below it; else as it is.
+fn path_from(folder: Option<&Path>, source: &Source) -> String {
+    let below = || {
+        let whole = std::fs::canonicalize(&source.path).ok()?;
+        let parts = whole.strip_prefix(folder?).ok()?.components();
+        let parts: Vec<_> = parts.map(|part| part.as_os_str().to_string_lossy()).collect();
+        Some(parts.join("/"))
     };
-    let folder = std::fs::canonicalize(folder).ok();
-    let path = |source: &Source| {
-        let below = folder.as_ref().and_then(|folder| {
-            let whole = std::fs::canonicalize(&source.path).ok()?;
-            let parts: Vec<String> = whole
-                .strip_prefix(folder)
-                .ok()?
-                .components()
-                .map(|part| part.as_os_str().to_string_lossy().into_owned())
-                .collect();
-            Some(parts.join("/"))
-        });
-        below.unwrap_or_else(|| source.path.clone())
-    };
-    sources.iter().map(path).collect()
+    below().unwrap_or_else(|| source.path.clone())
+}
+
+/// The folder of a baseline, without links.
+fn folder_of(baseline: &Path) -> Option<PathBuf> {
+    let folder = baseline.parent().filter(|folder| !folder.as_os_str().is_empty());
+    std::fs::canonicalize(folder.unwrap_or(Path::new("."))).ok()
 }
 
 /// A baseline, as a source of the run, and where its entries stand.

@@ -1,5 +1,7 @@
 //! Sources that were numbered in a part of a run get the numbers that they have in the whole.
 
+use std::sync::Arc;
+
 use crate::source::{Place, Source, SourceId};
 use crate::verdict::Verdict;
 
@@ -37,8 +39,8 @@ impl Renumber {
     }
 
     /// Sources, and a verdict about them.
-    pub(super) fn all(self, sources: &mut [Source], verdict: &mut Verdict) {
-        for source in sources {
+    pub(super) fn all(self, sources: &mut [Arc<Source>], verdict: &mut Verdict) {
+        for source in sources.iter_mut().map(Arc::make_mut) {
             self.id(&mut source.id);
             source
                 .problems

@@ -3,6 +3,7 @@
 //! Owns the numbers of sampling and the decision to widen. Must not read anything.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crate::read::bag::{Carried, Sampling};
@@ -122,12 +123,12 @@ impl Plan {
 
 impl Plan {
     /// Says of recordings that time ended their reading: on another machine, or under another load, more or less may be found.
-    pub(super) fn note(&self, sources: &mut [Source]) {
+    pub(super) fn note(&self, sources: &mut [Arc<Source>]) {
         let Some(budget) = self.cut else { return };
         let budget = humantime::format_duration(budget);
-        let is_cut = |source: &&mut Source| source.examined.windows.is_some();
+        let is_cut = |source: &&mut Arc<Source>| source.examined.windows.is_some();
         for source in sources.iter_mut().filter(is_cut) {
-            source.notes.push(format!(
+            Arc::make_mut(source).notes.push(format!(
                 "the budget of {budget} ended the reading while checks lacked evidence: a slower machine reads less; --full reads all"
             ));
         }
@@ -267,7 +268,7 @@ mod tests {
             let mut source = Source::new(SourceId(0), "drive.mcap", SourceKind::Urdf);
             source.examined.bytes = bytes;
             let mut world = world();
-            world.sources = Arc::new(vec![source]);
+            world.sources = Arc::new(vec![Arc::new(source)]);
             let verdict = Verdict {
                 rows: vec![row("platform", NotEvaluated::TooLittleEvidence)],
                 ..Verdict::default()

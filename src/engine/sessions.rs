@@ -3,6 +3,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use crate::read::bag::{self, Outline, Recording};
 use crate::read::discover::Inputs;
@@ -217,7 +218,7 @@ fn pairs(known: &[Known]) -> impl Iterator<Item = (usize, usize)> {
 }
 
 /// The same for the recordings of saved worlds: the numbers of their sources.
-pub(super) fn of_worlds(worlds: &[World], sources: &[Source]) -> Sessions {
+pub(super) fn of_worlds(worlds: &[World], sources: &[Arc<Source>]) -> Sessions {
     let bags = worlds.iter().flat_map(|world| &world.bags);
     let known = bags.filter_map(|bag| {
         let source = sources.get(bag.source.0 as usize)?;

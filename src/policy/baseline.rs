@@ -126,8 +126,8 @@ impl Accepted {
 
 fn identity(finding: &Finding, context: &Context) -> Identity {
     Identity::of(finding, context.platforms, |place| {
-        let known = context.paths.get(place.source.0 as usize)?;
-        Some((context.path(place).to_owned(), known.clone()))
+        let source = context.sources.get(place.source.0 as usize)?;
+        Some((source.path.clone(), context.known_as?(source)))
     })
 }
 

@@ -8,6 +8,7 @@ mod comments;
 mod require;
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use globset::GlobMatcher;
 
@@ -125,18 +126,18 @@ pub struct Policy {
 }
 
 /// What is known of a run when its verdict is held against the policy.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy)]
 pub struct Context<'a> {
     /// Every source, by id.
-    pub sources: &'a [Source],
+    pub sources: &'a [Arc<Source>],
     /// Labels of the platforms, where subjects open with them.
     pub platforms: &'a [String],
     /// Every rule of the tool.
     pub rules: &'a [&'static Page],
     /// Codes of the rules that were asked.
     pub asked: &'a BTreeSet<String>,
-    /// The paths of the sources as the baseline has them, by id.
-    pub paths: &'a [String],
+    /// The path of a source as the baseline has it, where there is one.
+    pub known_as: Option<&'a dyn Fn(&Source) -> String>,
     /// Today.
     pub today: &'a Day,
     /// Whether comments in the sources accept findings.
@@ -183,6 +184,11 @@ impl Laid {
     /// What was required and not judged, as far as it is known.
     pub fn unmet(&self) -> &[Unmet] {
         &self.unmet
+    }
+
+    /// Whether anything is accepted, be it that nothing was found for it.
+    pub fn accepts(&self) -> bool {
+        !self.applied.is_empty()
     }
 
     /// Adds what is required and was not judged in these outcomes, nor in those of what stands beside. Where they are of one of

@@ -7,6 +7,8 @@
 #[cfg(test)]
 mod tests;
 
+use std::sync::Arc;
+
 use serde::Serialize;
 
 use crate::run::{FailOn, Recording, Run, Summary, Unmet};
@@ -23,7 +25,7 @@ pub const SCHEMA: &str = "frames-lint/1";
 struct Document<'a> {
     #[serde(flatten)]
     made: Made,
-    inputs: Rows<'a, Source, Input<'a>>,
+    inputs: Rows<'a, Arc<Source>, Input<'a>>,
     outcomes: Outcomes<'a>,
     findings: Rows<'a, Finding, FindingRow<'a>>,
     explained: Rows<'a, Finding, FindingRow<'a>>,
@@ -296,7 +298,7 @@ pub(super) fn recording(recording: &Recording) -> RecordingRow<'_> {
     }
 }
 
-pub(super) fn input<'a>(source: &'a Source, locator: &Locator) -> Input<'a> {
+pub(super) fn input<'a>(source: &'a Arc<Source>, locator: &Locator) -> Input<'a> {
     Input {
         path: &source.path,
         kind: source.kind.word(),

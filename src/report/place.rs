@@ -4,13 +4,14 @@
 
 use std::borrow::Cow;
 use std::cell::OnceCell;
+use std::sync::Arc;
 
 use crate::source::{At, Derived, LineColumn, LineIndex, MessageRef, Place, Source, SourceId};
 
 /// Finds lines and messages of places.
 pub(super) struct Locator<'a> {
-    sources: &'a [Source],
-    lines: Vec<OnceCell<LineIndex>>,
+    sources: &'a [Arc<Source>],
+    lines: OnceCell<Vec<OnceCell<LineIndex>>>,
     /// The part of every path that is left out.
     folder: &'a str,
 }
@@ -32,17 +33,17 @@ pub(super) struct Spot {
 
 impl<'a> Locator<'a> {
     /// For places of these sources, which stand at the index of their id.
-    pub(super) fn new(sources: &'a [Source]) -> Self {
+    pub(super) fn new(sources: &'a [Arc<Source>]) -> Self {
         Self {
             sources,
-            lines: sources.iter().map(|_| OnceCell::new()).collect(),
+            lines: OnceCell::new(),
             folder: "",
         }
     }
 
     /// As [`Locator::new`], with paths from the deepest folder that holds all of the sources.
-    pub(super) fn inside(sources: &'a [Source]) -> Self {
-        let folder = |source: &'a Source| {
+    pub(super) fn inside(sources: &'a [Arc<Source>]) -> Self {
+        let folder = |source: &'a Arc<Source>| {
             source
                 .path
                 .rfind('/')
@@ -77,19 +78,22 @@ impl<'a> Locator<'a> {
     }
 
     /// Every source.
-    pub(super) fn sources(&self) -> &'a [Source] {
+    pub(super) fn sources(&self) -> &'a [Arc<Source>] {
         self.sources
     }
 
     /// The source with this id.
     pub(super) fn source(&self, id: SourceId) -> Option<&'a Source> {
-        self.sources.get(id.0 as usize)
+        self.sources.get(id.0 as usize).map(AsRef::as_ref)
     }
 
     /// The line index of a source's text.
     pub(super) fn lines(&self, id: SourceId) -> Option<&LineIndex> {
         let source = self.source(id)?;
-        let cell = self.lines.get(id.0 as usize)?;
+        let cells = self
+            .lines
+            .get_or_init(|| self.sources.iter().map(|_| OnceCell::new()).collect());
+        let cell = cells.get(id.0 as usize)?;
         Some(cell.get_or_init(|| LineIndex::new(&source.text)))
     }
 

@@ -26,14 +26,14 @@ impl Sample {
         source.text = text.to_owned();
         source.examined.bytes = text.len() as u64;
         source.examined.bytes_total = text.len() as u64;
-        self.run.sources.push(source);
+        self.run.sources.push(source.into());
         self.world.members.push(id);
         id
     }
 
     pub(super) fn derived(&mut self, path: &str, kind: SourceKind, text: &str, derived: Derived) -> SourceId {
         let id = self.source(path, kind, text);
-        self.run.sources[id.0 as usize].derived = Some(derived);
+        std::sync::Arc::make_mut(&mut self.run.sources[id.0 as usize]).derived = Some(derived);
         id
     }
 
@@ -168,7 +168,7 @@ pub(super) fn everything() -> Run {
     let expanded = s.derived("cart.xacro", SourceKind::Urdf, ROBOT, Derived::Expansion);
     let broken = s.source("calib.yaml", SourceKind::Yaml, "a: 1\nb: [\n");
     let fault = s.at(broken, "[");
-    s.run.sources[broken.0 as usize].problem_with_help(
+    std::sync::Arc::make_mut(&mut s.run.sources[broken.0 as usize]).problem_with_help(
         ReadStatus::Partial,
         fault,
         "the list is never closed",

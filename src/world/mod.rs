@@ -56,7 +56,7 @@ pub struct World {
     pub label: String,
     /// Every source of the run, by id; a platform's facts point only at its own. Saved beside the worlds that share it.
     #[serde(skip)]
-    pub sources: Arc<Vec<Source>>,
+    pub sources: Arc<Vec<Arc<Source>>>,
     /// The sources that belong to this platform.
     pub members: Vec<SourceId>,
     /// Statements of transforms, from files and from robots' joints; TF of bags is in `bags`.
@@ -208,7 +208,7 @@ impl World {
 
     /// The source with this id.
     pub fn source(&self, id: SourceId) -> Option<&Source> {
-        self.sources.get(id.0 as usize)
+        self.sources.get(id.0 as usize).map(AsRef::as_ref)
     }
 
     /// The path of a source, for messages.

@@ -60,7 +60,7 @@ pub(crate) fn is_the_same(paths: &[&Path], what: &str, judged: Option<&Run>) {
 
     let saved = evidence::parse(&text).unwrap_or_else(|why| panic!("{what}: {why}"));
     let mut sources = read.sources.clone();
-    for source in &mut sources {
+    for source in sources.iter_mut().map(std::sync::Arc::make_mut) {
         // Where the files lie is a matter of this machine.
         source.files.clear();
         source.meshes.clear();

@@ -242,7 +242,7 @@ fn two_robots(above: &str) -> tempfile::TempDir {
 fn above(x: f64) -> (Vec<String>, Vec<String>) {
     let root = two_robots(&stated("lidar", [x, 0.1, 1.8]));
     let run = check(root.path());
-    let is_above = |source: &&frames_lint::source::Source| source.path.ends_with("above.yaml");
+    let is_above = |source: &&std::sync::Arc<frames_lint::source::Source>| source.path.ends_with("above.yaml");
     let above = run.sources.iter().find(is_above).unwrap();
     let rules = run.verdict.open().map(|finding| finding.rule.clone());
     (above.notes.clone(), rules.collect())

@@ -9,7 +9,8 @@ mod support;
     clippy::panic,
     clippy::indexing_slicing,
     clippy::cast_possible_truncation,
-    clippy::cast_possible_wrap
+    clippy::cast_possible_wrap,
+    clippy::float_cmp
 )]
 #[path = "../../fuzz/targets/mod.rs"]
 mod targets;

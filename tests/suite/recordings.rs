@@ -460,12 +460,36 @@ fn lines_come_recording_by_recording_and_are_those_of_the_document() {
         known.sort();
         assert_eq!(told, known, "{kind}");
     }
+    let mut summary = lines.last().unwrap().clone();
+    summary.as_object_mut().unwrap().remove("type");
+    for (key, count) in summary.as_object().unwrap() {
+        assert_eq!(count, &document["summary"][key], "{key}");
+    }
     // The file has the same bytes, whatever the number of threads.
     for threads in ["1", "7"] {
         let arguments = ["check", ".", "--output", "json-lines=lines"];
         program::run_with(folder.path(), arguments, &[("RAYON_NUM_THREADS", threads)]);
         assert_eq!(fs::read_to_string(folder.path().join("lines")).unwrap(), ran.text());
     }
+}
+
+#[test]
+fn lines_of_ten_times_as_many_recordings_take_hardly_more_memory() {
+    let drive = support::build(&drive(0, 1.85).replace("duration_s: 20", "duration_s: 1"));
+    let peak = |count: usize| {
+        let folder = tempfile::tempdir().unwrap();
+        for number in 0..count {
+            fs::write(folder.path().join(format!("{number:03}.mcap")), &drive).unwrap();
+        }
+        let ran = program(
+            folder.path(),
+            &["--format", "json-lines", "--output", "json-lines=lines"],
+        );
+        assert!(ran.code < 2, "{}", ran.err);
+        ran.peak_mb
+    };
+    let (few, many) = (peak(60), peak(600));
+    assert!(many <= few + 20, "{few} MB, then {many} MB");
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! Documents of evidence beside recordings: each recording in them has its verdict too.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use crate::source::SourceId;
 use crate::verdict::Verdict;
@@ -26,7 +27,7 @@ pub(super) fn judge(room: &Room, saved: Saved, whole: &mut Whole) {
     let mut own = sources.to_vec();
     for (number, source) in own.iter_mut().enumerate() {
         let path = |other: usize| Some(sources.get(other)?.path.clone());
-        source.notes.extend(sessions.note(number, path));
+        Arc::make_mut(source).notes.extend(sessions.note(number, path));
     }
     renumber.all(&mut own, &mut Verdict::default());
     whole.run.sources.extend(own);

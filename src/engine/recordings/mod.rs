@@ -4,21 +4,24 @@
 //! Owns what is kept of a recording when it has been judged, so that a run needs memory for a few of them at a time.
 
 mod evidence;
+mod latched;
 mod whole;
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
+use crate::analysis::geo::earth::is_earth;
 use crate::policy::Laid;
 use crate::progress::Progress;
 use crate::read::discover::Inputs;
 use crate::rules::Kind;
 use crate::run::{Grown, Recording, Run};
-use crate::source::{Source, SourceId, SourceKind};
+use crate::source::{Place, Source, SourceId, SourceKind};
 use crate::verdict::waiver::plain_subject;
 use crate::verdict::{Finding, Outcome, Row, Verdict};
-use crate::world::bag::{Said, TopicEvidence};
-use crate::world::{Facts, World};
+use crate::world::bag::{Said, StampEvidence, TfEdge, TopicEvidence};
+use crate::world::content::StepEvidence;
+use crate::world::{Facts, FrameUse, World};
 
 use super::evidence::Saved;
 use super::gather::source_id;
@@ -26,6 +29,7 @@ use super::sessions::Sessions;
 use super::{
     Declared, Demanded, Member, Platforms, Reading, Renumber, RunPolicy, Setup, UsageError, judge, parallel, sampling,
 };
+use latched::Latched;
 use whole::Whole;
 
 /// Several recordings, of which each has its verdict.
@@ -58,11 +62,13 @@ pub(super) fn check(
     whole.tell(given.collect(), 0, 0, None);
     let mut covered = BTreeSet::new();
     let mut left = Vec::new();
+    let mut latched = Latched::of(inputs, drives, !shared.members.is_empty());
     // As many at a time as there are cores: what is read of the others waits for nothing and fills no memory.
     for drives in drives.chunks(rayon::current_num_threads().max(1)) {
         for mut drive in parallel::map(drives.iter().collect(), |drive| room.judge(drive)) {
             covered.extend(drive.covered.iter().copied());
-            left.push(std::mem::take(&mut drive.left));
+            let files: Vec<SourceId> = drive.covered.iter().copied().filter(|id| room.is_file(*id)).collect();
+            left.push(latched.new_of(&files, std::mem::take(&mut drive.left)));
             let renumber = Renumber::behind(shared.sources.len(), whole.run.sources.len());
             whole.add(drive, renumber);
         }
@@ -79,7 +85,7 @@ pub(super) fn check(
 struct Shared {
     /// Every input of the run at its number, recordings still unread; behind them what came out of the files that are none, and the
     /// configuration.
-    sources: Vec<Source>,
+    sources: Vec<Arc<Source>>,
     members: Vec<Member>,
     /// The platforms that the files make without any recording.
     worlds: Vec<World>,
@@ -95,11 +101,11 @@ impl Shared {
         // Files are read whole, whatever is asked of recordings.
         let plan = sampling::Plan::new(reading.setup.options.extent, &[]);
         let (read, members) = reading.members(&files, inputs.files.len(), &plan);
-        let mut sources: Vec<Source> = inputs
+        let mut sources: Vec<Arc<Source>> = inputs
             .files
             .iter()
             .enumerate()
-            .map(|(index, input)| Source::new(source_id(index), input.display.clone(), input.kind))
+            .map(|(index, input)| Source::new(source_id(index), input.display.clone(), input.kind).into())
             .collect();
         put(&mut sources, read);
         let alone = Platforms::of(members.clone(), inputs);
@@ -113,7 +119,7 @@ impl Shared {
 }
 
 /// Puts sources where they belong; those that are new, at the end.
-fn put(sources: &mut Vec<Source>, read: Vec<Source>) {
+fn put(sources: &mut Vec<Arc<Source>>, read: impl IntoIterator<Item = Arc<Source>>) {
     for source in read {
         match sources.get_mut(source.id.0 as usize) {
             Some(known) => *known = source,
@@ -139,7 +145,7 @@ struct Room<'a> {
 struct Drive {
     recording: Recording,
     /// The recordings, and what came out of them.
-    sources: Vec<Source>,
+    sources: Vec<Arc<Source>>,
     worlds: Vec<World>,
     /// See [`Run::seen`].
     seen: Vec<World>,
@@ -152,6 +158,12 @@ struct Drive {
 }
 
 impl Room<'_> {
+    /// Whether a source is no recording, and came out of none.
+    fn is_file(&self, id: SourceId) -> bool {
+        let source = self.shared.sources.get(id.0 as usize);
+        source.is_some_and(|source| !source.kind.is_bag())
+    }
+
     fn judge(&self, recordings: &[usize]) -> Drive {
         let mut plan = sampling::Plan::new(self.setup.options.extent, &self.setup.governed.rules());
         loop {
@@ -182,18 +194,18 @@ impl Room<'_> {
     }
 
     /// Says of recordings what was recorded at the same time and is judged apart.
-    fn note(&self, recordings: &[usize], sources: &mut [Source]) {
+    fn note(&self, recordings: &[usize], sources: &mut [Arc<Source>]) {
         let path = |other: usize| Some(self.shared.sources.get(other)?.path.clone());
         for number in recordings {
             let own = sources.iter_mut().find(|source| source.id == source_id(*number));
             if let Some((own, note)) = own.zip(self.sessions.note(*number, path)) {
-                own.notes.push(note);
+                Arc::make_mut(own).notes.push(note);
             }
         }
     }
 
     /// Gives worlds their sources and what the configuration declares.
-    fn furnish(&self, worlds: &mut [World], sources: &Arc<Vec<Source>>) {
+    fn furnish(&self, worlds: &mut [World], sources: &Arc<Vec<Arc<Source>>>) {
         for world in worlds {
             world.sources = Arc::clone(sources);
             if let Some(declared) = self.declared.get(self.setup.governed.of(world)) {
@@ -244,18 +256,18 @@ impl Room<'_> {
     fn recording<'s>(
         &self,
         (label, sources): (String, Vec<SourceId>),
-        read: impl Iterator<Item = &'s Source>,
+        read: impl Iterator<Item = &'s Arc<Source>>,
         verdict: &mut Verdict,
         laid: &Laid,
     ) -> Recording {
-        let light = |source: &Source| Source {
+        let light = |source: &Arc<Source>| Source {
             status: source.status,
             detail: source.detail.clone(),
             required: source.required,
             ..Source::new(source.id, source.path.clone(), source.kind)
         };
         let run = Run {
-            sources: read.map(light).collect(),
+            sources: read.map(light).map(Arc::new).collect(),
             verdict: std::mem::take(verdict),
             unmet: laid.unmet().to_vec(),
             ..Run::default()
@@ -395,7 +407,7 @@ impl Room<'_> {
 }
 
 /// Calls worlds by their recordings; the name of all of them.
-fn name(recordings: &[usize], worlds: &mut [World], sources: &[Source]) -> String {
+fn name(recordings: &[usize], worlds: &mut [World], sources: &[Arc<Source>]) -> String {
     let path = |id: usize| {
         let source = sources.get(id)?;
         // A rosbag2 is its folder.
@@ -417,19 +429,21 @@ fn name(recordings: &[usize], worlds: &mut [World], sources: &[Source]) -> Strin
     names.join(" + ")
 }
 
-/// Takes out of the recordings of a judged world what nobody compares: all but latched transforms, and what tells where maps begin. What is
-/// left, by the recordings' numbers.
+/// Takes out of the recordings of a judged world what nobody compares: all but the first values of latched transforms, and what tells where
+/// maps begin. What is left, by the recordings' numbers.
 fn slim(world: &mut World) -> Vec<(usize, Facts)> {
     let frames = &world.frames;
     let bags = world.bags.iter_mut().map(|bag| {
         // Without fixes no track tells where its map begins.
         let tells = |said: Said| said.content.fixes.is_some() || said.content.motion.nmea.is_some();
         let has_fixes = bag.topics.values().flat_map(TopicEvidence::said).any(tells);
+        if !has_fixes {
+            bag.topics.clear();
+        }
         for topic in bag.topics.values_mut() {
-            topic.stamps.samples = Vec::new();
-            for content in
-                std::iter::once(&mut topic.content).chain(topic.members.values_mut().map(|member| &mut member.content))
-            {
+            topic.stamps = StampEvidence::default();
+            let members = topic.members.values_mut().map(|member| &mut member.content);
+            for content in std::iter::once(&mut topic.content).chain(members) {
                 content.clouds = None;
                 content.lasers = None;
                 content.radar = None;
@@ -443,13 +457,27 @@ fn slim(world: &mut World) -> Vec<(usize, Facts)> {
                 content.motion.vectors = None;
             }
         }
+        let is_earth = |edge: &TfEdge| is_earth(&edge.parent) || is_earth(&edge.child);
+        bag.tf.retain(|edge| edge.is_static || has_fixes || is_earth(edge));
+        bag.tf.shrink_to_fit();
         for edge in &mut bag.tf {
-            edge.stamps.samples = Vec::new();
-            if !has_fixes {
+            edge.stamps = StampEvidence::default();
+            edge.steps = StepEvidence::default();
+            if edge.is_static {
+                edge.samples.truncate(1);
+                edge.samples.shrink_to_fit();
                 edge.motion = None;
             }
         }
-        let frames = frames.iter().filter(|used| used.place.source == bag.source).cloned();
+        bag.annotations.clear();
+        // A recording joins others by the names of its frames.
+        let mut known = BTreeSet::new();
+        let frames = frames.iter().filter(|used| used.place.source == bag.source);
+        let frames = frames.filter(|used| known.insert((&used.frame, used.role)));
+        let frames = frames.map(|used| FrameUse {
+            place: Place::whole(bag.source),
+            ..used.clone()
+        });
         let facts = Facts {
             frames: frames.collect(),
             bags: vec![bag.clone()],

@@ -1,12 +1,13 @@
 //! The run as it grows, a recording after the other: what was found in files that all of them share is told once.
 
 use std::collections::BTreeSet;
+use std::sync::Arc;
 
 use crate::policy::Laid;
 use crate::run::{Grown, Recording, Run};
 use crate::source::{Derived, Source};
 use crate::verdict::waiver::plain_subject;
-use crate::verdict::{Finding, Inapplicable, Label, Outcome, Row, Verdict};
+use crate::verdict::{Finding, KeptOutcomes, Label, Outcome, Row, Verdict};
 
 use super::super::{Renumber, RunPolicy, plan};
 use super::{Drive, Room, put};
@@ -28,7 +29,7 @@ struct OfFiles {
 
 impl OfFiles {
     /// The verdict of a drive without what was reported before.
-    fn once(&mut self, mut verdict: Verdict, platforms: &[String], sources: &[Source]) -> Verdict {
+    fn once(&mut self, mut verdict: Verdict, platforms: &[String], sources: &[Arc<Source>]) -> Verdict {
         let is_file = |label: &Label| {
             let source = sources.get(label.place.source.0 as usize);
             source.is_some_and(|source| !source.kind.is_bag() && !matches!(source.derived, Some(Derived::Message(_))))
@@ -110,14 +111,28 @@ impl<'a> Whole<'a> {
     fn take(&mut self, mut verdict: Verdict, laid: Laid, new: Vec<usize>, recording: Option<Recording>) {
         let (rows, findings) = (self.run.verdict.rows.len(), self.run.verdict.findings.len());
         self.laid.join(laid);
-        if self.run.inapplicable == Inapplicable::Counted {
-            // Of rules that compare recordings it counts later what was said of one of them.
-            verdict.drop_not_applicable(plan::compares);
+        // Of rules that compare recordings it counts later what was said of one of them.
+        if matches!(self.run.kept, KeptOutcomes::Applicable | KeptOutcomes::Untold) {
+            verdict.drop_rows(|row| !row.applies() && !plan::compares(&row.rule));
         }
         self.run.verdict.extend(verdict);
         let number = recording.is_some().then_some(self.run.recordings.len());
         self.run.recordings.extend(recording);
-        self.tell(new, rows, findings, number);
+        self.tell(new.clone(), rows, findings, number);
+        // What became of an acceptance is known when everything is there.
+        if self.run.kept == KeptOutcomes::Untold && !self.laid.accepts() {
+            for number in new {
+                // Descriptions that were recorded: nothing else points into them.
+                let is_recorded = |source: &&mut Arc<Source>| matches!(source.derived, Some(Derived::Message(_)));
+                if let Some(source) = self.run.sources.get_mut(number).filter(is_recorded) {
+                    Arc::make_mut(source).text = String::new();
+                }
+            }
+            self.run
+                .verdict
+                .drop_rows(|row| row.outcome != Outcome::Crashed && !plan::compares(&row.rule));
+            self.run.verdict.drop_findings();
+        }
     }
 
     /// Tells what has come since there were so many outcomes and findings.

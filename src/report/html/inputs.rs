@@ -20,7 +20,7 @@ const MAX_PROBLEMS: usize = 10;
 const MAX_SKIPPED: usize = 40;
 
 pub(super) fn render(page: &Page) -> Option<Markup> {
-    let mut sources: Vec<&Source> = page.run.sources.iter().collect();
+    let mut sources: Vec<&Source> = page.run.sources.iter().map(AsRef::as_ref).collect();
     let skipped = &page.run.skipped;
     if sources.is_empty() && skipped.is_empty() {
         return None;

@@ -42,6 +42,7 @@ fn given<'a>(page: &Page<'a>) -> impl Iterator<Item = &'a Source> {
     page.run
         .sources
         .iter()
+        .map(AsRef::as_ref)
         .filter(is_input)
         .filter(move |source| known.insert(&source.path))
 }
@@ -158,7 +159,7 @@ fn examined(page: &Page) -> Option<Examined> {
 pub(super) fn configuration(page: &Page) -> Markup {
     let run = page.run;
     let is_one = |source: &&Source| source.kind == SourceKind::Configuration;
-    let configurations: Vec<&Source> = run.sources.iter().filter(is_one).collect();
+    let configurations: Vec<&Source> = run.sources.iter().map(AsRef::as_ref).filter(is_one).collect();
     html! {
         @if configurations.is_empty() { "none: the limits are those of the rules' pages" }
         @else {

@@ -96,11 +96,12 @@ fn the_first_page_says_when_of_what_how_much_and_by_which_configuration() {
     s.row("A01", "x", Outcome::Pass, None);
     s.row("A02", "x", Outcome::NotEvaluated, Some("too short"));
     let mut run = s.run();
-    run.sources[bag.0 as usize].examined = examined(1000, 10, Some(40));
-    run.sources[bag.0 as usize].hashes = vec![hash("metadata.yaml", "a"), hash("a_0.mcap", "b"), hash("a_1.mcap", "c")];
-    run.sources[config.0 as usize].hashes = vec![hash("frames-lint.yaml", "d")];
-    run.sources[other.0 as usize].examined = examined(3000, 5, Some(5));
-    run.sources[other.0 as usize].hashes = vec![hash("b.mcap", "e")];
+    std::sync::Arc::make_mut(&mut run.sources[bag.0 as usize]).examined = examined(1000, 10, Some(40));
+    std::sync::Arc::make_mut(&mut run.sources[bag.0 as usize]).hashes =
+        vec![hash("metadata.yaml", "a"), hash("a_0.mcap", "b"), hash("a_1.mcap", "c")];
+    std::sync::Arc::make_mut(&mut run.sources[config.0 as usize]).hashes = vec![hash("frames-lint.yaml", "d")];
+    std::sync::Arc::make_mut(&mut run.sources[other.0 as usize]).examined = examined(3000, 5, Some(5));
+    std::sync::Arc::make_mut(&mut run.sources[other.0 as usize]).hashes = vec![hash("b.mcap", "e")];
     let call = Call {
         day: Some("2027-01-31".to_owned()),
         ..Call::default()
@@ -136,7 +137,9 @@ fn the_first_page_says_when_of_what_how_much_and_by_which_configuration() {
     assert_eq!(document.texts("#inputs .files dd")[2], "c".repeat(64));
     assert!(document.texts("#inputs .hash").contains(&"e".repeat(64)));
     // Of a recording without an index nobody knows how many messages it has.
-    run.sources[other.0 as usize].examined.messages_total = None;
+    std::sync::Arc::make_mut(&mut run.sources[other.0 as usize])
+        .examined
+        .messages_total = None;
     assert!(page(&run).texts("header .facts dd")[3].ends_with(" 15 messages"));
 }
 
@@ -255,12 +258,12 @@ fn hostile_words_stay_words_wherever_they_stand() {
         row.plots = vec![plot.clone()];
     }
     run.skipped.insert(EVIL.to_owned(), 2);
-    run.sources[0].problem(
+    std::sync::Arc::make_mut(&mut run.sources[0]).problem(
         crate::source::ReadStatus::Partial,
         crate::source::Place::whole(id),
         EVIL,
     );
-    run.sources[0].hashes = vec![
+    std::sync::Arc::make_mut(&mut run.sources[0]).hashes = vec![
         crate::source::FileHash {
             name: EVIL.to_owned(),
             sha256: Some(EVIL.to_owned()),

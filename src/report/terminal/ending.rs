@@ -86,7 +86,7 @@ fn verdict(run: &Run, summary: &Summary, options: &Options) -> (Ink, String) {
             sentences.extend(unmet_words(run));
             Ink::Error
         }
-        VerdictWord::Incomplete if !run.checked_anything() => {
+        VerdictWord::Incomplete if !run.verdict.judges_anything() => {
             sentences.push(format!(
                 "Nothing was checked: {}. This is not a pass.",
                 why_nothing(run)
@@ -212,7 +212,7 @@ fn why_nothing(run: &Run) -> String {
     if run.verdict.count(Outcome::Crashed) > 0 {
         return "every check that could be made crashed".to_owned();
     }
-    if run.verdict.rows.is_empty() && run.verdict.inapplicable == 0 {
+    if !run.verdict.has_rows() {
         return "no rule was asked".to_owned();
     }
     let (_, count) = inputs(run);

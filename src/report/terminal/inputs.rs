@@ -27,13 +27,13 @@ const MAX_SILENT: usize = 3;
 /// What was taken from each input, in a line, and what is to be said of how it was judged.
 pub(super) fn taken(run: &Run, options: &Options, locator: &Locator, out: &mut String) {
     let has_words = |source: &&Source| source.understood().is_some() || !source.notes.is_empty();
-    let sources: Vec<&Source> = run.sources.iter().filter(has_words).collect();
+    let sources: Vec<&Source> = run.sources.iter().map(AsRef::as_ref).filter(has_words).collect();
     let places = run.verdict.findings.iter().flat_map(|finding| &finding.places);
     let found: BTreeSet<SourceId> = places.map(|label| label.place.source).collect();
     let is_silent = |source: &&Source| {
         is_text(source.kind) && source.status == ReadStatus::Read && !has_words(source) && !found.contains(&source.id)
     };
-    let silent: Vec<&Source> = run.sources.iter().filter(is_silent).collect();
+    let silent: Vec<&Source> = run.sources.iter().map(AsRef::as_ref).filter(is_silent).collect();
     if sources.is_empty() && silent.is_empty() {
         return;
     }
@@ -80,6 +80,7 @@ pub(super) fn unread(run: &Run, locator: &Locator, painter: &Painter, style: Sty
     let broken: Vec<&Source> = run
         .sources
         .iter()
+        .map(AsRef::as_ref)
         .filter(|source| (source.required && source.status != ReadStatus::Read) || has_placed_problem(source))
         .collect();
     if broken.is_empty() {
@@ -149,6 +150,7 @@ pub(super) fn partly_examined(run: &Run, style: Style, out: &mut String) {
     let partly: Vec<&Source> = run
         .sources
         .iter()
+        .map(AsRef::as_ref)
         .filter(|source| source.kind.is_bag() && source.status != ReadStatus::Unreadable)
         .filter(|source| source.examined.bytes < source.examined.bytes_total)
         .collect();
@@ -211,6 +213,7 @@ pub(super) fn skipped(run: &Run, options: &Options, out: &mut String) {
     let unsupported = run
         .sources
         .iter()
+        .map(AsRef::as_ref)
         .filter(|source| !source.required && source.status != ReadStatus::Read && !has_placed_problem(source));
     let mut named: Vec<String> = unsupported.map(|source| one_line(&source.path)).collect();
     let mut kinds: Vec<(&String, &usize)> = run.skipped.iter().collect();

@@ -33,7 +33,7 @@ pub(in crate::report) fn reasons(run: &Run) -> BTreeMap<&str, (BTreeSet<&str>, u
 /// Rows that were not evaluated: in one line, or every one with `--verbose`.
 pub(super) fn not_evaluated(run: &Run, options: &Options, out: &mut String) {
     let rows = rows(run, Outcome::NotEvaluated);
-    if rows.is_empty() && run.verdict.inapplicable == 0 {
+    if rows.is_empty() && run.verdict.dropped.not_applicable_count() == 0 {
         return;
     }
     if options.verbose {
@@ -56,7 +56,7 @@ pub(super) fn not_evaluated(run: &Run, options: &Options, out: &mut String) {
 fn brief(run: &Run, rows: &[&Row], style: Style) -> String {
     let count = |kind: NotEvaluated| {
         let counted = if kind == NotEvaluated::NotApplicable {
-            run.verdict.inapplicable
+            run.verdict.dropped.not_applicable_count()
         } else {
             0
         };

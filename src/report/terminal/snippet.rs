@@ -387,7 +387,7 @@ mod tests {
     fn draw_in(text: &str, spans: &[(usize, usize)], style: Style) -> String {
         let mut source = Source::new(SourceId(0), "a.json", SourceKind::Json);
         source.text = text.to_owned();
-        let sources = [source];
+        let sources = [source.into()];
         let locator = Locator::new(&sources);
         let marks: Vec<Mark> = spans
             .iter()
@@ -494,7 +494,7 @@ mod tests {
         let started = std::time::Instant::now();
         let mut source = Source::new(SourceId(0), "a.yaml", SourceKind::Yaml);
         source.text = text;
-        let sources = [source];
+        let sources = [source.into()];
         let locator = Locator::new(&sources);
         let painter = Painter::new(&locator, Style::PLAIN);
         for _ in 0..300 {

@@ -119,9 +119,9 @@ Not clean: 1 error.
 fn a_finding_in_a_recording() {
     let mut s = Sample::default();
     let bag = s.source("drive.mcap", SourceKind::Mcap, "");
-    s.run.sources[0].examined.bytes = 25_000_000;
-    s.run.sources[0].examined.bytes_total = 2_000_000_000;
-    s.run.sources[0].examined.messages = Some(1200);
+    std::sync::Arc::make_mut(&mut s.run.sources[0]).examined.bytes = 25_000_000;
+    std::sync::Arc::make_mut(&mut s.run.sources[0]).examined.bytes_total = 2_000_000_000;
+    std::sync::Arc::make_mut(&mut s.run.sources[0]).examined.messages = Some(1200);
     let at = MessageRef {
         field: Some("transforms[0]".into()),
         ..message("/tf", 12)
@@ -189,7 +189,7 @@ Nothing was checked: no rule found anything it could judge in calib.yaml, for th
     );
     assert!(with(&run, true, false, Style::PLAIN).contains("  TF01 a-rule, clock: missing input: no recording\n"));
 
-    run.sources[0].problem(
+    std::sync::Arc::make_mut(&mut run.sources[0]).problem(
         ReadStatus::Unreadable,
         Place::whole(crate::source::SourceId(0)),
         "the file is empty",

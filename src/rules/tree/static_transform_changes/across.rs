@@ -30,7 +30,8 @@ pub(crate) fn judge_across(world: &World, across: &Across, limits: &Limits, out:
             continue;
         }
         let others = rest.iter().map(|(bag, other)| ((bag, *other), change(first, other)));
-        let Some(((other_bag, other), change)) = others.max_by(Change::order) else {
+        // Of several recordings that have the value, the earliest.
+        let Some(((other_bag, other), change)) = others.rev().max_by(Change::order) else {
             continue;
         };
         let Some(severity) = change.severity(limits) else {

@@ -1,0 +1,91 @@
+//! What is kept to compare recordings: of each value of a latched transform, the two earliest recordings that have it. A thousand drives of
+//! one robot have the same ones.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::read::discover::Inputs;
+use crate::source::SourceId;
+use crate::world::Facts;
+use crate::world::bag::TfEdge;
+
+/// A recording by its start, nanoseconds.
+type Start = (Option<i64>, SourceId);
+
+/// The values that are kept, each with the recordings that it is kept of.
+pub(super) struct Latched<'a> {
+    inputs: &'a Inputs,
+    kept: BTreeMap<Key<'a>, Vec<Start>>,
+    /// How many drives there are in each folder, where a platform is a folder: no file says what belongs together.
+    drives: Option<BTreeMap<Folder<'a>, usize>>,
+}
+
+/// The argument that it came from, and the folder.
+type Folder<'a> = (usize, &'a Path);
+
+/// What is one platform: the files that belong to it, or the folder where there are none; the edge, and the bits of its value.
+type Key<'a> = (usize, Vec<SourceId>, Option<&'a Path>, [String; 3], Vec<u64>);
+
+impl<'a> Latched<'a> {
+    /// Nothing is kept yet of these drives. `are_files`: whether anything else than recordings was read.
+    pub(super) fn of(inputs: &'a Inputs, drives: &[Vec<usize>], are_files: bool) -> Self {
+        let mut latched = Self {
+            inputs,
+            kept: BTreeMap::new(),
+            drives: None,
+        };
+        if !are_files {
+            let mut counts = BTreeMap::new();
+            for folder in drives.iter().filter_map(|drive| latched.folder(*drive.first()?)) {
+                *counts.entry(folder).or_default() += 1;
+            }
+            latched.drives = Some(counts);
+        }
+        latched
+    }
+
+    fn folder(&self, recording: usize) -> Option<Folder<'a>> {
+        let input = self.inputs.files.get(recording)?;
+        Some((input.group, input.path.parent().unwrap_or(Path::new(""))))
+    }
+
+    /// These recordings, judged with these files, without the latched transforms whose value is kept of two earlier ones; without all,
+    /// where there are no others to compare them with.
+    pub(super) fn new_of(&mut self, files: &[SourceId], mut left: Vec<(usize, Facts)>) -> Vec<(usize, Facts)> {
+        for (recording, facts) in &mut left {
+            let Some((group, folder)) = self.folder(*recording) else {
+                continue;
+            };
+            let drives = self.drives.as_ref().and_then(|drives| drives.get(&(group, folder)));
+            if drives == Some(&1) {
+                *facts = Facts::default();
+                continue;
+            }
+            let folder = Some(folder).filter(|_| files.is_empty());
+            for bag in &mut facts.bags {
+                let own = (bag.start_ns, bag.source);
+                bag.tf.retain(|edge| {
+                    let Some((names, value)) = value(edge).filter(|_| edge.is_static) else {
+                        return true;
+                    };
+                    let key = (group, files.to_vec(), folder, names, value);
+                    let earliest = self.kept.entry(key).or_default();
+                    earliest.push(own);
+                    earliest.sort_unstable();
+                    earliest.truncate(2);
+                    earliest.contains(&own)
+                });
+                bag.tf.shrink_to_fit();
+            }
+        }
+        left
+    }
+}
+
+/// The names of an edge, and the bits of its first value.
+fn value(edge: &TfEdge) -> Option<([String; 3], Vec<u64>)> {
+    let pose = edge.first()?.pose;
+    let numbers = pose.translation_m.iter().chain(&pose.rotation_xyzw);
+    let names = [&edge.topic, edge.parent.as_str(), edge.child.as_str()].map(str::to_owned);
+    Some((names, numbers.map(|number| number.to_bits()).collect()))
+}
