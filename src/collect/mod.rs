@@ -252,6 +252,7 @@ impl Collector {
         };
         if let Some(topic) = self.topics.get_mut(number) {
             topic.channel(channel);
+            topic.is_asked_for |= format.is_asked_for();
         }
         self.tf.topic(number, &channel.topic);
         Some(Told {

@@ -36,6 +36,8 @@ pub(super) struct Topic {
     written: Written,
     offered_qos_profiles: Option<String>,
     unread: Option<String>,
+    /// Whether rules ask for what stands in such messages.
+    pub(super) is_asked_for: bool,
     /// Whether a definition is all that is missing.
     pub(super) lacks_definition: bool,
     /// What is left unread beside the headers.
@@ -71,6 +73,7 @@ impl Topic {
             latched: false,
             written: Written::default(),
             unread: decoder.unread().map(str::to_owned),
+            is_asked_for: false,
             lacks_definition: decoder.lacks_definition(),
             note: decoder.note().map(str::to_owned),
             malformed: 0,

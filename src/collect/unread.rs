@@ -20,8 +20,9 @@ pub(super) fn say(topics: &[Topic], source: &mut Source) {
     let mut types: BTreeMap<(&str, &str), (u64, ReadStatus, Option<&str>)> = BTreeMap::new();
     let spoken = || topics.iter().filter(|topic| topic.count > 0);
     for topic in spoken() {
-        // An unknown type says nothing about the recording as a whole; a standard one that is not as published does.
+        // An unknown type says nothing about the recording as a whole; a standard one that is not read, or is not as published, does.
         let (why, status) = match (topic.unread(), &topic.note) {
+            (Some(why), _) if topic.is_asked_for => (why, ReadStatus::Partial),
             (Some(why), _) => (why, ReadStatus::Read),
             (None, Some(note)) => (note.as_str(), ReadStatus::Partial),
             (None, None) => continue,

@@ -129,3 +129,41 @@ fn a_driver_that_wraps_standard_types_is_read_through_its_definition() {
     let frames: Vec<_> = topic.header_frames.keys().map(ToString::to_string).collect();
     assert_eq!((frames, topic.unread.as_deref()), (vec!["imu1_frame".to_owned()], None));
 }
+
+#[test]
+fn a_type_that_rules_ask_for_and_that_is_not_read_makes_the_recording_partial() {
+    let transform = Transform {
+        header: Header {
+            stamp_ns: 5,
+            frame_id: "base_link",
+        },
+        child: "imu",
+        translation: [0.1, 0.2, 0.3],
+        rotation: [0.0, 0.0, 0.0, 1.0],
+    };
+    for (message_type, status) in [("sensor_msgs/msg/Imu", "partial"), ("acme_msgs/msg/Thing", "read")] {
+        let bytes = in_memory(Layout::default(), |out| {
+            let tf = out.channel(&RawChannel {
+                topic: "/tf",
+                message_type: "tf2_msgs/msg/TFMessage",
+                ..RawChannel::default()
+            });
+            let other = out.channel(&RawChannel {
+                topic: "/imu",
+                message_type,
+                message_encoding: "flexbuffers",
+                ..RawChannel::default()
+            });
+            out.message(tf, 5, &Body::Tf(&[transform]).encode(Endian::Little));
+            out.message(other, 6, &[1, 2, 3]);
+        });
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("a.mcap"), bytes).unwrap();
+        let ran = program::run(folder.path(), ["check", "a.mcap", "--format", "json"]);
+        let report = ran.report();
+        assert_eq!(report["inputs"][0]["status"], status, "{report:#}");
+        assert_eq!(ran.code == 3, status == "partial", "{}", ran.code);
+        let why = report["inputs"][0]["problems"][0]["message"].as_str().unwrap();
+        assert!(why.contains("flexbuffers"), "{why}");
+    }
+}

@@ -1,6 +1,7 @@
 //! What is known of the messages of a channel.
 
-use super::standard::TopicWord;
+use super::definition::plain_name;
+use super::standard::{Standard, TopicWord};
 
 /// What is known of the messages of a channel before the first one.
 #[derive(Clone, Copy, Debug)]
@@ -21,5 +22,11 @@ impl Format<'_> {
     /// What the topic decides about how its messages are read.
     pub(super) fn topic_word(&self) -> Option<TopicWord> {
         TopicWord::of(self.topic)
+    }
+
+    /// Whether the messages would say something that rules ask for, by the name of their type.
+    pub fn is_asked_for(&self) -> bool {
+        let name = plain_name(self.message_type);
+        Standard::of(&name, self.topic_word()).is_some() || name.starts_with("foxglove.")
     }
 }

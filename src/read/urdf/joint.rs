@@ -69,6 +69,8 @@ impl Reader<'_> {
             match child.name() {
                 "origin" => {
                     let origin = self.origin(&child);
+                    // There is one, and a hundred thousand joints.
+                    joint.origins.reserve_exact(1);
                     joint.origins.push(origin);
                     continue;
                 }

@@ -34,7 +34,7 @@ const MOST: usize = 64;
 /// The pieces between blanks, tabs and line ends.
 fn pieces(attribute: &Attribute<'_>) -> Vec<Literal> {
     let text = attribute.value.as_ref();
-    let mut literals = Vec::new();
+    let mut literals = Vec::with_capacity(3);
     let mut start = None;
     for (at, c) in text.char_indices().chain([(text.len(), ' ')]) {
         if literals.len() >= MOST {

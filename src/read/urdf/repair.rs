@@ -45,7 +45,8 @@ pub(super) fn repair(text: &str) -> Repaired {
 /// Most attributes of one element; real ones have ten, and parsing costs the square of their number.
 const MOST_ATTRIBUTES: usize = 1000;
 
-/// Most elements of a text, each some kilobytes once it is read; the largest known robots have four thousand.
+/// Most elements of a text. Each takes up to some kilobytes once it is read, and every faulty one a finding: these keep within 500 MB. The
+/// largest known robots have four thousand.
 pub(super) const MOST_ELEMENTS: usize = 60_000;
 
 /// Longest name of an element or attribute, and longest value that names something, bytes: findings repeat names.
@@ -200,7 +201,11 @@ impl Lexer<'_> {
         }
         self.elements += 1;
         if self.elements > MOST_ELEMENTS {
-            return self.too_much(open, &format!("there are more than {MOST_ELEMENTS} elements"));
+            let what = format!(
+                "there are more than {MOST_ELEMENTS} elements, which would take more memory than one file is given"
+            );
+            self.report.excess = Some((Span::new(open, open + 1), what));
+            return None;
         }
         let name = self.text.get(open + 1..at).unwrap_or_default().to_owned();
         if self.open == 0 && !self.top(open, &name) {
