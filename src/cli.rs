@@ -249,6 +249,7 @@ fn run_collect(collect: Collect, stdin: &mut dyn Read, surroundings: Surrounding
         outputs: Outputs {
             files: collect.output.iter().cloned().collect(),
             force: collect.force,
+            ..Outputs::default()
         },
         ..collect.input.reading.options(paths, surroundings)
     })?;

@@ -245,6 +245,8 @@ pub struct Outputs {
     pub files: Vec<PathBuf>,
     /// Whether the user allows to replace what is no report.
     pub force: bool,
+    /// The one among them that may be read by the run as well: a baseline that is written anew.
+    pub rewritten: Option<PathBuf>,
 }
 
 impl Outputs {
@@ -255,6 +257,12 @@ impl Outputs {
             .any(|file| identity(file).is_some_and(|own| identity(path) == Some(own)))
     }
 
+    /// Whether a file is read, and then written anew.
+    pub fn rewrite(&self, path: &Path) -> bool {
+        let own = self.rewritten.as_deref().and_then(identity);
+        own.is_some_and(|own| identity(path) == Some(own))
+    }
+
     /// Why they may not be written: one is an input of the run, by whatever name, two are the same, or one is there and no report of ours.
     /// A report that was met in a folder is no input: `found` may be replaced then, what was `given` may not.
     pub fn refused<'p>(
@@ -263,8 +271,13 @@ impl Outputs {
         given: impl Iterator<Item = &'p Path>,
     ) -> Option<String> {
         let mut known: Vec<(Identity, &Path)> = Vec::new();
-        for file in &self.files {
+        for (at, file) in self.files.iter().enumerate() {
             let shown = file.display();
+            let same = |other: &&PathBuf| std::path::absolute(other).ok() == std::path::absolute(file).ok();
+            let is_stream = fs::metadata(file).is_ok_and(|about| !about.is_file() && !about.is_dir());
+            if !is_stream && self.files.iter().take(at).any(|other| same(&other)) {
+                return Some(format!("`{shown}` is two outputs; each needs a file of its own"));
+            }
             let is_stream = fs::metadata(file).is_ok_and(|about| !about.is_file() && !about.is_dir());
             let Some(identity) = identity(file).filter(|_| !is_stream) else {
                 continue;

@@ -336,6 +336,7 @@ impl Reporting {
         Outputs {
             files: reports.chain(others.into_iter().flatten().cloned()).collect(),
             force: self.force,
+            rewritten: None,
         }
     }
 

@@ -7,6 +7,7 @@ use std::mem::ManuallyDrop;
 use std::path::PathBuf;
 
 use crate::engine;
+use crate::files::Outputs;
 use crate::report::{self, Format, Style, plural, terminal};
 use crate::rules::codes;
 use crate::run::Run;
@@ -41,7 +42,10 @@ pub(super) fn run(
         baseline: check.baseline,
         today: Some(today),
         fail_on: check.reporting.fail_on,
-        outputs: check.reporting.outputs([&check.write_baseline, &check.views.rrd]),
+        outputs: Outputs {
+            rewritten: check.write_baseline.clone(),
+            ..check.reporting.outputs([&check.write_baseline, &check.views.rrd])
+        },
         verdicts: engine::Verdicts::Each,
         outcomes: match (check.reporting.verbose, check.reporting.has(Format::Html)) {
             (true, _) => KeptOutcomes::Listed,

@@ -18,6 +18,7 @@ pub(super) fn run(asked: Convert, stdin: &mut dyn Read, surroundings: Surroundin
         outputs: Outputs {
             files: asked.output.iter().cloned().collect(),
             force: asked.force,
+            ..Outputs::default()
         },
         ..asked
             .input

@@ -32,6 +32,7 @@ pub(super) fn run(init: Init, stdin: &mut dyn Read, surroundings: Surroundings) 
         outputs: Outputs {
             files: target.iter().cloned().collect(),
             force: init.force,
+            ..Outputs::default()
         },
         verdicts: engine::Verdicts::One,
         ..init.input.reading.options(inputs, surroundings)

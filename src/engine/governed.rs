@@ -238,6 +238,15 @@ impl Governed {
         config.is_some_and(|config| !AllowedFolders::exactly(&options.paths).holds(Path::new(config.path())))
     }
 
+    /// Where they stand, those that they extend among them.
+    pub(super) fn files(&self) -> Vec<PathBuf> {
+        let configs = self.each().filter_map(|one| one.config.as_ref());
+        configs
+            .flat_map(|config| config.sources(0))
+            .map(|source| PathBuf::from(source.path))
+            .collect()
+    }
+
     /// Their files as sources, behind these. The id of the first.
     pub(super) fn add_sources(&self, sources: &mut Vec<Arc<Source>>) -> u32 {
         let first = source_id(sources.len()).0;

@@ -71,6 +71,13 @@ pub fn check_each(options: &Options, told: &mut dyn FnMut(&Run, &Grown)) -> Resu
             .timings
             .of(Phase::Configure, "", || Governed::new(options, &inputs))?,
     };
+    let files = setup.governed.files();
+    let refused = options
+        .outputs
+        .refused(std::iter::empty(), files.iter().map(PathBuf::as_path));
+    if let Some(why) = refused {
+        return Err(UsageError(why));
+    }
     let mut saved: Vec<(usize, &PathBuf)> = (0..).zip(&options.evidence).collect();
     saved.sort_by_key(|(_, path)| *path);
     let saved = saved.into_iter();
@@ -300,7 +307,8 @@ fn inputs(options: &Options) -> Result<Inputs, UsageError> {
     let mut inputs = options.timings.of(Phase::Find, "", find);
     let files = inputs.files.iter();
     let found = files.flat_map(|input| std::iter::once(&input.path).chain(&input.parts));
-    let given = options.evidence.iter().chain(&options.config);
+    let baseline = options.baseline.iter().filter(|path| !options.outputs.rewrite(path));
+    let given = options.evidence.iter().chain(&options.config).chain(baseline);
     let refused = options
         .outputs
         .refused(found.map(PathBuf::as_path), given.map(PathBuf::as_path));

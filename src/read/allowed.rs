@@ -12,10 +12,8 @@ pub struct AllowedFolders {
 }
 
 impl AllowedFolders {
-    /// Those around these paths: the folders themselves, those of the files, the repositories that they belong to, and the working
-    /// folder for what lies in it.
+    /// Those around these paths: the folders themselves, those of the files, and the repositories and packages of ROS that they belong to.
     pub fn around<'p>(paths: impl IntoIterator<Item = &'p Path>) -> Self {
-        let here = std::env::current_dir().and_then(std::fs::canonicalize).ok();
         let mut folders = Vec::new();
         for path in paths {
             let Ok(whole) = std::fs::canonicalize(path) else {
@@ -23,9 +21,10 @@ impl AllowedFolders {
             };
             let own = if whole.is_dir() { Some(&*whole) } else { whole.parent() };
             let Some(own) = own else { continue };
-            let repository = own.ancestors().find(|folder| folder.join(".git").exists());
-            folders.extend(repository.map(Path::to_path_buf));
-            folders.extend(here.clone().filter(|here| own.starts_with(here)));
+            for sign in [".git", "package.xml"] {
+                let root = own.ancestors().find(|folder| folder.join(sign).exists());
+                folders.extend(root.map(Path::to_path_buf));
+            }
             folders.push(own.to_path_buf());
         }
         folders.sort();

@@ -7,7 +7,7 @@ use std::path::PathBuf;
 
 use crate::source::SourceKind;
 
-use super::bag::{rosbag2, split};
+use super::bag::{numbered, rosbag2, split};
 use super::input::Input;
 
 /// Makes one input of the files of each recording.
@@ -39,7 +39,7 @@ type Row = (usize, PathBuf, String, String);
 fn splits(files: &mut Vec<Input>) {
     let mut rows: BTreeMap<Row, Vec<(u64, PathBuf)>> = BTreeMap::new();
     for input in files.iter().filter(|input| is_file_of_one(input)) {
-        if let Some((stem, ending, number)) = split::numbered(&input.path) {
+        if let Some((stem, ending, number)) = numbered::numbered(&input.path) {
             let folder = input.path.parent().map(PathBuf::from).unwrap_or_default();
             let row = rows.entry((input.group, folder, stem, ending)).or_default();
             row.push((number, input.path.clone()));

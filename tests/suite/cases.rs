@@ -94,6 +94,8 @@ pub(crate) fn worlds(case: &Case<'_>) -> Vec<World> {
 fn run_case(case: &Case<'_>) -> (tempfile::TempDir, Run) {
     let folder = laid_out(case);
     let run = support::checked(folder.path());
+    let crashed = run.verdict.rows.iter().find(|row| row.outcome == Outcome::Crashed);
+    assert!(crashed.is_none(), "{}: {crashed:?}", case.title);
     (folder, run)
 }
 

@@ -270,6 +270,7 @@ fn limits_and_requirements_are_those_of_the_configuration_above_the_recording() 
 #[test]
 fn the_settings_of_a_file_are_shown() {
     let folder = tempfile::tempdir().unwrap();
+    fs::create_dir(folder.path().join(".git")).unwrap();
     robot(&folder.path().join("a"));
     let show = |file: &str| run(folder.path(), ["check", "--show-settings", file]);
     let none = show("a/car.urdf").text();

@@ -16,7 +16,7 @@ use crate::support;
 use crate::support::damage::behind;
 use crate::support::ros1;
 use crate::support::rosbag1::{self, Compression};
-use crate::support::rosbag2::{Db3, Drive};
+use crate::support::rosbag2::{Db3, Drive, Yaml, write_parts};
 
 /// What rules on absence and continuity look at: latched and moving transforms, corrections of the map, stamps, rates, and topics that begin
 /// late, end early, or are slow.
@@ -198,5 +198,30 @@ fn a_damaged_page_of_a_database_adds_no_finding() {
         };
         let leaves = pages.filter(|number| bytes[number * page] == 0x0d);
         adds_nothing("db3", &bytes, &leaves.map(without).collect());
+    }
+}
+
+#[test]
+fn a_missing_file_of_a_split_recording_adds_no_finding() {
+    let parts = Drive::of(&drive("")).split(4);
+    let whole = tempfile::tempdir().unwrap();
+    for (folder, gone) in [(&whole, None), (&tempfile::tempdir().unwrap(), Some(1))] {
+        let paths = write_parts(&parts, folder.path(), "mcap");
+        Yaml::of(&paths).write(&Drive::of(&drive("")), folder.path());
+        let run = match gone {
+            Some(gone) => {
+                fs::remove_file(&paths[gone]).unwrap();
+                check(folder.path())
+            }
+            None => check(folder.path()),
+        };
+        let new: Vec<_> = found(&run).into_iter().filter(|(rule, _)| rule == "TIME03").collect();
+        assert!(new.is_empty(), "{gone:?}: {new:?}");
+        assert_eq!(
+            run.sources[0].status == ReadStatus::Partial,
+            gone.is_some(),
+            "{:?}",
+            run.sources[0]
+        );
     }
 }

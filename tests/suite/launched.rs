@@ -222,3 +222,22 @@ fn a_finding_points_to_the_publisher_and_not_to_the_arguments_that_it_uses() {
     let finding = report["findings"].as_array().unwrap().iter().find(of).unwrap();
     assert_eq!(finding["places"][0]["line"], 3, "{finding:#}");
 }
+
+#[test]
+fn a_publisher_in_many_groups_is_read_and_what_lies_deeper_is_said() {
+    let grouped = |depth: usize| {
+        let node = "<node pkg=\"tf2_ros\" exec=\"static_transform_publisher\" args=\"0 0 1 0 0 0 a a\"/>";
+        let text = format!(
+            "<launch>{}{node}{}</launch>",
+            "<group>".repeat(depth),
+            "</group>".repeat(depth)
+        );
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(folder.path().join("a.launch.xml"), text).unwrap();
+        run(folder.path(), ["check", "."])
+    };
+    let read = grouped(300);
+    assert!(read.text().contains("TREE04"), "{}", read.text());
+    let deep = grouped(1500);
+    assert!(deep.code == 3 && !deep.text().contains("TREE04"), "{}", deep.text());
+}

@@ -131,6 +131,28 @@ fn the_last_report_is_no_input_of_the_next_run() {
 }
 
 #[test]
+fn what_a_run_is_governed_by_is_not_replaced() {
+    let folder = platform();
+    let path = folder.path();
+    fs::write(path.join("frames-lint.yaml"), "fail-on: warning\n").unwrap();
+    let written = program::run(path, ["check", ".", "--write-baseline", "baseline.json"]);
+    assert_eq!(written.code, 0, "{}", written.err);
+    let accepted = fs::read_to_string(path.join("baseline.json")).unwrap();
+    for call in [
+        "check . --baseline baseline.json -o baseline.json",
+        "check . --force -o frames-lint.yaml",
+    ] {
+        let ran = program::run(path, call.split(' '));
+        assert_eq!(ran.code, 2, "{call}: {}", ran.text());
+        assert!(ran.err.contains("it is the input"), "{call}: {}", ran.err);
+    }
+    assert_eq!(fs::read_to_string(path.join("baseline.json")).unwrap(), accepted);
+    // A baseline is read and written anew.
+    let call = "check . --baseline baseline.json --write-baseline baseline.json";
+    assert_eq!(program::run(path, call.split(' ')).code, 0);
+}
+
+#[test]
 fn each_output_has_its_own_file() {
     let folder = platform();
     fs::write(folder.path().join("report"), "").unwrap();
@@ -141,6 +163,9 @@ fn each_output_has_its_own_file() {
     );
     assert_eq!(ran.code, 2);
     assert!(ran.err.contains("are one file"), "{}", ran.err);
+    let twice = ["check", ".", "--output", "json=new", "--output", "html=./new"];
+    let ran = program::run(folder.path(), twice);
+    assert!(ran.code == 2 && ran.err.contains("two outputs"), "{}", ran.err);
     let ran = program::run(
         folder.path(),
         ["check", ".", "--output", "json=/dev/null", "--output", "html=/dev/null"],

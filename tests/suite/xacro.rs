@@ -361,6 +361,9 @@ fn neither_the_environment_nor_files_elsewhere_reach_a_report() {
             let said = ran.text() + &ran.err;
             assert!(!said.contains("hunter2"), "{how}: {said}");
         }
+        // Where somebody stands gives a file no rights.
+        let ran = run_with(folder.path(), ["check", &format!("robot{at}")], &secret);
+        assert!(!ran.text().contains("hunter2"), "{how}: {}", ran.text());
         let ran = run_with(&robot, ["check", "."], &secret);
         // What is not there has its default; everything else is not expanded.
         if how.contains("optenv") {

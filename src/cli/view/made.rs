@@ -19,6 +19,7 @@ pub(in crate::cli) fn run(view: View, stdin: &mut dyn Read, surroundings: Surrou
         outputs: Outputs {
             files: view.output.iter().cloned().collect(),
             force: view.force,
+            ..Outputs::default()
         },
         verdicts: engine::Verdicts::One,
         sights: engine::Sights::Everything,

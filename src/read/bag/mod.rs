@@ -9,6 +9,7 @@ mod inflate;
 mod kind;
 mod mcap;
 pub(in crate::read) mod metadata;
+pub(in crate::read) mod numbered;
 mod parts;
 mod rosbag1;
 pub(in crate::read) mod rosbag2;

@@ -9,6 +9,7 @@ use std::path::{Path, PathBuf};
 use crate::source::{Problem, ReadStatus, Source};
 
 use super::metadata::Metadata;
+use super::numbered::numbered;
 use super::{Carried, Channel, Extent, Message, Sampling, Task, Visit, Wanted};
 
 /// Bound on the topics that are counted.
@@ -57,8 +58,12 @@ pub(super) fn read(files: &[PathBuf], metadata: Option<&Metadata>, task: Task<'_
     let (mut done, mut unreadable) = (0, 0);
     source.examined.bytes = 0;
     source.examined.messages = Some(0);
+    let mut last: Option<&PathBuf> = None;
     for (file, size) in files.iter().zip(&sizes) {
         let name = name(file);
+        // A file between the two is missing.
+        joined.seam |= last.is_some_and(|last| is_gap(last, file));
+        last = Some(file);
         joined.start(&name);
         let mut part = Source::new(source.id, name.clone(), source.kind);
         let before = done;
@@ -90,6 +95,12 @@ pub(super) fn read(files: &[PathBuf], metadata: Option<&Metadata>, task: Task<'_
     let mut outcome = joined.outcome;
     outcome.extent = together(&extents, outcome.log_ns);
     outcome
+}
+
+/// Whether files of one recording do not follow each other by their numbers.
+fn is_gap(last: &Path, file: &Path) -> bool {
+    let numbers = numbered(last).zip(numbered(file));
+    numbers.is_some_and(|((.., last), (.., number))| number > last + 1)
 }
 
 /// The name of a file as problems say it.

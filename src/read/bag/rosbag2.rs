@@ -11,7 +11,7 @@ use crate::source::{Place, ReadStatus, Source, Span};
 use super::kind::Container;
 use super::metadata::{self, Metadata};
 use super::parts::{self, Outcome};
-use super::{Extent, NOTHING, Task, split};
+use super::{Extent, NOTHING, Task, numbered};
 
 /// How much the metadata's times may differ from those of the messages, nanoseconds. Recorders note the time of arrival
 /// and of writing.
@@ -149,7 +149,7 @@ fn by_name(folder: &Path) -> Vec<PathBuf> {
     let paths: Vec<PathBuf> = entries.flatten().map(|entry| entry.path()).collect();
     let mut numbered: Vec<_> = paths
         .iter()
-        .filter_map(|path| split::numbered(path).map(|(stem, ending, number)| (stem, ending, number, path.clone())))
+        .filter_map(|path| numbered::numbered(path).map(|(stem, ending, number)| (stem, ending, number, path.clone())))
         .filter(|(_, ending, ..)| ending != ".bag")
         .collect();
     numbered.sort();
@@ -221,13 +221,13 @@ fn before(metadata: &Metadata, files: &Files, folder: &Path, source: &mut Source
     let stems: BTreeSet<_> = files
         .present
         .iter()
-        .filter_map(|file| split::numbered(file).map(|(stem, ending, _)| (stem, ending)))
+        .filter_map(|file| numbered::numbered(file).map(|(stem, ending, _)| (stem, ending)))
         .collect();
     let entries = std::fs::read_dir(folder).into_iter().flatten().flatten();
     let mut unnamed: Vec<String> = entries
         .map(|entry| entry.path())
         .filter(|path| path.file_name().is_some_and(|name| !known.contains(name)))
-        .filter(|path| split::numbered(path).is_some_and(|(stem, ending, _)| stems.contains(&(stem, ending))))
+        .filter(|path| numbered::numbered(path).is_some_and(|(stem, ending, _)| stems.contains(&(stem, ending))))
         .map(|path| parts::name(&path))
         .collect();
     unnamed.sort();

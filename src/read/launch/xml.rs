@@ -9,8 +9,8 @@ use crate::source::{Place, Placed, Span};
 use super::traced::Traced;
 use super::{Call, Found, PROGRAM, When, settings, yaml};
 
-/// Deeper elements are not looked at.
-const MAX_DEPTH: usize = 64;
+/// Elements within elements that are looked at.
+const MAX_DEPTH: usize = 1000;
 /// Substitutions inside of substitutions.
 const MAX_NESTING: usize = 8;
 
@@ -69,6 +69,11 @@ impl Walk<'_> {
                 for child in node.children().filter(Node::is_element) {
                     self.element(child, when, depth + 1);
                 }
+            }
+            _ if node.has_children() => {
+                let start = self.base + node.range().start;
+                let fault = format!("elements are nested more than {MAX_DEPTH} deep: what is inside is not read");
+                self.found.faults.push((Span::new(start, start + 1), fault));
             }
             _ => {}
         }

@@ -120,6 +120,12 @@ fn expand_here(file: &Path, args: HashMap<String, String>, bounds: Option<&Bound
             said
         }
     })?;
+    if let Some(name) = named_by_a_float(&text) {
+        return Err(format!(
+            "error: `{name}` holds a number that the `xacro` program may write without its point\nwhen processing file: {}",
+            file.display()
+        ));
+    }
     for path in included.iter().map(std::path::PathBuf::as_path).chain([file]) {
         let written = std::fs::read_to_string(path).unwrap_or_default();
         if let Some(refusal) = bounds.and_then(|bounds| bounds.refusal(path, &written)) {
@@ -159,6 +165,23 @@ fn is_evaluated_otherwise(expression: &str) -> bool {
         })
     });
     powers || expression.contains('%') || expression.split(|c| !is_word(c)).any(|word| word == "None")
+}
+
+/// The first name of an expansion that holds a whole number with a point (`lidar_3.0`): whole numbers of YAML files are floats here, and whole
+/// in Python.
+fn named_by_a_float(expanded: &str) -> Option<&str> {
+    let values = ["name=\"", "link=\""]
+        .into_iter()
+        .flat_map(|key| expanded.split(key).skip(1));
+    let mut names = values.filter_map(|rest| rest.split('"').next());
+    names.find(|name| {
+        let is_digit = |byte: Option<&u8>| byte.is_some_and(u8::is_ascii_digit);
+        let mut points = name.match_indices(".0");
+        points.any(|(at, _)| {
+            let bytes = name.as_bytes();
+            is_digit(at.checked_sub(1).and_then(|before| bytes.get(before))) && !is_digit(bytes.get(at + 2))
+        })
+    })
 }
 
 /// The text before the bracket that a closing one behind `inner` belongs to.
@@ -224,6 +247,18 @@ fn words(error: &XacroError, bounds: Option<&Bounds>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_that_hold_a_float_are_known() {
+        for (text, name) in [
+            ("<link name=\"lidar_3.0\"/>", Some("lidar_3.0")),
+            ("<child link=\"a_12.0_b\"/>", Some("a_12.0_b")),
+            ("<link name=\"v1.05\"/><origin xyz=\"3.0 0 0\"/>", None),
+            ("<link name=\"base.0\"/><link name=\"lidar_3\"/>", None),
+        ] {
+            assert_eq!(named_by_a_float(text), name, "{text}");
+        }
+    }
 
     #[test]
     fn expressions_that_are_evaluated_otherwise_are_known() {

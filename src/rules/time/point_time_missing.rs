@@ -70,7 +70,8 @@ fn judge_clouds(clouds: &Clouds, motion: &BagMotion, limits: &Limits, out: &mut 
             clouds.topic.topic
         );
         let finding = Finding::new(severity.min(Severity::Warning), subject, message, clouds.place()).hint();
-        return out.fail(named(finding, most.is_some()));
+        let measured = [Measured::new("time of a scan", period_s, "s").limit(limits.max_period_s)];
+        return out.fail(named(finding, most.is_some()).measured(measured));
     };
     let smear_m = fastest.speed_m_s * period_s + limits.at_m * fastest.rate_rad_s * period_s;
     let measured = [
