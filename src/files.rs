@@ -278,7 +278,6 @@ impl Outputs {
             if !is_stream && self.files.iter().take(at).any(|other| same(&other)) {
                 return Some(format!("`{shown}` is two outputs; each needs a file of its own"));
             }
-            let is_stream = fs::metadata(file).is_ok_and(|about| !about.is_file() && !about.is_dir());
             let Some(identity) = identity(file).filter(|_| !is_stream) else {
                 continue;
             };

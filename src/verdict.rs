@@ -235,6 +235,13 @@ pub enum KeptOutcomes {
     Untold,
 }
 
+impl KeptOutcomes {
+    /// Whether outcomes that do not apply are counted when they are judged.
+    pub fn drops_inapplicable(self) -> bool {
+        matches!(self, Self::Applicable | Self::Untold)
+    }
+}
+
 impl Verdict {
     /// Counts outcomes instead of keeping them.
     pub fn drop_rows(&mut self, is_dropped: impl Fn(&Row) -> bool) {

@@ -1,14 +1,11 @@
 //! Any bytes as JSON: no panic, bounded work.
-use frames_lint::read::{calibration, text};
-use frames_lint::source::{Source, SourceId, SourceKind};
+use frames_lint::read::calibration;
+use frames_lint::source::SourceKind;
 use frames_lint::tables::Tables;
 
 /// Runs the target.
 pub fn run(bytes: &[u8]) {
-    let Ok((text, _note)) = text::decode(bytes.to_vec()) else {
-        return;
-    };
-    let mut source = Source::new(SourceId(0), "fuzz.json", SourceKind::Json);
-    source.text = text;
-    calibration::read_json(&mut source, Tables::default().dialects());
+    if let Some(mut source) = super::source(bytes, "fuzz.json", SourceKind::Json) {
+        calibration::read_json(&mut source, Tables::default().dialects());
+    }
 }

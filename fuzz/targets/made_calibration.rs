@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use frames_lint::read::{calibration, text};
-use frames_lint::source::{ReadStatus, Source, SourceId, SourceKind};
+use frames_lint::read::calibration;
+use frames_lint::source::{ReadStatus, Source, SourceKind};
 use frames_lint::tables::Tables;
 use frames_lint::world::Facts;
 
@@ -28,7 +28,7 @@ pub fn run(bytes: &[u8]) {
         .collect();
     let is_json = choices.below(2) == 1;
     let written = if is_json { json(&all) } else { yaml(&all, &mut choices) };
-    let (source, facts) = read(written.clone().into_bytes(), is_json).expect("UTF-8");
+    let (source, facts) = read(written.as_bytes(), is_json).expect("UTF-8");
     assert_eq!(source.status, ReadStatus::Read, "{source:?}\n{written}");
     assert_eq!(facts.claims.len(), all.len(), "{written}");
     for (claim, made) in facts.claims.iter().zip(&all) {
@@ -46,7 +46,7 @@ pub fn run(bytes: &[u8]) {
     }
     let mut bent = written.into_bytes();
     choices.bend(&mut bent);
-    let _ = read(bent, is_json);
+    let _ = read(&bent, is_json);
 }
 
 fn yaml(all: &[Made], choices: &mut Choices<'_>) -> String {
@@ -93,11 +93,9 @@ fn json(all: &[Made]) -> String {
 }
 
 /// What is read of a file; `None` where it is no text.
-fn read(bytes: Vec<u8>, is_json: bool) -> Option<(Source, Facts)> {
-    let (text, _note) = text::decode(bytes).ok()?;
+fn read(bytes: &[u8], is_json: bool) -> Option<(Source, Facts)> {
     let kind = if is_json { SourceKind::Json } else { SourceKind::Yaml };
-    let mut source = Source::new(SourceId(0), "made", kind);
-    source.text = text;
+    let mut source = super::source(bytes, "made", kind)?;
     let tables = Tables::default();
     let facts = match kind {
         SourceKind::Json => calibration::read_json(&mut source, tables.dialects()),

@@ -2,8 +2,8 @@
 
 use std::fmt::Write;
 
-use frames_lint::read::{text, urdf};
-use frames_lint::source::{ReadStatus, Source, SourceId, SourceKind};
+use frames_lint::read::urdf;
+use frames_lint::source::{ReadStatus, Source, SourceKind};
 use frames_lint::world::Facts;
 use frames_lint::world::robot::ConsumerOpinion;
 
@@ -14,7 +14,7 @@ pub fn run(bytes: &[u8]) {
     let mut choices = Choices::new(bytes);
     let joints = joints(&mut choices);
     let written = written(&joints, &mut choices);
-    let (source, facts) = read(written.clone().into_bytes()).expect("UTF-8");
+    let (source, facts) = read(written.as_bytes()).expect("UTF-8");
     assert_eq!(source.status, ReadStatus::Read, "{source:?}\n{written}");
     let [robot] = facts.robots.as_slice() else {
         panic!("no robot in {written}")
@@ -38,7 +38,7 @@ pub fn run(bytes: &[u8]) {
     }
     let mut bent = written.into_bytes();
     choices.bend(&mut bent);
-    if let Some((source, facts)) = read(bent) {
+    if let Some((source, facts)) = read(&bent) {
         assert!(!facts.robots.is_empty() || !source.problems.is_empty());
     }
 }
@@ -100,10 +100,8 @@ fn written(joints: &[Joint], choices: &mut Choices<'_>) -> String {
 }
 
 /// What is read of a description; `None` where it is no text.
-fn read(bytes: Vec<u8>) -> Option<(Source, Facts)> {
-    let (text, _note) = text::decode(bytes).ok()?;
-    let mut source = Source::new(SourceId(0), "made.urdf", SourceKind::Urdf);
-    source.text = text;
+fn read(bytes: &[u8]) -> Option<(Source, Facts)> {
+    let mut source = super::source(bytes, "made.urdf", SourceKind::Urdf)?;
     let facts = urdf::read(&mut source, &urdf::MeshLookup::default());
     Some((source, facts))
 }

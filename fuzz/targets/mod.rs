@@ -23,6 +23,36 @@ mod rosbag1;
 mod urdf;
 mod yaml;
 
+use std::io::Write;
+
+use frames_lint::collect::{How, collect};
+use frames_lint::read::bag::Sampling;
+use frames_lint::read::text;
+use frames_lint::source::{ReadStatus, Source, SourceId, SourceKind};
+
+/// Bytes as a source, where they are a text.
+fn source(bytes: &[u8], name: &str, kind: SourceKind) -> Option<Source> {
+    let (text, _note) = text::decode(bytes.to_vec()).ok()?;
+    let mut source = Source::new(SourceId(0), name, kind);
+    source.text = text;
+    Some(source)
+}
+
+/// Collects a recording of these bytes, behind the magic of its format: the interesting ones. What was not read is said.
+fn recorded(magic: &[u8], bytes: &[u8], kind: SourceKind, sampling: Option<Sampling>) {
+    let mut file = tempfile::NamedTempFile::new().expect("a temporary file");
+    file.write_all(magic).expect("writable");
+    file.write_all(bytes).expect("writable");
+    let mut source = Source::new(SourceId(0), "fuzz", kind);
+    let how = How {
+        sampling,
+        ..How::default()
+    };
+    drop(collect(file.path(), &how, &mut source, &|_, _| {}));
+    assert!(source.status == ReadStatus::Read || !source.problems.is_empty());
+    assert!(source.examined.bytes <= source.examined.bytes_total);
+}
+
 /// A target.
 pub type Target = fn(&[u8]);
 

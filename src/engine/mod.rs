@@ -32,7 +32,7 @@ use crate::read::messages::definition::Definitions;
 use crate::run::{Grown, Run};
 use crate::source::Source;
 use crate::tables::Tables;
-use crate::verdict::{KeptOutcomes, Verdict};
+use crate::verdict::Verdict;
 use crate::world::{Conventions, NamedDataset, World};
 
 use evidence::Saved;
@@ -174,7 +174,7 @@ fn together(setup: &Setup, inputs: Inputs, saved: Vec<Saved>) -> Result<Run, Usa
     let (verdict, laid) = policy.lay(verdicts, (&run.sources, &run.platforms), Some(&Demanded::default()));
     run.verdict = verdict;
     policy.close(laid, &mut run);
-    if matches!(run.kept, KeptOutcomes::Applicable | KeptOutcomes::Untold) {
+    if run.kept.drops_inapplicable() {
         run.verdict.drop_rows(|row| !row.applies());
     }
     Ok(run)

@@ -112,7 +112,7 @@ impl<'a> Whole<'a> {
         let (rows, findings) = (self.run.verdict.rows.len(), self.run.verdict.findings.len());
         self.laid.join(laid);
         // Of rules that compare recordings it counts later what was said of one of them.
-        if matches!(self.run.kept, KeptOutcomes::Applicable | KeptOutcomes::Untold) {
+        if self.run.kept.drops_inapplicable() {
             verdict.drop_rows(|row| !row.applies() && !plan::compares(&row.rule));
         }
         self.run.verdict.extend(verdict);
