@@ -37,4 +37,5 @@ pub mod source;
 pub mod tables;
 pub mod verdict;
 pub mod view;
+mod visible;
 pub mod world;

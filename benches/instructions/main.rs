@@ -5,6 +5,8 @@
 //! UPDATE=1 cargo test --locked --test instructions   # writes a new baseline: the commit says why
 //! ```
 //!
+//! What the program costs for more of the same input is held against the size as well: four times the input may cost five times as much.
+//!
 //! Counted by Valgrind's callgrind in the program that `cargo test` builds, with one thread. Counts of another compiler are another program's, and
 //! a processor without AVX2 is given other code: where these are not the baseline's nothing is compared, and that is said.
 
@@ -140,6 +142,120 @@ fn cases(folder: &Path) -> Vec<Case> {
         cases.push(case(&format!("rules {family}"), &arguments));
     }
     cases
+}
+
+/// Files with so many of what they hold: names and paths with their texts.
+type Sized = fn(usize) -> Vec<(String, String)>;
+
+/// Inputs that can be of any size, most of them with a mistake in each part: looking for what was meant must not look through everything.
+const SIZED: &[(&str, Sized)] = &[
+    ("faulty links", |count| {
+        vec![("robot.urdf".to_owned(), faulty_robot(count))]
+    }),
+    ("calibrations in a file", |count| {
+        vec![("chain.yaml".to_owned(), cameras(count))]
+    }),
+    ("calibrations in as many files", |count| {
+        let file = |number| {
+            (
+                format!("{number}.yaml"),
+                CALIBRATION.replace("velodyne", &format!("lidar_{number}")),
+            )
+        };
+        (0..count).map(file).collect()
+    }),
+    ("a robot and its calibration", |count| {
+        vec![
+            ("robot.urdf".to_owned(), faulty_robot(count)),
+            ("chain.yaml".to_owned(), cameras(count)),
+        ]
+    }),
+    ("static transforms of a launch file", |count| {
+        let node = |number: usize| {
+            format!(
+                "<node pkg=\"tf2_ros\" exec=\"static_transform_publisher\" name=\"s{number}\" args=\"1 2 3 0 0 0 base_link lidar{number}\"/>\n"
+            )
+        };
+        let nodes: String = (0..count).map(node).collect();
+        vec![("bringup.launch.xml".to_owned(), format!("<launch>\n{nodes}</launch>\n"))]
+    }),
+];
+
+/// A robot whose every sixth link has one mistake of six.
+fn faulty_robot(count: usize) -> String {
+    let mut text = "<robot name=\"r\">\n<link name=\"base_link\"/>\n".to_owned();
+    for number in 0..count {
+        let (child, used) = match number % 6 {
+            0 => (format!("Lidar{number}"), format!("lidar{number}")),
+            1 => (
+                format!("camera{number}_optical_frame"),
+                format!("camera{number}_optical_frame"),
+            ),
+            2 => (format!("imu{number}_ned"), format!("imu{number}_ned")),
+            3 => (format!("wheel{number}"), format!("wheel{number}x")),
+            4 => (format!("gps{number}"), format!("gps{number} ")),
+            _ => (format!("imu{}", number - 3), format!("imu{}", number - 3)),
+        };
+        let kind = if number % 6 == 3 { "fixd" } else { "fixed" };
+        let _ = write!(
+            text,
+            "<link name=\"{child}\"/>\n<joint name=\"joint{number}\" type=\"{kind}\"><parent link=\"base_link\"/>\
+             <child link=\"{used}\"/><origin xyz=\"0 0.1 0.{number}\" rpy=\"0 0 90\"/></joint>\n"
+        );
+    }
+    text + "</robot>\n"
+}
+
+/// Cameras of Kalibr, each with its transform to an inertial sensor.
+fn cameras(count: usize) -> String {
+    let camera = |number: usize| {
+        format!(
+            "cam{number}:\n  T_cam_imu:\n  - [1, 0, 0, 0.{number}]\n  - [0, 1, 0, 2]\n  - [0, 0, 1, 3]\n  - [0, 0, 0, 1]\n  camera_model: pinhole\n\
+             \x20 intrinsics: [400, 400, 300, 200]\n  resolution: [640, 480]\n  rostopic: /cam{number}\n"
+        )
+    };
+    (0..count).map(camera).collect()
+}
+
+#[test]
+fn four_times_the_input_costs_no_more_than_five_times() {
+    const PARTS: usize = 240;
+    let folder = tempfile::tempdir().unwrap();
+    let sizes = [PARTS, 4 * PARTS];
+    let calls: Vec<(&str, usize, Case)> = SIZED
+        .iter()
+        .flat_map(|(name, files)| sizes.map(|size| (*name, size, files(size))))
+        .map(|(name, size, files)| {
+            let place = format!("{name} {size}").replace(' ', "_");
+            fs::create_dir(folder.path().join(&place)).unwrap();
+            for (file, text) in files {
+                fs::write(folder.path().join(&place).join(file), text).unwrap();
+            }
+            (name, size, case(name, &[&place]))
+        })
+        .collect();
+    let counts: Option<Vec<(&str, usize, u64)>> = calls
+        .par_iter()
+        .map(|(name, size, case)| Some((*name, *size, counted(folder.path(), case)?)))
+        .collect();
+    let Some(counts) = counts else {
+        return left_out("no valgrind, which counts instructions");
+    };
+    let of = |name: &str, size: usize| counts.iter().find(|one| (one.0, one.1) == (name, size)).unwrap().2;
+    let mut faults = Vec::new();
+    for (name, _) in SIZED {
+        let [less, more] = sizes.map(|size| of(name, size) as f64);
+        let line = format!(
+            "{name}: {:.1} M instructions, {:.2} times for four times as many",
+            less / 1e6,
+            more / less
+        );
+        println!("{line}");
+        if more > 5.0 * less {
+            faults.push(line);
+        }
+    }
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
 }
 
 /// Instructions of one call; `None` where Valgrind is not there.

@@ -2,13 +2,13 @@
 //!
 //! Owns the choice of the first place. Must not judge.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::analysis::places::joint_of;
 use crate::source::Place;
 use crate::verdict::Edit;
 use crate::world::graph::{Edge, EdgeOrigin};
-use crate::world::{ClaimKind, FrameId, World};
+use crate::world::{Claim, ClaimKind, FrameId, World};
 
 /// The edit that gives the joint behind an edge another `rpy`, where it is written in one place of an editable text.
 pub(crate) fn rpy_edit(world: &World, edge: &Edge, rpy: &str) -> Option<Edit> {
@@ -29,35 +29,6 @@ pub(crate) fn rpy_edit(world: &World, edge: &Edge, rpy: &str) -> Option<Edit> {
     })
 }
 
-/// Edits that replace a name by another in every text that spells it; `None` where one of its places is a text that
-/// cannot be edited safely, or where no text spells it.
-pub(crate) fn rename_edits(world: &World, spelled: &FrameId, to: &str) -> Option<Vec<Edit>> {
-    if to.is_empty() || to.contains(['<', '>', '&', '"', '\'', ':', '#']) {
-        return None;
-    }
-    let mut edits = Vec::new();
-    for place in text_places(world, spelled) {
-        let source = world.source(place.source)?;
-        if source.derived.is_some() {
-            return None;
-        }
-        let span = place.span()?;
-        let text = source.text.get(span.start..span.end)?;
-        let quoted = ['"', '\''].into_iter().find(|quote| {
-            text.strip_prefix(*quote)
-                .and_then(|rest| rest.strip_suffix(*quote))
-                .is_some_and(|inner| inner == spelled.as_str())
-        });
-        let replacement = match quoted {
-            Some(quote) => format!("{quote}{to}{quote}"),
-            None if text == spelled.as_str() => to.to_owned(),
-            None => return None,
-        };
-        edits.push(Edit { place, replacement });
-    }
-    (!edits.is_empty()).then_some(edits)
-}
-
 /// Edits that exchange what stands at two places of one text; `None` where that text cannot be edited safely.
 pub(crate) fn swap_edits(world: &World, a: &Place, b: &Place) -> Option<Vec<Edit>> {
     let text = |place: &Place| {
@@ -73,51 +44,68 @@ pub(crate) fn swap_edits(world: &World, a: &Place, b: &Place) -> Option<Vec<Edit
     Some(vec![edit(a, at_b), edit(b, at_a)])
 }
 
-/// Every place in a text at which a frame is spelled like this, in order.
-fn text_places(world: &World, spelled: &FrameId) -> BTreeSet<Place> {
-    let name = spelled.as_str();
-    let links = world
-        .robots
-        .iter()
-        .flat_map(|robot| &robot.links)
-        .map(|link| &link.name);
-    let ends = world
-        .robots
-        .iter()
-        .flat_map(|robot| &robot.joints)
-        .flat_map(|joint| [joint.parent.as_ref(), joint.child.as_ref()])
-        .flatten();
-    let named = links
-        .chain(ends)
-        .filter(|placed| placed.value == name)
-        .map(|placed| &placed.place);
-    let claimed = world
-        .claims
-        .iter()
-        .filter(|claim| matches!(claim.kind, ClaimKind::File { .. }))
-        .flat_map(|claim| {
-            let target = claim
-                .target()
-                .filter(|frame| *frame == spelled)
-                .and(claim.target_place.as_ref());
-            let source = claim
-                .source_frame()
-                .filter(|frame| *frame == spelled)
-                .and(claim.source_place.as_ref());
-            [target, source]
-        })
-        .flatten();
-    let used = world
-        .frames
-        .iter()
-        .filter(|used| used.frame == *spelled)
-        .map(|used| &used.place);
-    named
-        .chain(claimed)
-        .chain(used)
-        .filter(|place| place.span().is_some())
-        .cloned()
-        .collect()
+/// Where texts spell frames.
+pub(crate) struct Spelled<'w> {
+    world: &'w World,
+    places: BTreeMap<&'w str, BTreeSet<&'w Place>>,
+}
+
+impl<'w> Spelled<'w> {
+    /// Looks through the texts of a world once.
+    pub(crate) fn of(world: &'w World) -> Self {
+        let links = world.robots.iter().flat_map(|robot| &robot.links);
+        let joints = world.robots.iter().flat_map(|robot| &robot.joints);
+        let ends = joints.flat_map(|joint| [joint.parent.as_ref(), joint.child.as_ref()]);
+        let named = links.map(|link| &link.name).chain(ends.flatten());
+        let named = named.map(|placed| (placed.value.as_str(), &placed.place));
+        let is_of_file = |claim: &&Claim| matches!(claim.kind, ClaimKind::File { .. });
+        let claims = world.claims.iter().filter(is_of_file);
+        let claimed = claims.flat_map(|claim| {
+            let target = claim.target().zip(claim.target_place.as_ref());
+            [target, claim.source_frame().zip(claim.source_place.as_ref())]
+        });
+        let used = world.frames.iter().map(|used| (&used.frame, &used.place));
+        let framed = claimed.flatten().chain(used);
+        let mut places: BTreeMap<&str, BTreeSet<&Place>> = BTreeMap::new();
+        for (name, place) in named.chain(framed.map(|(frame, place)| (frame.as_str(), place))) {
+            if place.span().is_some() {
+                places.entry(name).or_default().insert(place);
+            }
+        }
+        Self { world, places }
+    }
+
+    /// Edits that replace a name by another in every text that spells it; `None` where one of its places is a text that
+    /// cannot be edited safely, or where no text spells it.
+    pub(crate) fn rename_edits(&self, spelled: &FrameId, to: &str) -> Option<Vec<Edit>> {
+        if to.is_empty() || to.contains(['<', '>', '&', '"', '\'', ':', '#']) {
+            return None;
+        }
+        let mut edits = Vec::new();
+        for place in self.places.get(spelled.as_str()).into_iter().flatten().copied() {
+            let source = self.world.source(place.source)?;
+            if source.derived.is_some() {
+                return None;
+            }
+            let span = place.span()?;
+            let text = source.text.get(span.start..span.end)?;
+            let quoted = ['"', '\''].into_iter().find(|quote| {
+                text.strip_prefix(*quote)
+                    .and_then(|rest| rest.strip_suffix(*quote))
+                    .is_some_and(|inner| inner == spelled.as_str())
+            });
+            let replacement = match quoted {
+                Some(quote) => format!("{quote}{to}{quote}"),
+                None if text == spelled.as_str() => to.to_owned(),
+                None => return None,
+            };
+            edits.push(Edit {
+                place: place.clone(),
+                replacement,
+            });
+        }
+        (!edits.is_empty()).then_some(edits)
+    }
 }
 
 #[cfg(test)]
@@ -152,7 +140,7 @@ mod tests {
     }
 
     fn replaced(text: &str, spelled: &str, to: &str) -> Option<Vec<String>> {
-        let edits = rename_edits(&world(text, spelled), &spelled.trim_matches('"').into(), to)?;
+        let edits = Spelled::of(&world(text, spelled)).rename_edits(&spelled.trim_matches('"').into(), to)?;
         Some(edits.into_iter().map(|edit| edit.replacement).collect())
     }
 
@@ -172,8 +160,8 @@ mod tests {
         let mut derived = source("a: Lidar");
         derived.derived = Some(crate::source::Derived::Expansion);
         let derived = world_of(derived, "a: Lidar", "Lidar");
-        assert_eq!(rename_edits(&derived, &"Lidar".into(), "lidar"), None);
+        assert_eq!(Spelled::of(&derived).rename_edits(&"Lidar".into(), "lidar"), None);
         let moved = world_of(source("a:  Lidar"), "a: Lidar", "Lidar");
-        assert_eq!(rename_edits(&moved, &"Lidar".into(), "lidar"), None);
+        assert_eq!(Spelled::of(&moved).rename_edits(&"Lidar".into(), "lidar"), None);
     }
 }

@@ -2,6 +2,10 @@
 //!
 //! Owns the ranking, and the differences that are made on purpose (numbers, left and right). Must not know the world.
 
+use std::cell::Cell;
+use std::collections::BTreeMap;
+use std::rc::Rc;
+
 use crate::analysis::names;
 use crate::world::FrameId;
 
@@ -45,7 +49,7 @@ pub(crate) struct Near<'a> {
     pub(crate) how: &'static str,
 }
 
-/// Limits of [`nearest`].
+/// Limits of [`Names::nearest`].
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Reach {
     /// Edits that still count as a slip.
@@ -62,51 +66,113 @@ impl Reach {
     };
 }
 
-/// The candidate that `name` was probably meant to be, nearest first, then by name. Names that differ only in case, or
-/// by a number or a pair such as left and right, are none.
-pub(crate) fn nearest<'a>(
-    name: &FrameId,
-    candidates: impl IntoIterator<Item = &'a FrameId>,
-    reach: Reach,
-) -> Option<Near<'a>> {
-    candidates
-        .into_iter()
-        .filter_map(|candidate| {
-            let (rank, edits, how) = compare(name.as_str(), candidate.as_str(), reach)?;
-            Some((
-                (rank, edits, candidate),
-                Near {
-                    frame: candidate,
-                    edits,
-                    how,
-                },
-            ))
-        })
-        .min_by(|(a, _), (b, _)| a.cmp(b))
-        .map(|(_, near)| near)
+/// Letters by which two names are held against each other by edits, over all look-ups: a platform with a hundred thousand misspelt names gets
+/// suggestions for some.
+const MOST_COMPARED: usize = 10_000_000;
+
+/// Names that others may be near to, in an index: a look-up does not compare with each.
+#[derive(Debug, Default)]
+pub(crate) struct Names<'a> {
+    /// By the name without separators.
+    squeezed: BTreeMap<String, Vec<Known<'a>>>,
+    /// By the part behind the last slash.
+    last: BTreeMap<String, Vec<Known<'a>>>,
+    /// By the name without separators and endings.
+    core: BTreeMap<String, Vec<Known<'a>>>,
+    /// By the digits, in order, and the number of characters: edits change no digit.
+    sized: BTreeMap<(String, usize), Vec<Known<'a>>>,
+    /// Letters that were compared.
+    compared: Cell<usize>,
 }
 
-fn compare(a: &str, b: &str, reach: Reach) -> Option<(u8, usize, &'static str)> {
-    let (a, b) = (a.to_lowercase(), b.to_lowercase());
-    if a == b {
-        return None;
+/// A name, and in lower case.
+type Known<'a> = (&'a FrameId, Rc<str>);
+
+impl<'a> Names<'a> {
+    /// An index of names.
+    pub(crate) fn new(names: impl IntoIterator<Item = &'a FrameId>) -> Self {
+        let mut index = Self::default();
+        for name in names {
+            let lower: Rc<str> = name.as_str().to_lowercase().into();
+            let add = |map: &mut BTreeMap<String, Vec<Known<'a>>>, key: String| {
+                map.entry(key).or_default().push((name, Rc::clone(&lower)));
+            };
+            add(&mut index.squeezed, squeeze(&lower));
+            add(&mut index.last, last(&lower).to_owned());
+            add(&mut index.core, core(&lower));
+            let size = (digits(&lower), lower.chars().count());
+            index.sized.entry(size).or_default().push((name, Rc::clone(&lower)));
+        }
+        index
     }
-    if squeeze(&a) == squeeze(&b) {
-        return Some((0, 0, "differs only in separators"));
+
+    /// The name that `name` was probably meant to be, nearest first, then by name. Names that differ only in case, or by a number or a pair
+    /// such as left and right, are none.
+    pub(crate) fn nearest(&self, name: &FrameId, reach: Reach) -> Option<Near<'a>> {
+        let name = name.as_str().to_lowercase();
+        self.alike(&name).or_else(|| self.edited(&name, reach))
     }
-    let last = |s: &str| s.rsplit('/').next().unwrap_or_default().to_owned();
-    if last(&a) == last(&b) && (!a.contains('/') || !b.contains('/')) {
-        return Some((1, 0, "differs only in the namespace"));
+
+    /// Whether so much was compared that names are no longer held against each other by edits.
+    pub(crate) fn is_spent(&self) -> bool {
+        self.compared.get() > MOST_COMPARED
     }
-    let (core_a, core_b) = (core(&a), core(&b));
-    if !core_a.is_empty() && core_a == core_b {
-        return Some((1, 0, "differs only in the ending"));
+
+    /// The first name that differs in separators, else in namespace or ending.
+    fn alike(&self, name: &str) -> Option<Near<'a>> {
+        fn among<'m, 'a>(map: &'m BTreeMap<String, Vec<Known<'a>>>, key: &str) -> &'m [Known<'a>] {
+            map.get(key).map_or(&[], Vec::as_slice)
+        }
+        let core = core(name);
+        let squeezed = among(&self.squeezed, &squeeze(name)).iter();
+        let squeezed = squeezed.map(|known| (known, 0, "differs only in separators"));
+        let is_bare = |known: &&Known| !name.contains('/') || !known.1.contains('/');
+        let last = among(&self.last, last(name)).iter().filter(is_bare);
+        let last = last.map(|known| (known, 1, "differs only in the namespace"));
+        let ended = among(&self.core, &core).iter().filter(|_| !core.is_empty());
+        let ended = ended.map(|known| (known, 1, "differs only in the ending"));
+        let found = squeezed.chain(last).chain(ended);
+        let others = found.filter(|((_, lower), ..)| **lower != *name);
+        let ((frame, _), _, how) = others.min_by_key(|((frame, _), rank, _)| (*rank, *frame))?;
+        Some(Near { frame, edits: 0, how })
     }
-    if a.chars().count().min(b.chars().count()) < reach.min_length || on_purpose(&a, &b) {
-        return None;
+
+    /// The name with the fewest edits, of those of nearly the same length.
+    fn edited(&self, name: &str, reach: Reach) -> Option<Near<'a>> {
+        let length = name.chars().count();
+        let sizes = length.saturating_sub(reach.max_edits).max(reach.min_length)..=length + reach.max_edits;
+        if length < reach.min_length {
+            return None;
+        }
+        let mut best: Option<(usize, &'a FrameId)> = None;
+        let digits = digits(name);
+        for size in sizes {
+            for (frame, lower) in self.sized.get(&(digits.clone(), size)).into_iter().flatten() {
+                if self.is_spent() {
+                    break;
+                }
+                self.compared.set(self.compared.get() + size);
+                if **lower == *name || on_purpose(name, lower) {
+                    continue;
+                }
+                let edits = strsim::damerau_levenshtein(name, lower);
+                if edits <= reach.max_edits && best.is_none_or(|best| (edits, *frame) < best) {
+                    best = Some((edits, frame));
+                }
+            }
+        }
+        let (edits, frame) = best?;
+        let how = "differs by a slip of the pen";
+        Some(Near { frame, edits, how })
     }
-    let edits = strsim::damerau_levenshtein(&a, &b);
-    (edits <= reach.max_edits).then_some((2, edits, "differs by a slip of the pen"))
+}
+
+fn last(name: &str) -> &str {
+    name.rsplit('/').next().unwrap_or_default()
+}
+
+fn digits(name: &str) -> String {
+    name.chars().filter(char::is_ascii_digit).collect()
 }
 
 fn squeeze(name: &str) -> String {
@@ -122,12 +188,8 @@ fn core(name: &str) -> String {
     names::without_ending(words(name)).concat()
 }
 
-/// Whether two names differ the way two frames of one robot do: in a number, in an opposite, or in a short word.
+/// Whether two names with the same digits differ the way two frames of one robot do: in an opposite, or in a short word.
 fn on_purpose(a: &str, b: &str) -> bool {
-    let digits = |s: &str| s.chars().filter(char::is_ascii_digit).collect::<String>();
-    if digits(a) != digits(b) {
-        return true;
-    }
     let (words_a, words_b) = (words(a), words(b));
     if words_a.len() != words_b.len() {
         let known = |word: &String| OPPOSITES.iter().any(|group| group.contains(&word.as_str()));
@@ -153,7 +215,7 @@ mod tests {
     };
 
     fn near(a: &str, b: &str) -> bool {
-        nearest(&a.into(), [&FrameId::new(b)], REACH).is_some()
+        Names::new([&FrameId::new(b)]).nearest(&a.into(), REACH).is_some()
     }
 
     #[test]
@@ -191,9 +253,7 @@ mod tests {
     #[test]
     fn the_nearest_is_taken() {
         let names: Vec<FrameId> = ["velodyme", "velodyne_link", "base"].map(FrameId::from).to_vec();
-        assert_eq!(
-            nearest(&"velodyne".into(), &names, REACH).unwrap().frame.as_str(),
-            "velodyne_link"
-        );
+        let near = Names::new(&names).nearest(&"velodyne".into(), REACH);
+        assert_eq!(near.unwrap().frame.as_str(), "velodyne_link");
     }
 }

@@ -1,40 +1,15 @@
 //! Where frames, transforms and their numbers stand.
 
-use std::collections::BTreeMap;
-
 use crate::source::{Confidence, Place, Span};
 use crate::world::graph::{Edge, EdgeOrigin};
-use crate::world::{Claim, FrameId, FrameRole, Literal, World, robot::Joint};
+use crate::world::{Claim, FrameId, Literal, World, robot::Joint};
 
 /// The first use of a frame: roles in the order of [`crate::world::FrameRole`], then places. `frame` is canonical.
 pub(crate) fn first(world: &World, frame: &FrameId) -> Option<Place> {
     world
-        .frames
-        .iter()
-        .filter(|used| used.frame.canonical() == *frame)
+        .uses_of(frame)
         .min_by_key(|used| (used.role, &used.place))
         .map(|used| used.place.clone())
-}
-
-/// The first use of every frame, as [`first`] finds it for one: for rules that ask for many.
-pub(crate) struct Firsts<'a>(BTreeMap<FrameId, (FrameRole, &'a Place)>);
-
-impl<'a> Firsts<'a> {
-    /// Looks through the frames of a world once.
-    pub(crate) fn new(world: &'a World) -> Self {
-        let mut firsts: BTreeMap<FrameId, (FrameRole, &'a Place)> = BTreeMap::new();
-        for used in &world.frames {
-            let use_here = (used.role, &used.place);
-            let first = firsts.entry(used.frame.canonical()).or_insert(use_here);
-            *first = (*first).min(use_here);
-        }
-        Self(firsts)
-    }
-
-    /// The first use of a canonical frame.
-    pub(crate) fn get(&self, frame: &FrameId) -> Option<Place> {
-        self.0.get(frame).map(|(_, place)| (*place).clone())
-    }
 }
 
 /// Where an edge is stated: the joint's start tag, or the first message that carries it.
@@ -65,11 +40,8 @@ pub(crate) fn of_numbers(world: &World, edge: &Edge) -> Option<Place> {
 pub(crate) fn joint_of<'a>(world: &'a World, claim: &Claim) -> Option<&'a Joint> {
     let child = claim.source_frame().map(FrameId::as_str);
     world
-        .robots
-        .iter()
-        .filter(|robot| robot.source == claim.place.source)
-        .flat_map(|robot| &robot.joints)
-        .find(|joint| joint.name.value == claim.label && joint.child.as_ref().map(|link| link.value.as_str()) == child)
+        .joints_called(claim.place.source, &claim.label)
+        .find(|joint| joint.child.as_ref().map(|link| link.value.as_str()) == child)
 }
 
 /// The place that covers all of the literals; `whole` where there are none.

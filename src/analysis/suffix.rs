@@ -13,17 +13,16 @@ use crate::world::{FrameId, World};
 /// Frames of the same name without `word`, or with `instead` in its place, by name.
 pub(crate) fn siblings<'a>(world: &'a World, frame: &FrameId, word: &str, instead: Option<&str>) -> Vec<&'a FrameId> {
     let stem: Vec<String> = frame.tokens().into_iter().filter(|token| token != word).collect();
-    let of_stem = |other: &&FrameId| {
-        let mut tokens = other.tokens();
-        tokens.retain(|token| Some(token.as_str()) != instead);
-        *other != frame && tokens == stem
-    };
     if stem.is_empty() {
-        Vec::new()
-    } else {
-        let known: BTreeSet<&FrameId> = world.graphs().flat_map(|graph| &graph.frames).filter(of_stem).collect();
-        known.into_iter().collect()
+        return Vec::new();
     }
+    let mut found: BTreeSet<&FrameId> = world.frames_of_words(&stem).collect();
+    for at in (0..=stem.len()).take_while(|_| instead.is_some()) {
+        let mut words = stem.clone();
+        words.splice(at..at, instead.map(str::to_owned));
+        found.extend(world.frames_of_words(&words));
+    }
+    found.into_iter().filter(|other| *other != frame).collect()
 }
 
 /// `sibling_from_frame`: over rigid edges if possible, else at the first samples of moving ones.

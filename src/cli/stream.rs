@@ -50,18 +50,19 @@ impl<'w> Stream<'w> {
             sinks.push(Sink::Stdout(stdout));
         }
         let mut stream = Self { sinks, failed: None };
-        stream.write(json_lines::start());
+        stream.pass_on(json_lines::start());
         Ok((!stream.sinks.is_empty()).then_some(stream))
     }
 
     /// What came to the run.
     pub(super) fn grown(&mut self, run: &Run, grown: &Grown) {
-        self.write(json_lines::grown(run, grown));
+        let written = json_lines::grown(run, grown, &mut |lines| self.write(lines));
+        self.pass_on(written.map(|()| String::new()));
     }
 
     /// The last lines; the error, where something could not be written.
     pub(super) fn end(mut self, run: &Run, fail_on: FailOn) -> Result<(), Failure> {
-        self.write(json_lines::end(run, fail_on));
+        self.pass_on(json_lines::end(run, fail_on));
         if let Some(failed) = self.failed {
             return Err(failed);
         }
@@ -73,17 +74,19 @@ impl<'w> Stream<'w> {
         Ok(())
     }
 
-    fn write(&mut self, lines: Result<String, serde_json::Error>) {
-        let lines = match lines {
-            Ok(lines) if self.failed.is_none() => lines,
-            Ok(_) => return,
-            Err(error) => {
-                self.failed = Some(ReportError::from(error).into());
-                return;
-            }
-        };
+    fn pass_on(&mut self, lines: Result<String, serde_json::Error>) {
+        match lines {
+            Ok(lines) => self.write(&lines),
+            Err(error) => self.failed = Some(ReportError::from(error).into()),
+        }
+    }
+
+    fn write(&mut self, lines: &str) {
+        if self.failed.is_some() || lines.is_empty() {
+            return;
+        }
         let mut failed = None;
-        self.sinks.retain_mut(|sink| match (sink.write(&lines), sink) {
+        self.sinks.retain_mut(|sink| match (sink.write(lines), sink) {
             (Ok(()), _) => true,
             // Whoever reads has seen enough.
             (Err(error), Sink::Stdout(_)) if error.kind() == ErrorKind::BrokenPipe => false,

@@ -21,6 +21,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::run::Run;
 use crate::source::{Place, ReadStatus, Source, SourceId, SourceKind};
+use crate::visible::json_line;
 use crate::world::World;
 
 /// Name of the document's form.
@@ -77,7 +78,7 @@ pub struct Saved {
 
 /// The document of what a run read. The same run gives the same bytes.
 pub fn write(run: &Run) -> Result<String, serde_json::Error> {
-    let mut text = serde_json::to_string(&Written {
+    json_line(&Written {
         schema: SCHEMA,
         tool: Tool {
             name: env!("CARGO_PKG_NAME"),
@@ -86,9 +87,7 @@ pub fn write(run: &Run) -> Result<String, serde_json::Error> {
         skipped: &run.skipped,
         sources: &run.sources,
         worlds: &run.worlds,
-    })?;
-    text.push('\n');
-    Ok(text)
+    })
 }
 
 /// Reads a document. Where that is not possible there is one source, which says why, and a world with nothing else.

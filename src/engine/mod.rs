@@ -136,10 +136,11 @@ impl Setup<'_> {
     }
 
     /// One verdict for each world, with the number of what governs it; subjects say which where there are several.
-    fn judge(&self, worlds: &[World], several: bool) -> Vec<(usize, Verdict)> {
-        let governed = |world: &World| self.governed.of(world);
-        parallel::map(worlds.iter().collect(), |world| {
-            self.judge_as(governed(world), world, several)
+    fn judge(&self, worlds: &mut [World], several: bool) -> Vec<(usize, Verdict)> {
+        parallel::map(worlds.iter_mut().collect(), |world: &mut World| {
+            let judged = self.judge_as(self.governed.of(world), world, several);
+            world.forget();
+            judged
         })
     }
 
@@ -273,8 +274,9 @@ fn settle(inputs: &Inputs, setup: &Setup, others: usize) -> (Vec<World>, Vec<(us
     let progress = Progress::new(setup.options.progress);
     let reading = Reading::new(inputs, setup, &progress);
     loop {
-        let worlds = reading.worlds(&plan);
-        let verdicts = setup.judge(&worlds, worlds.len() + others > 1);
+        let mut worlds = reading.worlds(&plan);
+        let several = worlds.len() + others > 1;
+        let verdicts = setup.judge(&mut worlds, several);
         if !plan.widen(&worlds, &verdicts) {
             return (worlds, verdicts, plan);
         }

@@ -239,7 +239,10 @@ enum Around {
 /// The folders of a run with what stands in them.
 struct Layout<'a> {
     anchors: &'a [Anchor],
-    kinds: Vec<(PathBuf, Kinds)>,
+    /// The anchors in each folder and below it.
+    within: BTreeMap<&'a Path, Vec<usize>>,
+    /// What stands in each folder and below it.
+    kinds: BTreeMap<&'a Path, Kinds>,
     root: &'a Path,
     /// What the platforms form around.
     around: Around,
@@ -249,15 +252,7 @@ impl Layout<'_> {
     fn home(&self, unit: &Unit) -> Home {
         let folders = unit.dir.ancestors().take_while(|folder| folder.starts_with(self.root));
         for folder in folders {
-            let within = |at: &usize| {
-                self.anchors
-                    .get(*at)
-                    .is_some_and(|anchor| anchor.dir.starts_with(folder))
-            };
-            let near: Vec<usize> = (0..self.anchors.len()).filter(within).collect();
-            if near.is_empty() {
-                continue;
-            }
+            let Some(near) = self.within.get(folder) else { continue };
             let is_here = |at: &usize| self.anchors.get(*at).is_some_and(|anchor| anchor.dir == folder);
             let here: Vec<usize> = near.iter().copied().filter(is_here).collect();
             return match (here.as_slice(), unit.dir == folder) {
@@ -266,9 +261,9 @@ impl Layout<'_> {
                 ([], false) => {
                     let here = self.side(folder, &unit.dir);
                     let open = near.iter().copied().filter(|at| self.is_open(folder, *at, here));
-                    self.choose(open.collect(), &near, unit)
+                    self.choose(open.collect(), near, unit)
                 }
-                ([], true) => self.choose(near.clone(), &near, unit),
+                ([], true) => self.choose(near.clone(), near, unit),
                 _ => self.choose(here.clone(), &here, unit),
             };
         }
@@ -279,8 +274,7 @@ impl Layout<'_> {
     fn side(&self, folder: &Path, dir: &Path) -> Kinds {
         let below = dir.strip_prefix(folder).ok().and_then(|below| below.iter().next());
         let side = folder.join(below.unwrap_or_default());
-        let own = self.kinds.iter().filter(|(dir, _)| dir.starts_with(&side));
-        own.fold(Kinds::default(), |all, (_, kinds)| all.and(*kinds))
+        self.kinds.get(side.as_path()).copied().unwrap_or_default()
     }
 
     /// Whether an anchor's side of a folder lacks what the side of the unit has: the two may be one platform, split by kinds of files.
@@ -446,14 +440,29 @@ fn distributed(
         states: false,
         records: true,
     };
-    let recordings = recorded.iter().map(|dir| (dir.clone(), records));
+    let places: Vec<(PathBuf, Kinds)> = units
+        .iter()
+        .map(|unit| (unit.dir.clone(), unit.kinds))
+        .chain(recorded.iter().map(|dir| (dir.clone(), records)))
+        .collect();
+    let mut kinds: BTreeMap<&Path, Kinds> = BTreeMap::new();
+    for (folder, here) in places
+        .iter()
+        .flat_map(|(dir, here)| dir.ancestors().map(move |folder| (folder, here)))
+    {
+        let all = kinds.entry(folder).or_default();
+        *all = all.and(*here);
+    }
+    let mut within: BTreeMap<&Path, Vec<usize>> = BTreeMap::new();
+    for (at, anchor) in anchors.iter().enumerate() {
+        for folder in anchor.dir.ancestors() {
+            within.entry(folder).or_default().push(at);
+        }
+    }
     let layout = Layout {
         anchors,
-        kinds: units
-            .iter()
-            .map(|unit| (unit.dir.clone(), unit.kinds))
-            .chain(recordings)
-            .collect(),
+        within,
+        kinds,
         root,
         around,
     };

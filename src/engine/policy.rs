@@ -18,6 +18,7 @@ use crate::run::Run;
 use crate::source::{LineIndex, Place, Source, SourceId, SourceKind, Span};
 use crate::verdict::waiver::Day;
 use crate::verdict::{Row, Verdict};
+use crate::visible::pretty_json;
 
 use super::enabled::Enabled;
 use super::governed::Governed;
@@ -185,8 +186,8 @@ pub fn write_baseline(run: &mut Run, path: &Path) -> Result<usize, UsageError> {
         },
     );
     let failed = |what: String| UsageError(format!("cannot write `{}`: {what}", path.display()));
-    let text = serde_json::to_string_pretty(&document).map_err(|error| failed(error.to_string()))?;
-    files::write(path, (text + "\n").as_bytes()).map_err(|error| failed(error.to_string()))?;
+    let text = pretty_json(&document).map_err(|error| failed(error.to_string()))?;
+    files::write(path, text.as_bytes()).map_err(|error| failed(error.to_string()))?;
     baseline::accept_all(&mut run.verdict, &path.display().to_string());
     Ok(document.findings.iter().map(|entry| entry.count).sum())
 }

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde_json::{Value, json};
 
 use crate::compare::{Change, Comparison};
+use crate::visible::pretty_json;
 
 use super::Style;
 use super::style::Ink;
@@ -119,5 +120,5 @@ pub fn json(comparison: &Comparison, [a, b]: [&str; 2]) -> Result<String, serde_
         },
         "changes": comparison.changes.iter().map(change).collect::<Vec<_>>(),
     });
-    Ok(serde_json::to_string_pretty(&document)? + "\n")
+    pretty_json(&document)
 }

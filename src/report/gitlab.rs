@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use crate::run::{FailOn, Run};
 use crate::verdict::{Finding, Severity};
+use crate::visible::{clean, pretty_json};
 
 use super::fingerprint::fingerprints;
 use super::place::Locator;
@@ -40,7 +41,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::E
     for unmet in run.lacking() {
         let (path, line) = unmet.origin.split_once(':').unwrap_or((&unmet.origin, "1"));
         issues.push(Issue {
-            description: unmet.words(),
+            description: clean(&unmet.words()).into_owned(),
             check_name: unmet.rule.clone(),
             fingerprint: format!(
                 "required-{}-{}",
@@ -56,7 +57,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::E
             },
         });
     }
-    Ok(serde_json::to_string_pretty(&issues)? + "\n")
+    pretty_json(&issues)
 }
 
 fn issue(finding: &Finding, fingerprint: String, fail_on: FailOn, locator: &Locator) -> Issue {
@@ -66,8 +67,8 @@ fn issue(finding: &Finding, fingerprint: String, fail_on: FailOn, locator: &Loca
     let waived = finding.waived.as_ref();
     Issue {
         description: match waived {
-            Some(waived) => format!("waived: {} [{}]", finding.message, waived.words()),
-            None => finding.message.clone(),
+            Some(waived) => clean(&format!("waived: {} [{}]", finding.message, waived.words())).into_owned(),
+            None => clean(&finding.message).into_owned(),
         },
         check_name: format!("{} {}", finding.rule, finding.name),
         fingerprint,

@@ -16,6 +16,8 @@ use crate::source::{Placed, Problem, Source};
 use crate::verdict::waiver::Day;
 use crate::verdict::{Explainer, Finding, Fix, Label, Measured, PlaceRole, Row, Safety, Waived};
 
+use crate::visible::pretty_json;
+
 use super::place::{Locator, Spot};
 
 /// Name of the document's form.
@@ -266,9 +268,7 @@ pub fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
         recordings: run.recordings.iter().map(recording).collect(),
         summary: counts(&run.summary(fail_on)),
     };
-    let mut text = serde_json::to_string_pretty(&document)?;
-    text.push('\n');
-    Ok(text)
+    pretty_json(&document)
 }
 
 pub(super) fn counts(summary: &Summary) -> Counts {

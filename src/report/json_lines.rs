@@ -5,6 +5,7 @@
 use serde::Serialize;
 
 use crate::run::{FailOn, Grown, Run};
+use crate::visible::json_line;
 
 use super::json;
 use super::place::Locator;
@@ -18,8 +19,7 @@ struct Line<T> {
 }
 
 fn line<T: Serialize>(kind: &'static str, part: T, out: &mut String) -> Result<(), serde_json::Error> {
-    out.push_str(&serde_json::to_string(&Line { r#type: kind, part })?);
-    out.push('\n');
+    out.push_str(&json_line(&Line { r#type: kind, part })?);
     Ok(())
 }
 
@@ -30,23 +30,36 @@ pub fn start() -> Result<String, serde_json::Error> {
     Ok(out)
 }
 
-/// What came to a run.
-pub fn grown(run: &Run, grown: &Grown) -> Result<String, serde_json::Error> {
+/// Bytes of lines that are handed on together.
+const TOGETHER: usize = 1 << 20;
+
+/// What came to a run; `take` is given one stretch of lines after the other.
+pub fn grown(run: &Run, grown: &Grown, take: &mut dyn FnMut(&str)) -> Result<(), serde_json::Error> {
     let mut out = String::new();
+    let mut hand_on = |out: &mut String, least: usize| {
+        if out.len() > least {
+            take(out);
+            out.clear();
+        }
+    };
     let locator = Locator::new(&run.sources);
     for source in grown.sources.iter().filter_map(|number| run.sources.get(*number)) {
         line("input", json::input(source, &locator), &mut out)?;
+        hand_on(&mut out, TOGETHER);
     }
     for row in run.listed(run.verdict.rows.get(grown.rows.clone()).unwrap_or_default()) {
         line("outcome", json::outcome(row), &mut out)?;
+        hand_on(&mut out, TOGETHER);
     }
     for finding in run.verdict.findings.get(grown.findings.clone()).unwrap_or_default() {
         line("finding", json::finding_row(finding, &locator), &mut out)?;
+        hand_on(&mut out, TOGETHER);
     }
     if let Some(recording) = grown.recording.and_then(|number| run.recordings.get(number)) {
         line("recording", json::recording(recording), &mut out)?;
     }
-    Ok(out)
+    hand_on(&mut out, 0);
+    Ok(())
 }
 
 /// What is known when everything has been judged.
@@ -61,7 +74,8 @@ pub fn end(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
 
 /// All lines of a run that has ended.
 pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
-    let mut out = start()? + &grown(run, &Grown::all(run))?;
+    let mut out = start()?;
+    grown(run, &Grown::all(run), &mut |lines| out.push_str(lines))?;
     for recording in &run.recordings {
         line("recording", json::recording(recording), &mut out)?;
     }

@@ -5,6 +5,7 @@ use std::fmt::Write;
 use serde::Serialize;
 
 use crate::page::{Page, Status};
+use crate::visible::pretty_json;
 
 use super::Style;
 use super::style::Ink;
@@ -85,7 +86,7 @@ pub fn json(rules: &[&Page]) -> Result<String, serde_json::Error> {
             summary: rule.summary,
         })
         .collect();
-    Ok(serde_json::to_string_pretty(&rows)? + "\n")
+    pretty_json(&rows)
 }
 
 /// The table of the README, between its two marker lines.

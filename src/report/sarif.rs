@@ -11,6 +11,7 @@ use crate::page::{self, Page};
 use crate::run::{FailOn, Run, VerdictWord};
 use crate::source::{Confidence, Place, SourceKind};
 use crate::verdict::{Finding, Fix, Measured, Outcome, PlaceRole, Safety, Severity};
+use crate::visible::{clean, pretty_json};
 
 use super::fingerprint::fingerprints;
 use super::place::Locator;
@@ -71,7 +72,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::E
             "columnKind": "unicodeCodePoints",
         }],
     });
-    Ok(serde_json::to_string_pretty(&document)? + "\n")
+    pretty_json(&document)
 }
 
 /// A path as a URI: relative as it is, absolute with its scheme.
@@ -170,7 +171,7 @@ fn notifications(run: &Run, numbers: &BTreeMap<&str, usize>) -> Vec<Value> {
         let reason = row.reason.as_deref().unwrap_or_default();
         notifications.push(json!({
             "level": level,
-            "message": {"text": format!("{} {} on {}: {reason}", row.rule, row.outcome.word(), row.subject)},
+            "message": message(&format!("{} {} on {}: {reason}", row.rule, row.outcome.word(), row.subject)),
             "associatedRule": about(&row.rule),
         }));
     }
@@ -183,7 +184,7 @@ fn notifications(run: &Run, numbers: &BTreeMap<&str, usize>) -> Vec<Value> {
         }
         let mut notification = json!({
             "level": if unmet.waived.is_some() { "note" } else { "error" },
-            "message": {"text": text},
+            "message": message(&text),
         });
         if let (Some(keys), false) = (notification.as_object_mut(), unmet.is_share()) {
             keys.insert("associatedRule".to_owned(), about(&unmet.rule));
@@ -194,7 +195,7 @@ fn notifications(run: &Run, numbers: &BTreeMap<&str, usize>) -> Vec<Value> {
         let detail = source.shortfall();
         notifications.push(json!({
             "level": "error",
-            "message": {"text": format!("{}: {}: {detail}", source.path, source.status.word())},
+            "message": message(&format!("{}: {}: {detail}", source.path, source.status.word())),
             "locations": [{"physicalLocation": {"artifactLocation": {"uri": uri(&source.path)}}}],
         }));
     }
@@ -231,7 +232,7 @@ fn result(
     }
     // A hint never fails a gate, and code scanning gates by level.
     set("level", level(finding.loudness()).into());
-    set("message", json!({"text": text}));
+    set("message", message(&text));
     set("locations", places(PlaceRole::Primary).into());
     let related = places(PlaceRole::Related);
     if !related.is_empty() {
@@ -252,7 +253,7 @@ fn result(
                 } else {
                     "external"
                 };
-                json!([{"kind": kind, "status": "accepted", "justification": waived.words()}])
+                json!([{"kind": kind, "status": "accepted", "justification": clean(&waived.words())}])
             }
         },
     );
@@ -275,7 +276,19 @@ fn result(
 }
 
 fn measured(measured: &Measured) -> Value {
-    measured_words(measured).into()
+    clean(&measured_words(measured)).into()
+}
+
+/// A message object. Brackets are escaped where a name from a file would read as a link.
+///
+/// Source: SARIF 2.1.0, 3.11.6 "Messages with embedded links".
+fn message(text: &str) -> Value {
+    let text = clean(text);
+    if text.contains("](") {
+        json!({"text": text.replace('\\', "\\\\").replace('[', "\\[").replace(']', "\\]")})
+    } else {
+        json!({"text": text})
+    }
 }
 
 fn location(place: &Place, note: &str, id: usize, locator: &Locator) -> Value {
@@ -303,7 +316,7 @@ fn location(place: &Place, note: &str, id: usize, locator: &Locator) -> Value {
             );
         }
         if !note.is_empty() {
-            keys.insert("message".to_owned(), json!({"text": note}));
+            keys.insert("message".to_owned(), message(note));
         }
     }
     location
@@ -333,12 +346,21 @@ fn fixed(fix: &Fix, locator: &Locator) -> Option<Value> {
         Safety::Safe => "safe",
         Safety::ChangesBehaviour => "changes behaviour",
     };
-    Some(json!({"description": {"text": format!("{} ({safety})", fix.title)}, "artifactChanges": changes}))
+    Some(json!({"description": message(&format!("{} ({safety})", fix.title)), "artifactChanges": changes}))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_name_is_no_link() {
+        assert_eq!(
+            message("frame `[x](http://a)`"),
+            json!({"text": r"frame `\[x\](http://a)`"})
+        );
+        assert_eq!(message("R[0] of a\u{202e}b"), json!({"text": r"R[0] of a\u{202e}b"}));
+    }
 
     #[test]
     fn paths_become_uris() {

@@ -1,47 +1,6 @@
 //! Words and numbers for people: wrapping, plurals, significant digits, UTC. Knows nothing of rules and findings.
 
-use std::borrow::Cow;
-
-/// Characters that would steer a terminal, end a line, reorder what stands on it or cannot be seen, in text that comes from a file or a bag.
-fn steers(c: char) -> bool {
-    (c.is_control() && c != '\n' && c != '\t')
-        || matches!(c, '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}')
-}
-
-/// The text with control characters spelled out (`\u{1b}`). Newlines and tabs stay.
-pub(super) fn clean(text: &str) -> Cow<'_, str> {
-    if !text.chars().any(steers) {
-        return Cow::Borrowed(text);
-    }
-    let mut cleaned = String::with_capacity(text.len() + 8);
-    for c in text.chars() {
-        if steers(c) {
-            cleaned.extend(c.escape_unicode());
-        } else {
-            cleaned.push(c);
-        }
-    }
-    Cow::Owned(cleaned)
-}
-
-/// The text with every control character replaced by as many `?` as it has bytes, so that offsets stay; `None` where
-/// there is nothing to replace. A carriage return before a newline stays.
-pub(super) fn clean_in_place(text: &str) -> Option<String> {
-    let lone_return = |offset: usize| text.as_bytes().get(offset + 1) != Some(&b'\n');
-    let bad = |(offset, c): (usize, char)| if c == '\r' { lone_return(offset) } else { steers(c) };
-    if !text.char_indices().any(bad) {
-        return None;
-    }
-    let mut cleaned = String::with_capacity(text.len());
-    for (offset, c) in text.char_indices() {
-        if bad((offset, c)) {
-            cleaned.extend(std::iter::repeat_n('?', c.len_utf8()));
-        } else {
-            cleaned.push(c);
-        }
-    }
-    Some(cleaned)
-}
+pub(super) use crate::visible::{clean, clean_in_place};
 
 /// The text on one line, cleaned.
 pub(super) fn one_line(text: &str) -> String {
@@ -227,11 +186,7 @@ mod tests {
     }
 
     #[test]
-    fn control_characters_do_not_reach_the_terminal() {
-        assert_eq!(clean("a\u{1b}[31m\tb"), "a\\u{1b}[31m\tb");
+    fn a_line_has_no_newlines() {
         assert_eq!(one_line("a\n  b"), "a b");
-        assert_eq!(clean("li\u{200b}dar\u{2028}"), "li\\u{200b}dar\\u{2028}");
-        assert_eq!(clean_in_place("a\r\nb").as_deref(), None);
-        assert_eq!(clean_in_place("é\u{1b}\rx\u{202e}").as_deref(), Some("é??x???"));
     }
 }

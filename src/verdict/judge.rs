@@ -32,10 +32,18 @@ pub struct Judge {
     pub planes: BTreeMap<String, Vec<SeenPlane>>,
     /// Where in `judged` a subject that failed stands.
     failed: BTreeMap<String, usize>,
+    /// Findings that are counted by the last one, and not kept.
+    unlisted: usize,
 }
 
 /// Subjects of one rule that plots are kept of: a recording may have thousands of topics.
 const MAX_PLOTTED: usize = 64;
+
+/// Findings of one rule that are kept of one platform: each takes some kilobytes. Those behind them are counted by one more finding.
+const MOST_FINDINGS: usize = 5000;
+
+/// Subject of the finding that counts others.
+const UNLISTED: &str = "findings that are not listed";
 
 impl Judge {
     /// The subject was judged and is right; `measured` says by which numbers.
@@ -50,6 +58,45 @@ impl Judge {
 
     /// The subject was judged and is wrong. Several findings may be given for one subject.
     pub fn fail(&mut self, finding: Finding) {
+        if self.findings.len() >= MOST_FINDINGS {
+            self.count(finding);
+        } else {
+            self.keep(finding);
+        }
+    }
+
+    /// Counts a finding that is not kept, in the finding behind those that are. It is as severe and as sure as any that it counts.
+    fn count(&mut self, mut finding: Finding) {
+        self.unlisted += 1;
+        if self.unlisted == 1 {
+            finding.relation = None;
+            finding.fix = None;
+            finding.unless.clear();
+            finding.explainers.clear();
+            finding.prefers = None;
+            "fix what is listed, and check again".clone_into(&mut finding.help);
+            finding.places.truncate(1);
+            UNLISTED.clone_into(&mut finding.subject);
+            self.keep(finding);
+        } else if let Some(last) = self.findings.last_mut() {
+            last.severity = last.severity.max(finding.severity);
+            last.confidence = last.confidence.max(finding.confidence);
+        }
+        let measured = vec![Measured::count(UNLISTED, self.unlisted)];
+        if let Some(last) = self.findings.last_mut() {
+            last.message = format!(
+                "{} more findings of this rule are counted and not listed: {MOST_FINDINGS} are the most of one platform",
+                self.unlisted
+            );
+            last.measured.clone_from(&measured);
+        }
+        let row = self.failed.get(UNLISTED).and_then(|row| self.judged.get_mut(*row));
+        if let Some(row) = row {
+            row.measured = measured;
+        }
+    }
+
+    fn keep(&mut self, finding: Finding) {
         let known = self.failed.get(&finding.subject).copied();
         if let Some(judged) = known.and_then(|index| self.judged.get_mut(index)) {
             judged.measured.extend(finding.measured.iter().cloned());
@@ -103,5 +150,40 @@ impl Judge {
     /// What was measured does not suffice.
     pub fn too_little(&mut self, subject: impl Into<String>, reason: impl AsRef<str>) {
         self.not_evaluated(subject, NotEvaluated::TooLittleEvidence, reason);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::source::{Confidence, Place, SourceId};
+    use crate::verdict::Severity;
+
+    #[test]
+    fn findings_behind_the_most_that_are_kept_are_counted() {
+        let mut judge = Judge::default();
+        let place = Place::whole(SourceId(0));
+        for number in 0..MOST_FINDINGS + 7 {
+            let mut finding = Finding::new(Severity::Warning, format!("link {number}"), "wrong", place.clone());
+            finding.confidence = Confidence::Likely;
+            if number == MOST_FINDINGS + 3 {
+                finding.severity = Severity::Error;
+            }
+            judge.fail(finding);
+        }
+        assert_eq!(
+            (judge.findings.len(), judge.judged.len()),
+            (MOST_FINDINGS + 1, MOST_FINDINGS + 1)
+        );
+        let last = judge.findings.last().unwrap();
+        assert!(
+            last.message.starts_with("7 more findings of this rule"),
+            "{}",
+            last.message
+        );
+        assert_eq!((last.severity, last.confidence), (Severity::Error, Confidence::Likely));
+        assert_eq!(last.measured, [Measured::count(UNLISTED, 7)]);
+        assert_eq!(judge.judged.last().unwrap().measured, last.measured);
+        assert_eq!(judge.judged.last().unwrap().outcome, Outcome::Fail);
     }
 }

@@ -6,6 +6,8 @@
 
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 
+use std::sync::OnceLock;
+
 use nalgebra::Isometry3;
 
 use crate::source::SourceId;
@@ -13,6 +15,7 @@ use crate::source::SourceId;
 use super::World;
 use super::claim::{Claim, ClaimKind};
 use super::frame::{FrameId, FrameRole};
+use super::rigid::Rigid;
 
 /// Which statement an edge comes from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -90,9 +93,16 @@ pub struct FrameGraph {
     pub frames: BTreeSet<FrameId>,
     by_child: BTreeMap<FrameId, Vec<usize>>,
     by_parent: BTreeMap<FrameId, Vec<usize>>,
+    rigid: OnceLock<Rigid>,
 }
 
 impl FrameGraph {
+    /// The frames that are rigid with each other; worked out when first asked for.
+    pub fn rigid(&self) -> &Rigid {
+        self.rigid
+            .get_or_init(|| Rigid::new(&self.frames, |frame| self.reach(frame, |edge| edge.is_rigid)))
+    }
+
     /// Collects the edges of a world: joints and recorded TF.
     pub fn new(world: &World) -> Self {
         Self::recorded(world, Self::stated(world, |_| false))
@@ -185,6 +195,7 @@ impl FrameGraph {
             frames,
             by_child,
             by_parent,
+            rigid: OnceLock::new(),
         }
     }
 
@@ -261,11 +272,67 @@ impl FrameGraph {
         source: &FrameId,
         usable: impl Fn(&Edge) -> bool,
     ) -> Option<(Isometry3<f64>, Vec<Step>)> {
-        let mut came_from: BTreeMap<&FrameId, (&FrameId, Step)> = BTreeMap::new();
         let start = self.frames.get(target)?;
+        let came_from = self.search(start, Some(source), usable);
+        let mut steps = Vec::new();
+        let mut at = self.frames.get(source)?;
+        while at != start {
+            let (previous, step) = came_from.get(at)?;
+            steps.push(step.clone());
+            at = previous;
+        }
+        steps.reverse();
+        let mut target_from_source = Isometry3::identity();
+        for step in &steps {
+            target_from_source *= self.pose_of(step)?;
+        }
+        Some((target_from_source, steps))
+    }
+
+    /// All frames that a shortest chain of edges connects with `target`, over the edges that `usable` admits, with every pose known: itself,
+    /// and `target_from_frame` of each. As [`FrameGraph::chain`] finds them one by one.
+    pub fn reach<'a>(&'a self, target: &FrameId, usable: impl Fn(&Edge) -> bool) -> Vec<(&'a FrameId, Isometry3<f64>)> {
+        let Some(start) = self.frames.get(target) else {
+            return Vec::new();
+        };
+        let mut next_of: BTreeMap<&FrameId, Vec<(&FrameId, Step)>> = BTreeMap::new();
+        for (frame, (previous, step)) in self.search(start, None, usable) {
+            next_of.entry(previous).or_default().push((frame, step));
+        }
+        let mut reached = Vec::new();
+        let mut stack = vec![(start, Isometry3::identity())];
+        while let Some((frame, target_from_frame)) = stack.pop() {
+            for (next, step) in next_of.remove(frame).into_iter().flatten() {
+                if let Some(pose) = self.pose_of(&step) {
+                    stack.push((next, target_from_frame * pose));
+                }
+            }
+            reached.push((frame, target_from_frame));
+        }
+        reached
+    }
+
+    /// `here_from_there` of a step, where `there` is farther from the start.
+    fn pose_of(&self, step: &Step) -> Option<Isometry3<f64>> {
+        let parent_from_child = self.edges.get(step.edge)?.pose?;
+        Some(if step.forward {
+            parent_from_child
+        } else {
+            parent_from_child.inverse()
+        })
+    }
+
+    /// From which frame, and by which step, each frame is reached, the nearest first; it ends where `until` is reached.
+    fn search<'a>(
+        &'a self,
+        start: &'a FrameId,
+        until: Option<&FrameId>,
+        usable: impl Fn(&Edge) -> bool,
+    ) -> BTreeMap<&'a FrameId, (&'a FrameId, Step)> {
+        let mut came_from: BTreeMap<&FrameId, (&FrameId, Step)> = BTreeMap::new();
         let mut queue = VecDeque::from([start]);
         while let Some(frame) = queue.pop_front() {
-            if frame == source {
+            if Some(frame) == until {
                 break;
             }
             let down = self.by_parent.get(frame).into_iter().flatten().map(|i| (*i, true));
@@ -282,24 +349,7 @@ impl FrameGraph {
                 }
             }
         }
-        let mut steps = Vec::new();
-        let mut at = self.frames.get(source)?;
-        while at != start {
-            let (previous, step) = came_from.get(at)?;
-            steps.push(step.clone());
-            at = previous;
-        }
-        steps.reverse();
-        let mut target_from_source = Isometry3::identity();
-        for step in &steps {
-            let parent_from_child = self.edges.get(step.edge)?.pose?;
-            target_from_source *= if step.forward {
-                parent_from_child
-            } else {
-                parent_from_child.inverse()
-            };
-        }
-        Some((target_from_source, steps))
+        came_from
     }
 
     /// Cycles in the parent relation: each as its frames, from the smallest name on.

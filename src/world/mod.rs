@@ -12,6 +12,7 @@ pub mod content;
 pub mod conventions;
 pub mod frame;
 pub mod graph;
+mod index;
 pub mod laser;
 pub mod launch;
 pub mod motion;
@@ -22,6 +23,7 @@ pub mod projection;
 pub mod qos;
 pub mod radar;
 pub mod reference;
+pub mod rigid;
 pub mod robot;
 pub mod tf2;
 pub mod transform_name;
@@ -34,6 +36,7 @@ use serde::{Deserialize, Serialize};
 use crate::source::{At, Confidence, Place, Placed, Source, SourceId};
 use crate::tables::{Dataset, Tables};
 
+use index::Index;
 use launch::{LocalizationSettings, StaticPublisher};
 
 pub use bag::BagEvidence;
@@ -102,11 +105,17 @@ pub struct World {
     #[serde(default)]
     pub jpl: Vec<Placed<String>>,
     #[serde(skip)]
+    made: Made,
+}
+
+/// What is worked out of a world when it is first asked for.
+#[derive(Clone, Debug, Default)]
+struct Made {
     graph: OnceLock<FrameGraph>,
-    #[serde(skip)]
     launched: OnceLock<Vec<FrameGraph>>,
-    #[serde(skip)]
     whole: OnceLock<FrameGraph>,
+    index: OnceLock<Index>,
+    words: OnceLock<BTreeMap<Vec<String>, BTreeSet<FrameId>>>,
 }
 
 /// What one reader found in one source: merged into a [`World`] by the engine.
@@ -267,9 +276,7 @@ impl World {
                 one.values.values().next().is_none_or(|value| at(&value.place))
             }),
             jpl: kept(&self.jpl, |one| at(&one.place)),
-            graph: OnceLock::new(),
-            launched: OnceLock::new(),
-            whole: OnceLock::new(),
+            made: Made::default(),
         }
     }
 
@@ -288,9 +295,7 @@ impl World {
         self.publishers.extend(facts.publishers);
         self.localizations.extend(facts.localizations);
         self.jpl.extend(facts.jpl);
-        self.graph = OnceLock::new();
-        self.launched = OnceLock::new();
-        self.whole = OnceLock::new();
+        self.made = Made::default();
     }
 
     /// Calls the sensors of a dataset what its table of sensors calls them, and not by their tokens.
@@ -339,24 +344,27 @@ impl World {
             }
         }
         self.conventions = conventions;
-        self.graph = OnceLock::new();
-        self.launched = OnceLock::new();
-        self.whole = OnceLock::new();
+        self.made = Made::default();
+    }
+
+    /// Drops what was worked out: it is worked out again where somebody asks.
+    pub fn forget(&mut self) {
+        self.made = Made::default();
     }
 
     /// The frame graph of URDF and TF together, built once. Calibration claims are compared with it, not part of it.
     pub fn graph(&self) -> &FrameGraph {
-        self.graph.get_or_init(|| FrameGraph::new(self))
+        self.made.graph.get_or_init(|| FrameGraph::new(self))
     }
 
     /// The frame graphs that launch files and scripts start, one for each; built once. See [`FrameGraph::launched`].
     pub fn launched(&self) -> &[FrameGraph] {
-        self.launched.get_or_init(|| FrameGraph::launched(self))
+        self.made.launched.get_or_init(|| FrameGraph::launched(self))
     }
 
     /// Joints, recorded TF and all that launch files publish, together; built once.
     pub fn whole(&self) -> &FrameGraph {
-        self.whole.get_or_init(|| FrameGraph::whole(self))
+        self.made.whole.get_or_init(|| FrameGraph::whole(self))
     }
 
     /// [`World::graph`], and those of [`World::launched`].

@@ -247,10 +247,3 @@ pub struct Robot {
     /// Set where only a part could be read (an unexpanded xacro): structure rules cannot judge it.
     pub fragment: Option<String>,
 }
-
-impl Robot {
-    /// Places of all links of this name.
-    pub fn links_named<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a Link> {
-        self.links.iter().filter(move |link| link.name.value == name)
-    }
-}

@@ -14,6 +14,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
         ("math", &[] as &[&str]),
         ("source", &[]),
         ("files", &[]),
+        ("visible", &[]),
         ("tables", &[]),
         // What is known of devices is part of a world, for the user may add to it.
         ("world", &["source", "math", "tables"]),
@@ -35,7 +36,9 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
         ("run", &["source", "world", "verdict", "page"]),
         (
             "report",
-            &["source", "world", "verdict", "page", "run", "compare", "view", "tables"],
+            &[
+                "source", "world", "verdict", "page", "run", "compare", "view", "tables", "visible",
+            ],
         ),
         ("compare", &["source", "world", "verdict", "run", "math", "tables"]),
         ("progress", &[]),
@@ -51,7 +54,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
             "engine",
             &[
                 "source", "world", "verdict", "page", "rules", "analysis", "read", "collect", "config", "run",
-                "progress", "policy", "tables", "files",
+                "progress", "policy", "tables", "files", "visible",
             ],
         ),
         ("convert", &["run", "world", "source", "tables", "math"]),

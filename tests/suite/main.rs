@@ -55,6 +55,7 @@ mod readme;
 mod recipe;
 mod recordings;
 mod relations;
+mod rigid;
 mod robots;
 mod rosbag1;
 mod rosbag1_damage;

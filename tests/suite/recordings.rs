@@ -405,6 +405,13 @@ fn waivers_and_baselines_hold_for_the_recording_that_they_are_for() {
     assert!(is_stale(&ran), "{}", ran.text());
 }
 
+/// A line or a part of a document, without the type that lines have.
+fn without_type(part: &Value) -> String {
+    let mut keys: BTreeMap<String, Value> = serde_json::from_value(part.clone()).unwrap();
+    keys.remove("type");
+    format!("{keys:?}")
+}
+
 #[test]
 fn lines_come_recording_by_recording_and_are_those_of_the_document() {
     let folder = folder(
@@ -449,13 +456,12 @@ fn lines_come_recording_by_recording_and_are_those_of_the_document() {
         ("finding", "findings"),
         ("recording", "recordings"),
     ] {
-        let words = |line: &Value| {
-            let mut keys: BTreeMap<String, Value> = serde_json::from_value(line.clone()).unwrap();
-            keys.remove("type");
-            format!("{keys:?}")
-        };
-        let mut told: Vec<String> = lines.iter().filter(|line| line["type"] == kind).map(words).collect();
-        let mut known: Vec<String> = document[key].as_array().unwrap().iter().map(words).collect();
+        let mut told: Vec<String> = lines
+            .iter()
+            .filter(|line| line["type"] == kind)
+            .map(without_type)
+            .collect();
+        let mut known: Vec<String> = document[key].as_array().unwrap().iter().map(without_type).collect();
         told.sort();
         known.sort();
         assert_eq!(told, known, "{kind}");
@@ -470,6 +476,54 @@ fn lines_come_recording_by_recording_and_are_those_of_the_document() {
         let arguments = ["check", ".", "--output", "json-lines=lines"];
         program::run_with(folder.path(), arguments, &[("RAYON_NUM_THREADS", threads)]);
         assert_eq!(fs::read_to_string(folder.path().join("lines")).unwrap(), ran.text());
+    }
+}
+
+#[test]
+fn what_a_configuration_asks_is_answered_the_same_in_lines() {
+    let recordings = [
+        ("a.mcap", &*drive(0, 1.85)),
+        ("b.mcap", &late(&drive(10, 1.85))),
+        ("c.mcap", &drive(20, 1.95)),
+    ];
+    for config in [
+        "require: [AXES02, TIME03]\n",
+        "require: [{share: 0.9}]\n",
+        "require: [TREE01, {rule: TREE03, subject: 'nobody*'}]\n",
+        "waivers: [{rule: TIME01, reason: known}]\nrequire: [TIME01]\n",
+        "waivers: [{rule: TIME01, subject: '/imu*', reason: known}, {rule: GEO01, reason: nothing has it}]\n",
+        "fail-on: warning\nwaivers: [{rule: CROSS06, reason: it was moved}]\n",
+    ] {
+        let folder = folder(&recordings, &[("car.urdf", ROBOT), ("frames-lint.yaml", config)]);
+        let document = program(folder.path(), &["--format", "json"]);
+        let lines = program(folder.path(), &["--format", "json-lines"]);
+        assert_eq!(document.code, lines.code, "{config}");
+        let document = document.report();
+        let told: Vec<Value> = lines
+            .text()
+            .lines()
+            .map(|line| serde_json::from_str(line).unwrap())
+            .collect();
+        for (kind, key) in [
+            ("required", "required"),
+            ("finding", "findings"),
+            ("recording", "recordings"),
+        ] {
+            let mut of_kind: Vec<String> = told
+                .iter()
+                .filter(|line| line["type"] == kind)
+                .map(without_type)
+                .collect();
+            let mut known: Vec<String> = document[key].as_array().unwrap().iter().map(without_type).collect();
+            of_kind.sort();
+            known.sort();
+            assert_eq!(of_kind, known, "{config} {kind}");
+        }
+        assert_eq!(
+            without_type(told.last().unwrap()),
+            without_type(&document["summary"]),
+            "{config}"
+        );
     }
 }
 

@@ -1,6 +1,6 @@
 //! The frames of the platform that a calibration means with names of its own.
 
-use std::cell::OnceCell;
+use std::cell::{Cell, OnceCell};
 use std::collections::BTreeSet;
 
 use nalgebra::Isometry3;
@@ -60,19 +60,52 @@ impl<'g> Candidate<'g> {
 pub(crate) struct Search<'g> {
     world: &'g World,
     exact: &'g exact::Limits,
-    /// Every frame with the first frame that it is rigid with, and its pose in that.
-    placed: OnceCell<Vec<(&'g FrameId, &'g FrameId, Isometry3<f64>)>>,
+    kinds: OnceCell<Kinds<'g>>,
+    /// Pairs of frames that were looked at.
+    looked: Cell<usize>,
 }
+
+/// Pairs of frames that are looked at for all transforms of calibrations: a hundred transforms against a platform of two hundred frames.
+const MOST_PAIRS: usize = 4_000_000;
 
 impl<'g> Search<'g> {
     pub(crate) fn new(world: &'g World, exact: &'g exact::Limits) -> Self {
-        let placed = OnceCell::new();
-        Self { world, exact, placed }
+        Self {
+            world,
+            exact,
+            kinds: OnceCell::new(),
+            looked: Cell::new(0),
+        }
+    }
+
+    /// Whether so many pairs were looked at that no more are: what was found may not be all.
+    pub(crate) fn is_spent(&self) -> bool {
+        self.looked.get() > MOST_PAIRS
+    }
+
+    /// Counts a pair that is looked at. Whether it may be.
+    fn look(&self) -> bool {
+        self.looked.set(self.looked.get() + 1);
+        !self.is_spent()
+    }
+
+    /// The platform's frames that a program's word for a sensor may mean: by their names, else by what is published in them.
+    fn meant(&self, role: &FrameId) -> Vec<&'g FrameId> {
+        let kinds = self.kinds.get_or_init(|| Kinds::new(self.world.graph()));
+        let named = kinds.named(self.world.graph(), role);
+        if named.is_empty() {
+            published(self.world, role)
+        } else {
+            named
+        }
     }
 
     /// The pairs whose names are of the right kinds. Where none of them has the transform to the last digits, as it is or with a
     /// convention error, and others have, those. `of_file` is all that the file states.
     pub(crate) fn candidates(&self, stated: &Stated, of_file: &[Stated]) -> Vec<Candidate<'g>> {
+        if self.is_spent() {
+            return Vec::new();
+        }
         let by_names = self.by_names(stated);
         if by_names.iter().any(|candidate| candidate.is_met(self.exact)) {
             return by_names;
@@ -86,10 +119,10 @@ impl<'g> Search<'g> {
 
     /// Every pair of the platform's frames of these kinds with a rigid transform between them.
     fn by_names(&self, stated: &Stated) -> Vec<Candidate<'g>> {
-        let (targets, sources) = (meant(self.world, stated.target), meant(self.world, stated.source));
+        let (targets, sources) = (self.meant(stated.target), self.meant(stated.source));
         let pairs = targets.iter().flat_map(|a| sources.iter().map(|b| (*a, *b)));
         let found = pairs.filter(|(a, b)| a != b).filter_map(|(a, b)| {
-            let (pose, _) = self.world.graph().chain(a, b, |edge| edge.is_rigid)?;
+            let pose = self.world.graph().rigid().between(a, b).filter(|_| self.look())?;
             Some(Candidate::new(a, b, pose, &stated.pose))
         });
         found.collect()
@@ -98,18 +131,18 @@ impl<'g> Search<'g> {
     /// Pairs of which one frame is of the right kind, and the other is called anything, whose transform is met to the last digits and not
     /// by chance.
     fn by_numbers(&self, stated: &Stated) -> Vec<Candidate<'g>> {
-        let graph = self.world.graph();
+        let rigid = self.world.graph().rigid();
         let mut found: Vec<Candidate<'g>> = Vec::new();
-        let mut look = |target: &'g FrameId, source: &'g FrameId| {
-            if let Some((pose, _)) = graph.chain(target, source, |edge| edge.is_rigid) {
-                self.add(&mut found, (target, source, pose), stated, exact::Limits::tells_alone);
+        let sides = [(stated.target, true), (stated.source, false)];
+        for (side, is_target) in sides {
+            for frame in self.meant(side) {
+                for (other, _) in rigid.cluster(frame).iter().take_while(|_| self.look()) {
+                    let (target, source) = if is_target { (frame, other) } else { (other, frame) };
+                    if let Some(pose) = rigid.between(target, source) {
+                        self.add(&mut found, (target, source, pose), stated, exact::Limits::tells_alone);
+                    }
+                }
             }
-        };
-        for target in meant(self.world, stated.target) {
-            graph.frames.iter().for_each(|source| look(target, source));
-        }
-        for source in meant(self.world, stated.source) {
-            graph.frames.iter().for_each(|target| look(target, source));
         }
         found
     }
@@ -150,12 +183,13 @@ impl<'g> Search<'g> {
 
     /// The pairs of all frames whose transform is met to the last digits, and tells something.
     fn telling(&self, stated: &Stated) -> Vec<Candidate<'g>> {
-        let placed = self.placed.get_or_init(|| placed(self.world.graph()));
         let mut found = Vec::new();
-        for (target, root, at_target) in placed {
-            for (source, _, at_source) in placed.iter().filter(|(_, of, _)| of == root) {
-                let pair = (*target, *source, at_target.inv_mul(at_source));
-                self.add(&mut found, pair, stated, exact::Limits::is_telling);
+        for cluster in &self.world.graph().rigid().clusters {
+            for (target, at_target) in cluster {
+                for (source, at_source) in cluster.iter().take_while(|_| self.look()) {
+                    let pair = (target, source, at_target.inv_mul(at_source));
+                    self.add(&mut found, pair, stated, exact::Limits::is_telling);
+                }
             }
         }
         found
@@ -186,29 +220,8 @@ impl<'g> Search<'g> {
     }
 }
 
-fn placed(graph: &FrameGraph) -> Vec<(&FrameId, &FrameId, Isometry3<f64>)> {
-    let mut placed: Vec<(&FrameId, &FrameId, Isometry3<f64>)> = Vec::new();
-    let mut roots: Vec<&FrameId> = Vec::new();
-    for frame in &graph.frames {
-        let mut of = roots
-            .iter()
-            .filter_map(|root| Some((*root, graph.chain(root, frame, |edge| edge.is_rigid)?.0)));
-        let (root, pose) = of.next().unwrap_or((frame, Isometry3::identity()));
-        if root == frame {
-            roots.push(frame);
-        }
-        placed.push((frame, root, pose));
-    }
-    placed
-}
-
-/// The platform's frames that a program's word for a sensor may mean: by their names, else by what is published in them.
-fn meant<'g>(world: &'g World, role: &FrameId) -> Vec<&'g FrameId> {
-    let graph = world.graph();
-    let named = named(graph, role);
-    if !named.is_empty() {
-        return named;
-    }
+/// The platform's frames that something of this name may mean, by what is published in them.
+fn published<'g>(world: &'g World, role: &FrameId) -> Vec<&'g FrameId> {
     let types: &[&str] = if has_word(role, names::CAMERAS) {
         &["CameraInfo", "Image", "CompressedImage"]
     } else if has_word_of(role, LIDAR_WORDS) {
@@ -216,50 +229,74 @@ fn meant<'g>(world: &'g World, role: &FrameId) -> Vec<&'g FrameId> {
     } else if has_word(role, &["imu", "body"]) {
         &["Imu"]
     } else {
-        &[]
+        return Vec::new();
     };
     let topics = world.bags.iter().flat_map(|bag| bag.topics.values());
     let topics = topics.filter(|topic| types.contains(&topic.type_name()));
     let frames = topics.flat_map(|topic| topic.header_frames.keys());
     let known: BTreeSet<&FrameId> = frames
-        .filter_map(|frame| graph.frames.get(&frame.canonical()))
+        .filter_map(|frame| world.graph().frames.get(&frame.canonical()))
         .collect();
     known.into_iter().collect()
 }
 
 const LIDAR_WORDS: &[&[&str]] = &[names::LIDARS, names::LIDAR_MAKERS, &["velo", "os", "pandar"]];
 
-fn named<'g>(graph: &'g FrameGraph, role: &FrameId) -> Vec<&'g FrameId> {
-    if let Some(own) = graph.frames.get(&role.canonical()) {
-        return vec![own];
+/// The platform's frames by the kinds that their names tell.
+struct Kinds<'g> {
+    /// With their numbers. Programs that look through cameras mean the axes of images: where there are optical frames, these.
+    cameras: Vec<(&'g FrameId, u32)>,
+    lidars: Vec<&'g FrameId>,
+    imus: Vec<&'g FrameId>,
+    bases: Vec<&'g FrameId>,
+}
+
+impl<'g> Kinds<'g> {
+    fn new(graph: &'g FrameGraph) -> Self {
+        let of = |test: &dyn Fn(&FrameId) -> bool| graph.frames.iter().filter(|frame| test(frame)).collect::<Vec<_>>();
+        let optical = of(&|frame| names::optical_stem(frame).is_some());
+        let cameras = if optical.is_empty() {
+            of(&|frame| has_word(frame, names::CAMERAS))
+        } else {
+            optical
+        };
+        Self {
+            cameras: cameras.into_iter().map(|frame| (frame, number(frame))).collect(),
+            lidars: of(&|frame| has_word_of(frame, LIDAR_WORDS)),
+            imus: of(&|frame| has_word(frame, names::IMUS)),
+            bases: of(&names::is_base),
+        }
     }
-    let of = |test: &dyn Fn(&FrameId) -> bool| graph.frames.iter().filter(|frame| test(frame)).collect::<Vec<_>>();
-    if has_word(role, names::CAMERAS) {
-        let all = of(&|frame| has_word(frame, names::CAMERAS) || names::optical_stem(frame).is_some());
-        // Programs that look through cameras mean the axes of images.
-        let optical: Vec<&FrameId> = all
-            .iter()
-            .copied()
-            .filter(|frame| names::optical_stem(frame).is_some())
-            .collect();
-        let cameras = if optical.is_empty() { all } else { optical };
-        let numbered: Vec<&FrameId> = cameras
-            .iter()
-            .copied()
-            .filter(|frame| number(frame) == number(role))
-            .collect();
-        return if numbered.is_empty() { cameras } else { numbered };
+
+    fn named(&self, graph: &'g FrameGraph, role: &FrameId) -> Vec<&'g FrameId> {
+        if let Some(own) = graph.frames.get(&role.canonical()) {
+            return vec![own];
+        }
+        if has_word(role, names::CAMERAS) {
+            let all = self.cameras.iter();
+            let of_role = number(role);
+            let numbered = all
+                .clone()
+                .filter(|(_, number)| *number == of_role)
+                .map(|(frame, _)| *frame);
+            let numbered: Vec<&FrameId> = numbered.collect();
+            return if numbered.is_empty() {
+                all.map(|(frame, _)| *frame).collect()
+            } else {
+                numbered
+            };
+        }
+        if has_word_of(role, LIDAR_WORDS) {
+            return self.lidars.clone();
+        }
+        if has_word(role, &["imu", "body"]) {
+            return self.imus.clone();
+        }
+        if has_word(role, &["base", "ego", "egovehicle", "vehicle", "robot"]) {
+            return self.bases.clone();
+        }
+        Vec::new()
     }
-    if has_word_of(role, LIDAR_WORDS) {
-        return of(&|frame| has_word_of(frame, LIDAR_WORDS));
-    }
-    if has_word(role, &["imu", "body"]) {
-        return of(&|frame| has_word(frame, names::IMUS));
-    }
-    if has_word(role, &["base", "ego", "egovehicle", "vehicle", "robot"]) {
-        return of(&names::is_base);
-    }
-    Vec::new()
 }
 
 /// The number in a name, `0` and none alike.

@@ -1,5 +1,7 @@
 //! How a sensor is mounted: its pose on the platform's base, by URDF and static TF.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Isometry3, Vector3};
 
 use crate::analysis::{names, names::Standard};
@@ -23,18 +25,54 @@ impl Mount {
     }
 }
 
-/// Where a sensor with this frame is mounted: on `base_link` or `base_footprint` of its tree, else on a frame called like
-/// a base, else on one that odometry moves. `None` where no rigid chain leads there.
-pub(crate) fn mount(world: &World, sensor: &FrameId) -> Option<Mount> {
-    let is_standard = |frame: &FrameId| names::standard(frame).is_some_and(|(_, kind)| kind == Standard::Base);
-    let graph = world.graph();
-    if is_standard(sensor) {
-        return Some(Mount {
-            base: sensor.clone(),
-            base_from_sensor: Isometry3::identity(),
-            is_base: true,
-        });
+/// How every frame with a rigid chain to a base is mounted: on `base_link` or `base_footprint` of its tree, else on a frame called like a base,
+/// else on one that odometry moves.
+pub(crate) struct Mounts(BTreeMap<FrameId, Mount>);
+
+impl Mounts {
+    /// Looks through the platform once.
+    pub(crate) fn of(world: &World) -> Self {
+        let mut mounts: BTreeMap<FrameId, Mount> = BTreeMap::new();
+        for base in bases(world) {
+            if mounts.contains_key(base) {
+                continue;
+            }
+            for (frame, base_from_sensor) in world.graph().reach(base, |edge| edge.is_rigid) {
+                mounts.entry(frame.clone()).or_insert_with(|| Mount {
+                    base: base.clone(),
+                    base_from_sensor,
+                    is_base: base == frame,
+                });
+            }
+        }
+        Self(mounts)
     }
+
+    /// How the sensor of this frame is mounted.
+    pub(crate) fn get(&self, sensor: &FrameId) -> Option<Mount> {
+        if is_standard(sensor) {
+            return Some(Mount {
+                base: sensor.clone(),
+                base_from_sensor: Isometry3::identity(),
+                is_base: true,
+            });
+        }
+        self.0.get(sensor).cloned()
+    }
+}
+
+/// As [`Mounts`] has it, for one sensor.
+pub(crate) fn mount(world: &World, sensor: &FrameId) -> Option<Mount> {
+    Mounts::of(world).get(sensor)
+}
+
+fn is_standard(frame: &FrameId) -> bool {
+    names::standard(frame).is_some_and(|(_, kind)| kind == Standard::Base)
+}
+
+/// Frames that sensors are mounted on, the best first.
+fn bases(world: &World) -> impl Iterator<Item = &FrameId> {
+    let graph = world.graph();
     let standard = graph.frames.iter().filter(|frame| is_standard(frame));
     let named = graph
         .frames
@@ -46,12 +84,5 @@ pub(crate) fn mount(world: &World, sensor: &FrameId) -> Option<Mount> {
     let moved = moved
         .filter(|frame| !names::is_device(frame))
         .filter_map(|frame| graph.frames.get(&frame.canonical()));
-    standard.chain(named).chain(moved).find_map(|base| {
-        let (base_from_sensor, _) = graph.chain(base, sensor, |edge| edge.is_rigid)?;
-        Some(Mount {
-            base: base.clone(),
-            base_from_sensor,
-            is_base: base == sensor,
-        })
-    })
+    standard.chain(named).chain(moved)
 }

@@ -1,10 +1,12 @@
 //! Mountings of sensors, told by the names of frames: a heuristic, good for hints only.
 
-use nalgebra::Isometry3;
+use std::collections::BTreeMap;
+
+use nalgebra::{Isometry3, Point3};
 
 use crate::analysis::names;
 use crate::analysis::names::{has_word, has_word_of};
-use crate::source::Place;
+use crate::source::{Place, SourceId};
 use crate::world::{Claim, ClaimKind, FrameId, World};
 
 /// Words for kinds of sensor; the lists of one row name one kind.
@@ -93,25 +95,35 @@ impl Mounting {
     pub(crate) fn is_identity(&self) -> bool {
         self.parent_from_sensor.translation.vector.norm() <= 1e-12 && self.parent_from_sensor.rotation.angle() <= 1e-9
     }
+}
 
-    /// Whether the two frames are called after one sensor: `camera_link` and `camera_color_frame`.
-    fn is_same_sensor(&self, other: &Self) -> bool {
-        let name = |frame: &FrameId| -> Vec<String> {
-            let tokens = frame.tokens().into_iter();
-            tokens.filter(|token| !PARTS.contains(&token.as_str())).collect()
-        };
-        name(&self.sensor) == name(&other.sensor)
-    }
+/// Mountings by what copies share: source, parent, kind of sensor and pose. Of each the first, and the first of another sensor: several frames
+/// may be called after one (`camera_link` and `camera_color_frame`).
+#[derive(Default)]
+pub(crate) struct Copies<'a>(BTreeMap<CopyKey<'a>, Vec<(Vec<String>, &'a Mounting)>>);
 
-    /// Whether another sensor of the same kind and source has exactly this pose on the same parent.
-    pub(crate) fn is_copy_of(&self, other: &Self) -> bool {
-        let difference = self.parent_from_sensor.inv_mul(&other.parent_from_sensor);
-        self.place.source == other.place.source
-            && self.parent == other.parent
-            && !self.is_same_sensor(other)
-            && kind(&self.sensor) == kind(&other.sensor)
-            && difference.translation.vector.norm() <= 1e-12
-            && difference.rotation.angle() <= 1e-9
+/// The pose by where two points of the sensor lie in the parent, um.
+type CopyKey<'a> = (SourceId, &'a FrameId, usize, [[u64; 3]; 2]);
+
+impl<'a> Copies<'a> {
+    /// The first earlier mounting of another sensor of the same kind and source with exactly this pose on the same parent. Remembers this one.
+    pub(crate) fn copied(&mut self, mounting: &'a Mounting) -> Option<&'a Mounting> {
+        let kind = kind(&mounting.sensor)?;
+        let points = [[0.0, 0.0, 0.0], [1.0, 2.0, 3.0]].map(|point| {
+            let [x, y, z] = (mounting.parent_from_sensor * Point3::from(point)).coords.into();
+            // Adding zero turns -0 into 0.
+            [x, y, z].map(|metres: f64| ((metres * 1e6).round() + 0.0).to_bits())
+        });
+        let key = (mounting.place.source, &mounting.parent, kind, points);
+        let tokens = mounting.sensor.tokens().into_iter();
+        let name: Vec<String> = tokens.filter(|token| !PARTS.contains(&token.as_str())).collect();
+        let alike = self.0.entry(key).or_default();
+        let original = alike.iter().find(|(other, _)| *other != name);
+        let original = original.map(|(_, other)| *other);
+        if alike.is_empty() || (alike.len() == 1 && original.is_some()) {
+            alike.push((name, mounting));
+        }
+        original
     }
 }
 

@@ -182,7 +182,7 @@ impl Room<'_> {
             let (mut worlds, others): (Vec<World>, Vec<World>) =
                 worlds.into_iter().partition(|world| world.members.iter().any(is_own));
             let label = name(recordings, &mut worlds, &sources);
-            let verdicts = self.setup.judge(&worlds, true);
+            let verdicts = self.setup.judge(&mut worlds, true);
             if !plan.widen(&worlds, &verdicts) {
                 let mut drive = self.drive(label, recordings, (worlds, &others), verdicts);
                 drive.left = drive.worlds.iter_mut().flat_map(slim).collect();
@@ -316,7 +316,7 @@ impl Room<'_> {
         }
         let sources = Arc::new(self.shared.sources.clone());
         self.furnish(&mut worlds, &sources);
-        let verdicts = self.setup.judge(&worlds, true);
+        let verdicts = self.setup.judge(&mut worlds, true);
         whole.run.seen.extend(self.setup.seen(&worlds));
         let labels: Vec<String> = worlds.iter().map(|world| world.label.clone()).collect();
         whole.lay(verdicts, &labels, self.policy);

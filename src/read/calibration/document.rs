@@ -2,6 +2,9 @@
 //!
 //! Owns the nouns; `events` builds them. Knows nothing of transforms.
 
+use std::collections::HashMap;
+use std::sync::{Arc, OnceLock};
+
 use crate::source::Span;
 
 /// A value of a document and where it stands.
@@ -15,7 +18,22 @@ pub(crate) struct Node {
     pub(crate) tag: Option<Box<str>>,
     /// Whether a fault cut it off: what it holds is true, but not all of it.
     pub(crate) cut: bool,
+    /// Of a large mapping: where its keys stand.
+    keys: Keys,
 }
+
+/// The last pair of each key of a mapping; made when a key is first asked for. No part of what the node is.
+#[derive(Clone, Debug, Default)]
+struct Keys(OnceLock<Arc<HashMap<Box<str>, usize>>>);
+
+impl PartialEq for Keys {
+    fn eq(&self, _: &Self) -> bool {
+        true
+    }
+}
+
+/// Pairs of a mapping from which on keys are looked up in an index: readers ask for dozens of keys, some once for each pair.
+const MANY_PAIRS: usize = 32;
 
 /// What a node is.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,6 +59,7 @@ impl Node {
             kind,
             tag: None,
             cut: false,
+            keys: Keys::default(),
         }
     }
 
@@ -81,8 +100,20 @@ impl Node {
 
     /// The pair with this key; of repeated keys the last, as most readers take it.
     pub(crate) fn pair(&self, key: &str) -> Option<(&Node, &Node)> {
-        let mut pairs = self.pairs().iter().rev();
-        pairs.find(|(k, _)| k.text() == Some(key)).map(|(k, v)| (k, v))
+        let pairs = self.pairs();
+        let found = if pairs.len() < MANY_PAIRS {
+            pairs.iter().rev().find(|(k, _)| k.text() == Some(key))
+        } else {
+            let texts = || {
+                pairs
+                    .iter()
+                    .enumerate()
+                    .filter_map(|(at, (k, _))| Some((k.text()?.into(), at)))
+            };
+            let keys = self.keys.0.get_or_init(|| Arc::new(texts().collect()));
+            keys.get(key).and_then(|at| pairs.get(*at))
+        };
+        found.map(|(k, v)| (k, v))
     }
 
     /// The value under a key.

@@ -27,6 +27,7 @@ pub(super) fn repair(text: &str) -> Repaired {
         out: text.as_bytes().to_vec(),
         open: 0,
         elements: 0,
+        parts: 0,
         report: Repaired::default(),
     };
     let end = text.find('\0').unwrap_or(text.len());
@@ -45,9 +46,15 @@ pub(super) fn repair(text: &str) -> Repaired {
 /// Most attributes of one element; real ones have ten, and parsing costs the square of their number.
 const MOST_ATTRIBUTES: usize = 1000;
 
-/// Most elements of a text. Each takes up to some kilobytes once it is read, and every faulty one a finding: these keep within 500 MB. The
-/// largest known robots have four thousand.
-pub(super) const MOST_ELEMENTS: usize = 60_000;
+/// Most elements of a text, and most links and joints among them: a hundred thousand links. A link with its joint takes 5 kB once both are read and
+/// judged, 7 kB where everything in them is wrong. The largest known robots have four thousand elements.
+pub(super) const MOST_ELEMENTS: usize = 600_000;
+pub(super) const MOST_PARTS: usize = 200_000;
+
+/// Whether an element of this name is a link or a joint.
+pub(super) fn is_part(name: &str) -> bool {
+    matches!(name, "link" | "joint")
+}
 
 /// Longest name of an element or attribute, and longest value that names something, bytes: findings repeat names.
 pub(super) const LONGEST_NAME: usize = 1000;
@@ -64,6 +71,8 @@ struct Lexer<'a> {
     /// Elements that are open.
     open: usize,
     elements: usize,
+    /// Links and joints among them.
+    parts: usize,
     report: Repaired,
 }
 
@@ -199,15 +208,16 @@ impl Lexer<'_> {
         if at - open > LONGEST_NAME {
             return self.too_much(open, &format!("the name of an element has {} bytes", at - open - 1));
         }
+        let name = self.text.get(open + 1..at).unwrap_or_default().to_owned();
         self.elements += 1;
-        if self.elements > MOST_ELEMENTS {
+        self.parts += usize::from(is_part(&name));
+        if self.elements > MOST_ELEMENTS || self.parts > MOST_PARTS {
             let what = format!(
-                "there are more than {MOST_ELEMENTS} elements, which would take more memory than one file is given"
+                "there are more than {MOST_ELEMENTS} elements, or {MOST_PARTS} links and joints, which would take more memory than one file is given"
             );
             self.report.excess = Some((Span::new(open, open + 1), what));
             return None;
         }
-        let name = self.text.get(open + 1..at).unwrap_or_default().to_owned();
         if self.open == 0 && !self.top(open, &name) {
             return None;
         }

@@ -128,7 +128,11 @@ pub(in crate::read) fn parse_strict(text: &str) -> Option<Document<'_>> {
                 .attributes()
                 .all(|attribute| attribute.range().len() <= repair::LONGEST_NAME)
     };
-    let is_usual = document.descendants().all(is_short);
+    let mut parts = 0;
+    let is_usual = document.descendants().all(|node| {
+        parts += usize::from(repair::is_part(node.tag_name().name()));
+        is_short(node) && parts <= repair::MOST_PARTS
+    });
     is_usual.then_some(document)
 }
 

@@ -1,5 +1,7 @@
 //! CAMERA06: which of its two readings a camera's extrinsics in a file have, by the transforms of the robot.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use nalgebra::Isometry3;
 
 use crate::analysis::names;
@@ -18,7 +20,7 @@ pub(crate) struct Limits {
 }
 
 /// What a name in a file can stand for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 enum Kind {
     Camera,
     Lidar,
@@ -50,13 +52,14 @@ impl Rule for CameraExtrinsicDirection {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
+        let of_robot = OfRobot::new(world);
         for claim in &world.claims {
             let ClaimKind::File { .. } = claim.kind else { continue };
             if !(claim.has_rotation && claim.has_translation) {
                 continue;
             }
             if let (Some(pose), Some((target, source))) = (claim.pose, sides(world, claim)) {
-                judge_claim(world, claim, &pose.isometry(), (&target, &source), limits, out);
+                judge_claim((world, &of_robot), claim, &pose.isometry(), (&target, &source), limits, out);
             }
         }
     }
@@ -84,38 +87,56 @@ fn sides(world: &World, claim: &Claim) -> Option<(FrameId, FrameId)> {
     Some((camera, other))
 }
 
-/// The one frame of the robot that a name in a file can mean.
-fn meant(world: &World, name: &FrameId) -> Result<FrameId, String> {
-    let graph = world.graph();
-    if graph.frames.contains(name) {
-        return Ok(name.clone());
+/// The robot's frames by what names in files can stand for.
+struct OfRobot<'w> {
+    frames: &'w BTreeSet<FrameId>,
+    of_kind: BTreeMap<Kind, Vec<&'w FrameId>>,
+    numbered: BTreeMap<(Kind, String), Vec<&'w FrameId>>,
+}
+
+impl<'w> OfRobot<'w> {
+    fn new(world: &'w World) -> Self {
+        let frames = &world.graph().frames;
+        let (mut of_kind, mut numbered) = (BTreeMap::new(), BTreeMap::new());
+        for frame in frames {
+            let named = Kind::of(frame).filter(|kind| matches!(kind, Kind::Lidar | Kind::Imu));
+            let is_camera = names::optical_stem(frame).is_some();
+            let is_base = names::standard(frame).is_some_and(|(_, kind)| kind == names::Standard::Base);
+            let kinds = [named, is_camera.then_some(Kind::Camera), is_base.then_some(Kind::Base)];
+            for kind in kinds.into_iter().flatten() {
+                of_kind.entry(kind).or_insert_with(Vec::new).push(frame);
+                if let Some(digits) = digits(frame) {
+                    numbered.entry((kind, digits)).or_insert_with(Vec::new).push(frame);
+                }
+            }
+        }
+        Self {
+            frames,
+            of_kind,
+            numbered,
+        }
     }
-    let Some(kind) = Kind::of(name) else {
-        return Err(format!(
-            "`{name}` is no frame of the robot, and its name does not say what it is"
-        ));
-    };
-    let of_kind = |frame: &&FrameId| match kind {
-        Kind::Camera => names::optical_stem(frame).is_some(),
-        Kind::Base => names::standard(frame).is_some_and(|(_, kind)| kind == names::Standard::Base),
-        kind => Kind::of(frame) == Some(kind),
-    };
-    let all: Vec<&FrameId> = graph.frames.iter().filter(of_kind).collect();
-    match all.as_slice() {
-        [one] => Ok((*one).clone()),
-        [] => Err(format!("`{name}` is no frame of the robot, and none is of its kind")),
-        several => {
-            let same: Vec<&&FrameId> = several
-                .iter()
-                .filter(|frame| digits(frame) == digits(name) && digits(name).is_some())
-                .collect();
-            match same.as_slice() {
-                [one] => Ok((**one).clone()),
+
+    /// The one frame that a name in a file can mean.
+    fn meant(&self, name: &FrameId) -> Result<FrameId, String> {
+        if self.frames.contains(name) {
+            return Ok(name.clone());
+        }
+        let Some(kind) = Kind::of(name) else {
+            return Err(format!(
+                "`{name}` is no frame of the robot, and its name does not say what it is"
+            ));
+        };
+        match self.of_kind.get(&kind).map_or(&[][..], Vec::as_slice) {
+            [one] => Ok((*one).clone()),
+            [] => Err(format!("`{name}` is no frame of the robot, and none is of its kind")),
+            several => match digits(name).and_then(|digits| self.numbered.get(&(kind, digits))).map(Vec::as_slice) {
+                Some([one]) => Ok((*one).clone()),
                 _ => Err(format!(
                     "`{name}` is no frame of the robot, and may be any of {}",
                     several.len()
                 )),
-            }
+            },
         }
     }
 }
@@ -127,7 +148,7 @@ fn digits(name: &FrameId) -> Option<String> {
 }
 
 fn judge_claim(
-    world: &World,
+    (world, of_robot): (&World, &OfRobot),
     claim: &Claim,
     told: &Isometry3<f64>,
     (target, source): (&FrameId, &FrameId),
@@ -137,15 +158,15 @@ fn judge_claim(
     let subject = format!("direction of `{}` in {}", claim.label, world.path(claim.place.source));
     let is_named = claim.frames.is_some();
     let graph = world.graph();
-    if is_named && graph.chain(target, source, |edge| edge.is_rigid).is_some() {
+    if is_named && graph.rigid().between(target, source).is_some() {
         let why = "both names are the robot's own frames: their transforms are compared as stated";
         return out.not_applicable(subject, why);
     }
-    let (of_target, of_source) = match (meant(world, target), meant(world, source)) {
+    let (of_target, of_source) = match (of_robot.meant(target), of_robot.meant(source)) {
         (Ok(target), Ok(source)) => (target, source),
         (Err(why), _) | (_, Err(why)) => return out.missing(subject, why),
     };
-    let Some((known, _)) = graph.chain(&of_target, &of_source, |edge| edge.is_rigid) else {
+    let Some(known) = graph.rigid().between(&of_target, &of_source) else {
         return out.missing(subject, format!("no rigid chain of transforms ties `{of_source}` to `{of_target}`"));
     };
     let off = |reading: &Isometry3<f64>| {

@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::analysis::camera::published::{VERTICAL, Ways, looks_against_its_name};
-use crate::analysis::{motion::mount::mount, names};
+use crate::analysis::{motion::mount::Mounts, names};
 use crate::rules::prelude::*;
 use crate::world::FrameId;
 
@@ -21,17 +21,18 @@ impl Rule for OpticalRotation {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
+        let mounts = Mounts::of(world);
         for frame in &world.graph().frames {
             if names::optical_stem(frame).is_some() {
-                judge_frame(world, frame, limits, out);
+                judge_frame(world, (frame, &mounts), limits, out);
             }
         }
     }
 }
 
-fn judge_frame(world: &Estimates, frame: &FrameId, limits: &Limits, out: &mut Judge) {
+fn judge_frame(world: &Estimates, (frame, mounts): (&FrameId, &Mounts), limits: &Limits, out: &mut Judge) {
     let subject = format!("view of `{frame}`");
-    let Some(mount) = mount(world, frame) else {
+    let Some(mount) = mounts.get(frame) else {
         return out.missing(subject, "no rigid chain of transforms leads to a base");
     };
     let turned = mount.base_from_sensor.rotation;

@@ -1,9 +1,11 @@
 //! CONFIG01: arguments that `static_transform_publisher` refuses, or reads as something else than was meant.
 
+use std::collections::BTreeMap;
+
 use crate::analysis::names;
 use crate::rules::prelude::*;
 use crate::world::launch::{ArgumentForm, StaticPublisher, Unread};
-use crate::world::{Claim, Spelling, World};
+use crate::world::{Claim, Spelling};
 
 pub(crate) struct StaticTransformArguments;
 
@@ -23,6 +25,8 @@ impl Rule for StaticTransformArguments {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
+        let claims = world.claims.iter().rev();
+        let claims: ClaimsAt = claims.map(|claim| ((&claim.place, claim.label.as_str()), claim)).collect();
         for publisher in &world.publishers {
             let subject = format!(
                 "arguments of `{}` of {}",
@@ -35,7 +39,7 @@ impl Rule for StaticTransformArguments {
                     let finding = Finding::error(subject, message, publisher.place.clone());
                     out.fail(finding.help(help).measured(count));
                 }
-                None => judge_read(world, publisher, subject, limits, out),
+                None => judge_read(&claims, publisher, subject, limits, out),
             }
         }
     }
@@ -80,7 +84,10 @@ fn refused(publisher: &StaticPublisher) -> Option<(String, &'static str)> {
     }
 }
 
-fn judge_read(world: &World, publisher: &StaticPublisher, subject: String, limits: &Limits, out: &mut Judge) {
+/// Claims by place and label; of several alike the first.
+type ClaimsAt<'w> = BTreeMap<(&'w Place, &'w str), &'w Claim>;
+
+fn judge_read(claims: &ClaimsAt, publisher: &StaticPublisher, subject: String, limits: &Limits, out: &mut Judge) {
     match &publisher.unread {
         Some(Unread::Open(what)) => {
             return out.missing(subject, format!("`{what}` is filled in when the file is run"));
@@ -90,8 +97,7 @@ fn judge_read(world: &World, publisher: &StaticPublisher, subject: String, limit
         }
         Some(Unread::Misread(_)) | None => {}
     }
-    let is_its = |claim: &&Claim| claim.place == publisher.place && claim.label == publisher.label;
-    let Some(claim) = world.claims.iter().find(is_its) else {
+    let Some(claim) = claims.get(&(&publisher.place, publisher.label.as_str())) else {
         return;
     };
     let place = claim

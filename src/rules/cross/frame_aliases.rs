@@ -1,5 +1,7 @@
 //! CROSS07: what a calibration calls its sensors, and which frames of the platform these are by their transform.
 
+use std::collections::BTreeMap;
+
 use nalgebra::Isometry3;
 
 use crate::analysis::cross::aliases::{Candidate, Search, Stated};
@@ -60,15 +62,25 @@ impl Rule for FrameAliases {
         }
         let search = Search::new(world, &exact);
         let mut suspected: Vec<Suspicion> = Vec::new();
+        let mut of_files: BTreeMap<SourceId, Vec<Stated>> = BTreeMap::new();
         for one in &asked {
-            let of_file = asked.iter().filter(|other| other.claim.place.source == one.claim.place.source);
-            let of_file: Vec<Stated> = of_file.map(|other| other.stated).collect();
-            let candidates = search.candidates(&one.stated, &of_file);
+            of_files.entry(one.claim.place.source).or_default().push(one.stated);
+        }
+        for one in &asked {
+            let of_file = of_files.get(&one.claim.place.source).map_or(&[][..], Vec::as_slice);
+            let candidates = search.candidates(&one.stated, of_file);
+            if search.is_spent() {
+                let why = "the platform has too many frames to try all pairs: `aliases:` in frames-lint.yaml says which are meant";
+                out.too_little(one.subject(world), why);
+                continue;
+            }
             suspected.extend(judge_claim(world, one, &candidates, (limits, &exact), out));
         }
-        let kinds: Vec<_> = suspected.iter().map(Suspicion::kind).collect();
+        let mut kinds: Vec<_> = suspected.iter().map(Suspicion::kind).collect();
+        kinds.sort_unstable();
         for mut suspicion in suspected {
-            let alike = kinds.iter().filter(|kind| **kind == suspicion.kind()).count();
+            let kind = suspicion.kind();
+            let alike = kinds.partition_point(|one| *one <= kind) - kinds.partition_point(|one| *one < kind);
             if !suspicion.is_exact && alike < exact.min_sensors {
                 suspicion.finding.severity = Severity::Warning;
                 suspicion.finding = suspicion.finding.hint();
@@ -102,21 +114,29 @@ impl Suspicion {
     }
 }
 
+impl Asked<'_> {
+    fn subject(&self, world: &World) -> String {
+        let Stated { target, source, .. } = self.stated;
+        let path = world.path(self.claim.place.source);
+        format!("`{target}` and `{source}` of `{}` of {path}", self.claim.label)
+    }
+}
+
 fn judge_claim(
     world: &World,
-    &Asked {
-        claim,
-        dialect,
-        roles,
-        stated,
-    }: &Asked,
+    one: &Asked,
     candidates: &[Candidate],
     (limits, exact): (&Limits, &exact::Limits),
     out: &mut Judge,
 ) -> Option<Suspicion> {
+    let &Asked {
+        claim,
+        dialect,
+        roles,
+        stated,
+    } = one;
+    let subject = one.subject(world);
     let (target, source) = (stated.target, stated.source);
-    let path = world.path(claim.place.source);
-    let subject = format!("`{target}` and `{source}` of `{}` of {path}", claim.label);
     if candidates.is_empty() {
         out.missing(subject, "no frames of the platform have names of these kinds and a rigid transform between them");
         return None;

@@ -29,6 +29,12 @@ impl Rule for FrameCaseMismatch {
             return;
         }
         let mut failed = false;
+        let components = world.graph().components();
+        let numbered = components.iter().enumerate();
+        let trees: BTreeMap<&FrameId, usize> = numbered
+            .flat_map(|(number, component)| component.members.iter().map(move |frame| (frame, number)))
+            .collect();
+        let spelled = places::Spelled::of(world);
         for spellings in groups.values().filter(|spellings| spellings.len() > 1) {
             let right = spellings
                 .iter()
@@ -37,7 +43,7 @@ impl Rule for FrameCaseMismatch {
             for (odd, odd_uses) in spellings.iter().filter(|(frame, _)| *frame != right) {
                 // Letters that only look alike are NAME02's.
                 if odd.as_str().to_lowercase() == right.as_str().to_lowercase()
-                    && let Some(finding) = judge_pair(world, (odd, odd_uses), (right, right_uses))
+                    && let Some(finding) = judge_pair((world, &trees, &spelled), (odd, odd_uses), (right, right_uses))
                 {
                     failed = true;
                     out.fail(finding);
@@ -78,7 +84,7 @@ fn defined_in(uses: &[&FrameUse]) -> BTreeSet<SourceId> {
 }
 
 fn judge_pair(
-    world: &World,
+    (world, trees, spelled_at): (&World, &BTreeMap<&FrameId, usize>, &places::Spelled),
     (odd, odd_uses): (&FrameId, &Vec<&FrameUse>),
     (right, right_uses): (&FrameId, &Vec<&FrameUse>),
 ) -> Option<Finding> {
@@ -87,10 +93,7 @@ fn judge_pair(
         .iter()
         .min_by_key(|used| (std::cmp::Reverse(standing(&[used])), &used.place))?;
     let graph = world.graph();
-    let is_connected = graph
-        .components()
-        .iter()
-        .any(|component| component.members.contains(odd) && component.members.contains(right));
+    let is_connected = trees.get(odd).is_some_and(|tree| trees.get(right) == Some(tree));
     let are_twins = !defined_in(odd_uses).is_disjoint(&defined_in(right_uses));
     let is_tree = graph.frames.contains(right) || graph.frames.contains(odd);
     let subject = format!("frame `{odd}`");
@@ -118,7 +121,7 @@ fn judge_pair(
     // Two links of these names in one file are two frames: renaming one would merge them.
     let spelled = odd_uses.iter().map(|used| &used.frame).collect::<BTreeSet<_>>();
     let edits = match spelled.first() {
-        Some(spelled_as) if !are_twins && spelled.len() == 1 => places::rename_edits(world, spelled_as, right.as_str()),
+        Some(spelled_as) if !are_twins && spelled.len() == 1 => spelled_at.rename_edits(spelled_as, right.as_str()),
         _ => None,
     };
     Some(match edits {

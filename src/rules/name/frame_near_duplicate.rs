@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::analysis::near::{Near, Reach, nearest};
+use crate::analysis::near::{Names, Near, Reach};
 use crate::analysis::{names, spelling};
 use crate::rules::prelude::*;
 use crate::world::{FrameId, FrameRole, FrameUse, World};
@@ -29,6 +29,7 @@ impl Rule for FrameNearDuplicate {
             max_edits: limits.max_edits,
             min_length: limits.min_length,
         };
+        let index = Names::new(tree);
         let mut named: BTreeMap<FrameId, Vec<&FrameUse>> = BTreeMap::new();
         let refers = |role| {
             matches!(
@@ -50,10 +51,12 @@ impl Rule for FrameNearDuplicate {
             let near = if tree.contains(frame) {
                 None
             } else {
-                nearest(frame, tree, reach)
+                index.nearest(frame, reach)
             };
             if let Some(near) = near {
                 out.fail(judge_near(world, frame, uses, &near, limits));
+            } else if index.is_spent() && !tree.contains(frame) {
+                out.too_little(subject, "there are too many unknown names to compare each with the tree");
             } else {
                 let names = Measured::count("names within reach", 0).limit(0.0);
                 out.pass(subject, [names.samples(tree.len() as u64)]);

@@ -1,6 +1,6 @@
 //! NAME02: blanks, slashes and invisible characters in frame names.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use crate::advice::places;
 use crate::analysis::{spelling, spelling::Fault, tf};
@@ -34,12 +34,16 @@ impl Rule for FrameWhitespaceOrSlash {
                 groups.entry((used.place.source, grade)).or_default().push(wrong);
             }
         }
+        let texts = Texts {
+            spelled: places::Spelled::of(world),
+            links: world.robots.iter().flat_map(|robot| &robot.links).map(|link| link.name.value.as_str()).collect(),
+        };
         for ((_, grade), names) in &groups {
             if names.len() > MANY {
-                out.fail(report(world, *grade, names));
+                out.fail(report((world, &texts), *grade, names));
             } else {
                 for name in names {
-                    out.fail(report(world, *grade, std::slice::from_ref(name)));
+                    out.fail(report((world, &texts), *grade, std::slice::from_ref(name)));
                 }
             }
         }
@@ -60,6 +64,12 @@ struct Wrong<'a> {
     frame: &'a FrameId,
     used: &'a FrameUse,
     count: u64,
+}
+
+/// What renaming needs to know.
+struct Texts<'a> {
+    spelled: places::Spelled<'a>,
+    links: BTreeSet<&'a str>,
 }
 
 /// Empty names are TREE04's, TREE07's and TREE12's.
@@ -84,7 +94,7 @@ fn judge_use(world: &World, used: &FrameUse) -> Option<Grade> {
 }
 
 /// One finding for a name, or for the many names of one source that share a fault.
-fn report(world: &World, (severity, confidence, fault): Grade, names: &[Wrong]) -> Finding {
+fn report((world, texts): (&World, &Texts), (severity, confidence, fault): Grade, names: &[Wrong]) -> Finding {
     let shown = |wrong: &Wrong| FrameId::new(wrong.frame.as_str().escape_debug().to_string());
     let first = names.iter().min_by_key(|wrong| (wrong.used.role, &wrong.used.place));
     let place = first.map_or_else(|| Place::whole(SourceId(0)), |wrong| wrong.used.place.clone());
@@ -119,18 +129,12 @@ fn report(world: &World, (severity, confidence, fault): Grade, names: &[Wrong]) 
         .help(help.clone())
         .measured(Measured::new("uses", count as f64, "count").limit(0.0));
     // Where both spellings are links, renaming one would make two links of one name.
-    let is_link = |name: &str| {
-        world
-            .robots
-            .iter()
-            .any(|robot| robot.links_named(name).next().is_some())
-    };
     let edits: Option<Vec<_>> = names
         .iter()
         .zip(&cleaned)
         .map(|(wrong, name)| {
-            let merges = is_link(wrong.frame.as_str()) && is_link(name);
-            let edits = (can_clean(name) && !merges).then(|| places::rename_edits(world, wrong.frame, name));
+            let merges = texts.links.contains(wrong.frame.as_str()) && texts.links.contains(name.as_str());
+            let edits = (can_clean(name) && !merges).then(|| texts.spelled.rename_edits(wrong.frame, name));
             edits.flatten()
         })
         .collect();

@@ -3,7 +3,7 @@
 use nalgebra::Isometry3;
 
 use crate::advice::tally::Tally;
-use crate::analysis::rot::sensors::{Mounting, mountings};
+use crate::analysis::rot::sensors::{Copies, Mounting, mountings};
 use crate::rules::prelude::*;
 use crate::world::World;
 
@@ -16,12 +16,10 @@ impl Rule for IdentityOrPlaceholder {
     fn judge(world: &Estimates, _limits: &NoLimits, out: &mut Judge) {
         let mut right = Tally::new("sensor mountings");
         let all = mountings(world);
-        for (index, mounting) in all.iter().enumerate() {
-            // Only the earlier ones: of a pair of copies the later one is told.
-            let copied_from = all
-                .iter()
-                .take(index)
-                .find(|other| !mounting.is_identity() && mounting.is_copy_of(other));
+        // Only the earlier ones: of a pair of copies the later one is told.
+        let mut earlier = Copies::default();
+        for mounting in &all {
+            let copied_from = (!mounting.is_identity()).then(|| earlier.copied(mounting)).flatten();
             if mounting.is_identity() {
                 out.fail(identity(world, mounting));
             } else if let Some(original) = copied_from {

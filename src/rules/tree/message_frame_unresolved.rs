@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use crate::analysis::near::{Reach, nearest};
+use crate::analysis::near::{Names, Reach};
 use crate::analysis::tf::{HeaderUse, Used};
 use crate::analysis::{names, names::Standard, spelling, tf};
 use crate::rules::prelude::*;
@@ -34,6 +34,7 @@ impl Rule for MessageFrameUnresolved {
             let uncorrected = uncorrected.collect();
             let context = Context {
                 tree,
+                index: Names::new(tree),
                 recorded: &recorded,
                 folded: tree.iter().map(names::fold).collect(),
                 unlatched: tf::without_static(bag).into_keys().collect(),
@@ -51,6 +52,7 @@ impl Rule for MessageFrameUnresolved {
 
 struct Context<'a> {
     tree: &'a BTreeSet<FrameId>,
+    index: Names<'a>,
     /// The frames of recorded TF.
     recorded: &'a BTreeSet<FrameId>,
     folded: BTreeSet<String>,
@@ -137,7 +139,7 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
         "not a link of the URDF, and no TF was recorded"
     };
     let message = format!("`{frame}`, the frame of {count} messages on {shown}, is {known}: look-ups fail");
-    let near = nearest(frame, context.tree, Reach::SUGGESTION);
+    let near = context.index.nearest(frame, Reach::SUGGESTION);
     let help = match &near {
         Some(near) => format!(
             "was `{}` meant? Otherwise publish the transform that mounts `{frame}`",

@@ -2,7 +2,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::analysis::{names, places::Firsts, places::of_edge, spelling::loose, tf, tree::loops::loops};
+use crate::analysis::{names, places, places::of_edge, spelling::loose, tf, tree::loops::loops};
 use crate::rules::prelude::*;
 use crate::source::SourceId;
 use crate::world::graph::{Component, FrameGraph};
@@ -57,13 +57,12 @@ impl Rule for OrphanSubtree {
             trees: components.len(),
             looping,
             names,
-            firsts: Firsts::new(world),
         };
         for (index, orphan) in components.iter().enumerate() {
             if index != main
                 && let Some(connected) = components.get(main)
             {
-                judge_orphan(orphan, connected, &surroundings, out);
+                judge_orphan(world, orphan, connected, &surroundings, out);
             }
         }
     }
@@ -130,8 +129,6 @@ struct Surroundings<'w> {
     looping: BTreeSet<FrameId>,
     /// Frames of the main tree by their names without case and stray characters.
     names: BTreeMap<String, &'w FrameId>,
-    /// First places of frames.
-    firsts: Firsts<'w>,
 }
 
 /// The frames that more than parts of descriptions (xacro files that were not expanded) name; `None` without parts.
@@ -142,20 +139,17 @@ fn named_by_wholes(world: &World) -> Option<BTreeSet<FrameId>> {
     (!parts.is_empty()).then(|| wholes.map(|used| used.frame.canonical()).collect())
 }
 
-fn judge_orphan(orphan: &Component, main: &Component, around: &Surroundings<'_>, out: &mut Judge) {
+fn judge_orphan(world: &World, orphan: &Component, main: &Component, around: &Surroundings<'_>, out: &mut Judge) {
     let Surroundings {
         trees,
         looping,
         names,
-        firsts,
     } = around;
     let Some(root) = orphan.roots.first().or_else(|| orphan.members.first()) else {
         return;
     };
-    let Some(place) = firsts
-        .get(root)
-        .or_else(|| orphan.members.iter().find_map(|frame| firsts.get(frame)))
-    else {
+    let members = std::iter::once(root).chain(&orphan.members);
+    let Some(place) = members.into_iter().find_map(|frame| places::first(world, frame)) else {
         return;
     };
     // What goes round in a loop has no root that could be connected.
@@ -190,7 +184,7 @@ fn judge_orphan(orphan: &Component, main: &Component, around: &Surroundings<'_>,
         .help(help)
         .measured(Measured::count("separate trees", *trees).limit(1.0))
         .measured(Measured::count("frames in this tree", orphan.members.len()));
-    let finding = match main_root.and_then(|frame| firsts.get(frame)) {
+    let finding = match main_root.and_then(|frame| places::first(world, frame)) {
         Some(place) => finding.related(place, "root of the main tree"),
         None => finding,
     };

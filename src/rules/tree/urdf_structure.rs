@@ -8,7 +8,8 @@ mod undefined_links;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::analysis::{spelling::loose, tf};
-use crate::rules::{prelude::*, tree::urdf_structure::undefined_links::undefined};
+use crate::analysis::near::Names;
+use crate::rules::{prelude::*, tree::urdf_structure::undefined_links::{MOST_SHOWN, undefined}};
 use crate::world::{FrameId, Robot, robot::Link};
 
 pub(crate) struct UrdfStructure;
@@ -30,8 +31,12 @@ impl Rule for UrdfStructure {
                 out.not_applicable(subject, "it has neither links nor joints: a part for other files");
                 continue;
             }
-            let findings = judge_robot(robot, &subject, is_xacro);
-            if findings.is_empty() {
+            let mut is_right = true;
+            judge_robot(robot, &subject, is_xacro, |finding| {
+                is_right = false;
+                out.fail(finding);
+            });
+            if is_right {
                 out.pass(
                     subject,
                     [Measured::count("root links", 1)
@@ -39,20 +44,16 @@ impl Rule for UrdfStructure {
                         .samples(robot.links.len() as u64)],
                 );
             }
-            for finding in findings {
-                out.fail(finding);
-            }
         }
     }
 }
 
-fn judge_robot(robot: &Robot, subject: &str, is_xacro: bool) -> Vec<Finding> {
-    let mut findings = Vec::new();
+fn judge_robot(robot: &Robot, subject: &str, is_xacro: bool, mut fail: impl FnMut(Finding)) {
     let by_name = robot.links.iter().rev().map(|link| (loose(&link.name.value), link));
     let links: BTreeMap<String, &Link> = by_name.collect();
     if robot.links.is_empty() {
         let message = format!("robot `{}` has no links", robot.name.value);
-        findings.push(
+        fail(
             Finding::error(subject, message, robot.name.place.clone())
                 .help("a robot needs at least one link")
                 .measured(Measured::count("links", 0).limit(1.0)),
@@ -68,7 +69,7 @@ fn judge_robot(robot: &Robot, subject: &str, is_xacro: bool) -> Vec<Finding> {
         let finding = Finding::error(subject, "a link has no name", link.place.clone())
             .measured(Measured::count("links without a name", 1).limit(0.0));
         // A name that joints use and no link has is probably this one's: one cause, one finding.
-        findings.push(match missing.get(index) {
+        fail(match missing.get(index) {
             Some(joints) => finding
                 .help(format!(
                     "give the link a name: is it the `{}` that joints name?",
@@ -82,7 +83,7 @@ fn judge_robot(robot: &Robot, subject: &str, is_xacro: bool) -> Vec<Finding> {
         for (end, role) in [(&joint.parent, "parent"), (&joint.child, "child")] {
             let name = &joint.name.value;
             if end.is_none() {
-                findings.push(
+                fail(
                     Finding::error(subject, format!("joint `{name}` has no <{role}>"), joint.place.clone())
                         .help(format!("add <{role} link=\"...\"/>"))
                         .measured(Measured::count("missing ends", 1).limit(0.0)),
@@ -90,16 +91,19 @@ fn judge_robot(robot: &Robot, subject: &str, is_xacro: bool) -> Vec<Finding> {
             }
         }
     }
+    let names: Vec<FrameId> = robot.links.iter().map(|link| link.name.value.as_str().into()).collect();
+    let index = Names::new(&names);
     for undefined in missing.iter().skip(nameless.len()) {
-        let finding = undefined.finding(subject, robot);
+        let finding = undefined.finding(subject, &index);
         // A xacro may be mounted on what another file brings.
         let is_mounted = is_xacro && !undefined.is_child;
-        findings.push(if is_mounted { finding.hint() } else { finding });
+        fail(if is_mounted { finding.hint() } else { finding });
     }
     // A link that lost its joint to a misspelt child is not a second root of its own.
     let explained = missing.iter().filter(|undefined| undefined.is_child).count();
-    findings.extend(judge_roots(robot, subject, &links, explained));
-    findings
+    if let Some(finding) = judge_roots(robot, subject, &links, explained) {
+        fail(finding);
+    }
 }
 
 fn judge_roots(robot: &Robot, subject: &str, links: &BTreeMap<String, &Link>, explained: usize) -> Option<Finding> {
@@ -147,7 +151,7 @@ fn judge_roots(robot: &Robot, subject: &str, links: &BTreeMap<String, &Link>, ex
             .help("add the joints that mount the other roots; parsers refuse a description with two")
             .measured(Measured::count("root links", names.len()).limit(1.0))
             .related(first.place.clone(), "the first root");
-        for link in roots.iter().skip(1) {
+        for link in roots.iter().skip(1).take(MOST_SHOWN) {
             finding = finding.related(link.place.clone(), "another root");
         }
         return Some(finding);

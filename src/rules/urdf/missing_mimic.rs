@@ -1,8 +1,11 @@
 //! URDF06: a joint that mimics one that does not exist.
 
+use std::collections::BTreeMap;
+
 use crate::advice::{literal::is_macro, subject, tally::Tally};
+use crate::analysis::near::{Names, Reach};
 use crate::rules::prelude::*;
-use crate::world::robot::Robot;
+use crate::world::FrameId;
 
 pub(crate) struct MissingMimic;
 
@@ -14,13 +17,21 @@ impl Rule for MissingMimic {
         let mut right = Tally::new("mimicking joints");
         for robot in subject::whole_robots(world, out) {
             let mut mimics = 0;
+            let names: Vec<FrameId> = robot.joints.iter().map(|joint| joint.name.value.as_str().into()).collect();
+            let index = Names::new(&names);
+            let mut joints: BTreeMap<&str, usize> = BTreeMap::new();
+            let mut folded: BTreeMap<String, &str> = BTreeMap::new();
+            for joint in &robot.joints {
+                folded.insert(joint.name.value.to_lowercase(), &joint.name.value);
+                *joints.entry(&joint.name.value).or_default() += 1;
+            }
             for joint in &robot.joints {
                 let Some(mimic) = joint.mimic.as_ref().filter(|mimic| !is_macro(&mimic.value)) else {
                     continue;
                 };
                 mimics += 1;
                 let (name, of) = (&joint.name.value, &mimic.value);
-                let found = robot.joints.iter().filter(|joint| joint.name.value == *of).count();
+                let found = joints.get(of.as_str()).copied().unwrap_or(0);
                 let measured = Measured::count("joints of the mimicked name", found);
                 let message = if found == 0 {
                     format!("joint `{name}` mimics `{of}`, and there is no such joint")
@@ -30,7 +41,9 @@ impl Rule for MissingMimic {
                     right.pass(robot.source, measured.limit(1.0));
                     continue;
                 };
-                let help = match nearest(robot, of).filter(|_| found == 0) {
+                let near = || Some(index.nearest(&FrameId::new(of), Reach::SUGGESTION)?.frame.as_str());
+                let near = || folded.get(&of.to_lowercase()).copied().or_else(near);
+                let help = match near().filter(|_| found == 0) {
                     Some(near) => format!("is `{near}` meant?"),
                     None => "name the joint whose position is followed".to_owned(),
                 };
@@ -50,19 +63,4 @@ impl Rule for MissingMimic {
         }
         right.report(world, out);
     }
-}
-
-/// The joint whose name is nearest, if it is near at all.
-fn nearest<'a>(robot: &'a Robot, name: &str) -> Option<&'a str> {
-    let names = robot.joints.iter().map(|joint| joint.name.value.as_str());
-    names
-        .map(|known| {
-            (
-                strsim::damerau_levenshtein(&known.to_lowercase(), &name.to_lowercase()),
-                known,
-            )
-        })
-        .min()
-        .filter(|(distance, _)| *distance <= 2)
-        .map(|(_, known)| known)
 }

@@ -69,11 +69,15 @@ impl<'v> Sink<'v> {
         }
     }
 
+    /// A record is used when the one behind it has begun as it should: bytes that were lost or came in are in the record before the fault.
     fn records(&mut self, mut bytes: &[u8]) -> Result<(), String> {
+        let mut held = None;
         while let Some((fields, data)) = record::next(&mut bytes).map_err(inside)? {
-            self.connections.record(&fields, data)?;
+            if let Some((fields, data)) = held.replace((fields, data)) {
+                self.connections.record(&fields, data)?;
+            }
         }
-        Ok(())
+        held.map_or(Ok(()), |(fields, data)| self.connections.record(&fields, data))
     }
 
     /// A stretch of the file is left out.

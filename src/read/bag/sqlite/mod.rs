@@ -8,6 +8,8 @@ mod pass;
 mod sample;
 mod tables;
 
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 use rusqlite::Connection;
@@ -17,7 +19,7 @@ use crate::source::{Place, ReadStatus, Source};
 use super::metadata::Metadata;
 use super::{Extent, Task};
 
-use pass::Pass;
+use pass::{LastPage, Pass};
 
 /// Reads a database that starts with SQLite's magic; see [`super::read`]. `metadata` is what `metadata.yaml` says of the
 /// recording that the file belongs to.
@@ -42,6 +44,7 @@ pub(super) fn read(path: &Path, total: u64, metadata: Option<&Metadata>, task: T
         }
     };
     let mut pass = Pass::new(&connection, tables, total, progress, visit);
+    pass.last_page = cut_page(path, total);
     let sampling = wanted
         .sampling
         .filter(|sampling| total > sampling.bytes && pass.tables.indexed);
@@ -50,14 +53,26 @@ pub(super) fn read(path: &Path, total: u64, metadata: Option<&Metadata>, task: T
     } else {
         pass.tell_channels();
         pass.whole();
-        let all = pass.messages + pass.orphans + pass.too_large + pass.unfit;
+        let all = pass.messages + pass.orphans + pass.too_large + pass.unfit + pass.cut_off;
         Extent {
             whole: true,
             messages_total: pass.stopped.is_none().then_some(all),
             ..Extent::default()
         }
     };
-    let truncated = report(&pass, path, extent.whole, source);
+    let damage = (extent.whole && pass.stopped.is_none())
+        .then(|| inconsistency(&connection))
+        .flatten();
+    let truncated = report(&pass, path, extent.whole, source) | damage.is_some();
+    if let Some(damage) = damage {
+        let message = format!("SQLite finds the file damaged, messages may hold bytes of others: {damage}");
+        source.problem_with_help(
+            ReadStatus::Partial,
+            Place::whole(source.id),
+            message,
+            Some(RESCUE.to_owned()),
+        );
+    }
     (pass.progress)(total, total);
     Extent {
         truncated,
@@ -74,6 +89,20 @@ pub(super) fn span(path: &Path, total: u64) -> Option<(i64, i64)> {
     tables.indexed.then(|| sample::span(&connection))?
 }
 
+/// What SQLite's own look at the pages says, where it is not content: pages of a long message that were overwritten are read as they are.
+fn inconsistency(connection: &Connection) -> Option<String> {
+    let said = connection.query_row("PRAGMA quick_check(1)", [], |row| row.get::<_, String>(0));
+    match said {
+        Ok(said) if said == "ok" => None,
+        Ok(said) => Some(said.split_whitespace().collect::<Vec<_>>().join(" ")),
+        Err(error) => Some(error.to_string()),
+    }
+}
+
+/// What to do with a damaged database.
+const RESCUE: &str =
+    "`sqlite3 damaged.db3 .recover | sqlite3 repaired.db3` rescues what can be found; record again if the rest matters";
+
 /// Writes down how far reading went; returns whether messages may be missing.
 fn report(pass: &Pass<'_, '_>, path: &Path, whole: bool, source: &mut Source) -> bool {
     let place = Place::whole(source.id);
@@ -89,8 +118,6 @@ fn report(pass: &Pass<'_, '_>, path: &Path, whole: bool, source: &mut Source) ->
     } else {
         ReadStatus::Partial
     };
-    let help = "`sqlite3 damaged.db3 .recover | sqlite3 repaired.db3` rescues what can be found; record again if the \
-                rest matters";
     if let Some(why) = &pass.stopped {
         missing = true;
         let after = pass.messages;
@@ -106,11 +133,11 @@ fn report(pass: &Pass<'_, '_>, path: &Path, whole: bool, source: &mut Source) ->
                 format!("{what}: rows {first} to {last}{more} could not be read: {why}; {after} messages were read")
             }
         };
-        source.problem_with_help(status, place.clone(), message, Some(help.to_owned()));
+        source.problem_with_help(status, place.clone(), message, Some(RESCUE.to_owned()));
     } else if let Some(end) = missing_end(path, pass.total) {
         missing = true;
         let message = format!("{end}: {} messages were read", pass.messages);
-        source.problem_with_help(status, place.clone(), message, Some(help.to_owned()));
+        source.problem_with_help(status, place.clone(), message, Some(RESCUE.to_owned()));
     }
     if let Some(why) = &pass.tables.fault {
         missing = true;
@@ -123,6 +150,10 @@ fn report(pass: &Pass<'_, '_>, path: &Path, whole: bool, source: &mut Source) ->
             "messages belong to topics that the database does not define",
         ),
         (pass.too_large, "messages are larger than 128 MB and were left out"),
+        (
+            pass.cut_off,
+            "messages go on behind the end of the file and were left out",
+        ),
         (pass.unfit, "messages have no time or no bytes and were left out"),
     ] {
         if count > 0 {
@@ -133,17 +164,32 @@ fn report(pass: &Pass<'_, '_>, path: &Path, whole: bool, source: &mut Source) ->
     missing
 }
 
+/// What is left of the page inside of which a file ends before its header's last page.
+fn cut_page(path: &Path, total: u64) -> Option<LastPage> {
+    let (size, pages) = claimed(path)?;
+    let here = total % size;
+    if here == 0 || size * pages <= total {
+        return None;
+    }
+    let mut file = File::open(path).ok()?;
+    file.seek(SeekFrom::Start(total - here)).ok()?;
+    let mut bytes = vec![0; usize::try_from(here).ok()?];
+    file.read_exact(&mut bytes).ok()?;
+    Some(LastPage::new(bytes, usize::try_from(size).ok()?))
+}
+
 /// Says that the file ends before its header's last page, where it does.
 fn missing_end(path: &Path, total: u64) -> Option<String> {
-    let claimed = claimed_size(path)?;
+    let (size, pages) = claimed(path)?;
+    let claimed = size * pages;
     let percent = 100.0 * total as f64 / claimed as f64;
     (claimed > total).then(|| format!("the file ends at byte {total} of {claimed} ({percent:.1} %), it was cut off"))
 }
 
-/// Size that a database's header claims, bytes.
-fn claimed_size(path: &Path) -> Option<u64> {
+/// Bytes of a page and number of pages that a database's header claims.
+fn claimed(path: &Path) -> Option<(u64, u64)> {
     let mut head = [0; 32];
-    std::io::Read::read_exact(&mut std::fs::File::open(path).ok()?, &mut head).ok()?;
+    File::open(path).ok()?.read_exact(&mut head).ok()?;
     // Page size at byte 16, version of the last change at 24, number of pages at 28.
     let [.., p1, p0, _, _, _, _, _, _, _, _, _, _, n3, n2, n1, n0] = head;
     let page = match u64::from(u16::from_be_bytes([p1, p0])) {
@@ -151,7 +197,7 @@ fn claimed_size(path: &Path) -> Option<u64> {
         size => size,
     };
     let pages = u64::from(u32::from_be_bytes([n3, n2, n1, n0]));
-    (page >= 512 && page.is_power_of_two()).then_some(page * pages)
+    (page >= 512 && page.is_power_of_two()).then_some((page, pages))
 }
 
 /// The one row of a query of ours that gives a number.

@@ -50,6 +50,10 @@ pub(super) struct Pass<'c, 'v> {
     pub(super) orphans: u64,
     pub(super) too_large: u64,
     pub(super) unfit: u64,
+    /// The last page, where the file ends inside of it: SQLite reads zeros behind that.
+    pub(super) last_page: Option<LastPage>,
+    /// Messages that go on behind the end of the file.
+    pub(super) cut_off: u64,
     /// Why something could not be read.
     pub(super) stopped: Option<String>,
     /// The first rows that could not be read though there are some behind them, and how many such stretches there are.
@@ -78,6 +82,8 @@ impl<'c, 'v> Pass<'c, 'v> {
             orphans: 0,
             too_large: 0,
             unfit: 0,
+            last_page: None,
+            cut_off: 0,
             stopped: None,
             lost: None,
         }
@@ -228,6 +234,10 @@ impl<'c, 'v> Pass<'c, 'v> {
             }
             Err(error) => return Err(error.to_string()),
         };
+        if self.last_page.as_ref().is_some_and(|page| page.is_cut_off(data)) {
+            self.cut_off += 1;
+            return Ok(Next::Go);
+        }
         let topic = match row.get_ref(1) {
             Ok(ValueRef::Integer(topic)) => self.tables.channels.get(&topic),
             _ => None,
@@ -247,6 +257,46 @@ impl<'c, 'v> Pass<'c, 'v> {
     }
 }
 
+/// What is left of the last page of a file that was cut off, up to its last byte that is not zero.
+#[derive(Debug)]
+pub(super) struct LastPage {
+    bytes: Vec<u8>,
+    /// Bytes of a page.
+    size: usize,
+}
+
+/// Bytes before the cut by which a long message is known to reach into the last page.
+const MOST_KNOWN: usize = 64;
+/// Bytes of a page of a long message that are not its own: the number of the next page.
+const NEXT_PAGE: usize = 4;
+
+impl LastPage {
+    pub(super) fn new(mut bytes: Vec<u8>, size: usize) -> Self {
+        let end = bytes.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
+        bytes.truncate(end);
+        Self { bytes, size }
+    }
+
+    /// Whether a message has zeros where the file ends: it begins in the last page, or the last page is one of its pages.
+    fn is_cut_off(&self, data: &[u8]) -> bool {
+        let end = data.iter().rposition(|byte| *byte != 0).map_or(0, |last| last + 1);
+        let (told, zeros) = data.split_at(end);
+        if !zeros.is_empty() && self.bytes.ends_with(told) {
+            return true;
+        }
+        let from = NEXT_PAGE.max(self.bytes.len().saturating_sub(MOST_KNOWN));
+        let Some(known) = self.bytes.get(from..).filter(|known| !known.is_empty()) else {
+            return false;
+        };
+        let of_page = self.size.saturating_sub(self.bytes.len());
+        memchr::memmem::find_iter(data, known).any(|at| {
+            let behind = data.get(at + known.len()..).unwrap_or_default();
+            let behind = behind.get(..of_page).unwrap_or(behind);
+            !behind.is_empty() && behind.iter().all(|byte| *byte == 0)
+        })
+    }
+}
+
 pub(super) fn row_number(row: &Row<'_>) -> Result<i64, String> {
     match row.get_ref(0) {
         Ok(ValueRef::Integer(number)) => Ok(number),
@@ -259,5 +309,25 @@ pub(super) fn time(row: &Row<'_>) -> Option<i64> {
     match row.get_ref(2) {
         Ok(ValueRef::Integer(time)) => Some(time),
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_message_that_goes_on_behind_the_end_is_known_by_the_zeros() {
+        let page = LastPage::new([&[0, 0, 0, 9], &[7; 20][..], &[5, 6, 0, 0]].concat(), 64);
+        // A short message that begins in the page.
+        assert!(page.is_cut_off(&[7, 7, 5, 6, 0, 0, 0]));
+        assert!(page.is_cut_off(&[0; 12]));
+        assert!(!page.is_cut_off(&[7, 7, 5, 6]));
+        assert!(!page.is_cut_off(&[7, 7, 5, 6, 0, 1]));
+        // A long one, one of whose pages it is.
+        let long = [&[1; 100][..], &[7; 20], &[5, 6], &[0; 38], &[3; 10]].concat();
+        assert!(page.is_cut_off(&long));
+        assert!(!page.is_cut_off(&long[..122]));
+        assert!(!page.is_cut_off(&[&long[..130], &[1; 50]].concat()));
     }
 }

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::analysis::near::{Reach, nearest};
+use crate::analysis::near::{Names, Reach};
 use crate::analysis::spelling::loose;
 use crate::source::Placed;
 use crate::verdict::{Finding, Measured};
@@ -10,7 +10,7 @@ use crate::world::robot::{Joint, Link};
 use crate::world::{FrameId, Robot};
 
 /// Places that are shown beside the first one.
-const MOST_SHOWN: usize = 5;
+pub(crate) const MOST_SHOWN: usize = 5;
 
 /// A name that joints use and no link has.
 #[derive(Debug)]
@@ -26,22 +26,23 @@ pub(crate) struct Undefined<'a> {
 /// The names without a link, in file order. Empty names are TREE04's.
 pub(crate) fn undefined<'a>(robot: &'a Robot, links: &BTreeMap<String, &Link>) -> Vec<Undefined<'a>> {
     let mut missing: Vec<Undefined> = Vec::new();
+    let mut numbers: BTreeMap<&str, usize> = BTreeMap::new();
     for joint in &robot.joints {
         for (end, role) in [(&joint.parent, "parent"), (&joint.child, "child")] {
             let Some(link) = end else { continue };
             if link.value.is_empty() || links.contains_key(&loose(&link.value)) {
                 continue;
             }
-            match missing.iter_mut().find(|known| known.name() == link.value) {
-                Some(known) => {
-                    known.others.push(link);
-                    known.is_child |= role == "child";
-                }
-                None => missing.push(Undefined {
+            let number = *numbers.entry(&link.value).or_insert(missing.len());
+            if let Some(known) = missing.get_mut(number) {
+                known.others.push(link);
+                known.is_child |= role == "child";
+            } else {
+                missing.push(Undefined {
                     first: (joint, role, link),
                     others: Vec::new(),
                     is_child: role == "child",
-                }),
+                });
             }
         }
     }
@@ -55,10 +56,9 @@ impl Undefined<'_> {
     }
 
     /// The finding of the name, at its first place.
-    pub(crate) fn finding(&self, subject: &str, robot: &Robot) -> Finding {
+    pub(crate) fn finding(&self, subject: &str, links: &Names) -> Finding {
         let (joint, role, link) = self.first;
-        let names: Vec<FrameId> = robot.links.iter().map(|link| link.name.value.as_str().into()).collect();
-        let near = nearest(&FrameId::new(self.name()), &names, Reach::SUGGESTION);
+        let near = links.nearest(&FrameId::new(self.name()), Reach::SUGGESTION);
         let help = match near {
             Some(near) => format!("define the link, or was `{}` meant?", near.frame),
             None => "define the link, or name one that exists".to_owned(),
