@@ -1,5 +1,6 @@
 //! CAMERA06: which of its two readings a camera's extrinsics in a file have, by the transforms of the robot.
 
+use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Isometry3;
@@ -52,7 +53,7 @@ impl Rule for CameraExtrinsicDirection {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let of_robot = OfRobot::new(world);
+        let of_robot = LazyCell::new(|| OfRobot::new(world));
         for claim in &world.claims {
             let ClaimKind::File { .. } = claim.kind else { continue };
             if !(claim.has_rotation && claim.has_translation) {

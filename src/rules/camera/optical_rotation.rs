@@ -1,5 +1,7 @@
 //! CAMERA01: where cameras look, and which way up, by their optical frames.
 
+use std::cell::LazyCell;
+
 use nalgebra::Vector3;
 
 use crate::analysis::camera::published::{VERTICAL, Ways, looks_against_its_name};
@@ -21,7 +23,7 @@ impl Rule for OpticalRotation {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let mounts = Mounts::of(world);
+        let mounts = LazyCell::new(|| Mounts::of(world));
         for frame in &world.graph().frames {
             if names::optical_stem(frame).is_some() {
                 judge_frame(world, (frame, &mounts), limits, out);

@@ -1,5 +1,6 @@
 //! NAME01: one frame spelled in two ways that differ only in case.
 
+use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::advice::places;
@@ -29,12 +30,13 @@ impl Rule for FrameCaseMismatch {
             return;
         }
         let mut failed = false;
-        let components = world.graph().components();
-        let numbered = components.iter().enumerate();
-        let trees: BTreeMap<&FrameId, usize> = numbered
-            .flat_map(|(number, component)| component.members.iter().map(move |frame| (frame, number)))
-            .collect();
-        let spelled = places::Spelled::of(world);
+        let components = LazyCell::new(|| world.graph().components());
+        let trees = LazyCell::new(|| -> BTreeMap<&FrameId, usize> {
+            let numbered = components.iter().enumerate();
+            let members = numbered.map(|(number, component)| component.members.iter().map(move |frame| (frame, number)));
+            members.flatten().collect()
+        });
+        let spelled = LazyCell::new(|| places::Spelled::of(world));
         for spellings in groups.values().filter(|spellings| spellings.len() > 1) {
             let right = spellings
                 .iter()

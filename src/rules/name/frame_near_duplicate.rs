@@ -1,5 +1,6 @@
 //! NAME03: a frame that no transform knows, with a name very like one that is known.
 
+use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::analysis::near::{Names, Near, Reach};
@@ -29,7 +30,7 @@ impl Rule for FrameNearDuplicate {
             max_edits: limits.max_edits,
             min_length: limits.min_length,
         };
-        let index = Names::new(tree);
+        let index = LazyCell::new(|| Names::new(tree));
         let mut named: BTreeMap<FrameId, Vec<&FrameUse>> = BTreeMap::new();
         let refers = |role| {
             matches!(
@@ -55,7 +56,7 @@ impl Rule for FrameNearDuplicate {
             };
             if let Some(near) = near {
                 out.fail(judge_near(world, frame, uses, &near, limits));
-            } else if index.is_spent() && !tree.contains(frame) {
+            } else if !tree.contains(frame) && index.is_spent() {
                 out.too_little(subject, "there are too many unknown names to compare each with the tree");
             } else {
                 let names = Measured::count("names within reach", 0).limit(0.0);

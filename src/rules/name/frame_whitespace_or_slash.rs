@@ -1,5 +1,6 @@
 //! NAME02: blanks, slashes and invisible characters in frame names.
 
+use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::advice::places;
@@ -34,10 +35,10 @@ impl Rule for FrameWhitespaceOrSlash {
                 groups.entry((used.place.source, grade)).or_default().push(wrong);
             }
         }
-        let texts = Texts {
+        let texts = LazyCell::new(|| Texts {
             spelled: places::Spelled::of(world),
             links: world.robots.iter().flat_map(|robot| &robot.links).map(|link| link.name.value.as_str()).collect(),
-        };
+        });
         for ((_, grade), names) in &groups {
             if names.len() > MANY {
                 out.fail(report((world, &texts), *grade, names));

@@ -1,5 +1,6 @@
 //! TREE07: frames of messages that no transform knows.
 
+use std::cell::OnceCell;
 use std::collections::BTreeSet;
 
 use crate::analysis::near::{Names, Reach};
@@ -34,7 +35,7 @@ impl Rule for MessageFrameUnresolved {
             let uncorrected = uncorrected.collect();
             let context = Context {
                 tree,
-                index: Names::new(tree),
+                index: OnceCell::new(),
                 recorded: &recorded,
                 folded: tree.iter().map(names::fold).collect(),
                 unlatched: tf::without_static(bag).into_keys().collect(),
@@ -52,7 +53,7 @@ impl Rule for MessageFrameUnresolved {
 
 struct Context<'a> {
     tree: &'a BTreeSet<FrameId>,
-    index: Names<'a>,
+    index: OnceCell<Names<'a>>,
     /// The frames of recorded TF.
     recorded: &'a BTreeSet<FrameId>,
     folded: BTreeSet<String>,
@@ -139,7 +140,7 @@ fn judge_frame(bag: &BagEvidence, frame: &FrameId, used: &[Used], context: &Cont
         "not a link of the URDF, and no TF was recorded"
     };
     let message = format!("`{frame}`, the frame of {count} messages on {shown}, is {known}: look-ups fail");
-    let near = context.index.nearest(frame, Reach::SUGGESTION);
+    let near = context.index.get_or_init(|| Names::new(context.tree)).nearest(frame, Reach::SUGGESTION);
     let help = match &near {
         Some(near) => format!(
             "was `{}` meant? Otherwise publish the transform that mounts `{frame}`",

@@ -5,6 +5,7 @@
 
 mod undefined_links;
 
+use std::cell::LazyCell;
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::analysis::{spelling::loose, tf};
@@ -91,8 +92,11 @@ fn judge_robot(robot: &Robot, subject: &str, is_xacro: bool, mut fail: impl FnMu
             }
         }
     }
-    let names: Vec<FrameId> = robot.links.iter().map(|link| link.name.value.as_str().into()).collect();
-    let index = Names::new(&names);
+    let names = LazyCell::new(|| -> Vec<FrameId> {
+        let names = robot.links.iter().map(|link| link.name.value.as_str());
+        names.map(FrameId::from).collect()
+    });
+    let index = LazyCell::new(|| Names::new(names.iter()));
     for undefined in missing.iter().skip(nameless.len()) {
         let finding = undefined.finding(subject, &index);
         // A xacro may be mounted on what another file brings.

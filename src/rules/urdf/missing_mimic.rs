@@ -17,6 +17,10 @@ impl Rule for MissingMimic {
         let mut right = Tally::new("mimicking joints");
         for robot in subject::whole_robots(world, out) {
             let mut mimics = 0;
+            if robot.joints.iter().all(|joint| joint.mimic.is_none()) {
+                subject::nothing(world, robot, "joint that mimics another", out);
+                continue;
+            }
             let names: Vec<FrameId> = robot.joints.iter().map(|joint| joint.name.value.as_str().into()).collect();
             let index = Names::new(&names);
             let mut joints: BTreeMap<&str, usize> = BTreeMap::new();

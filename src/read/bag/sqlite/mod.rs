@@ -48,23 +48,27 @@ pub(super) fn read(path: &Path, total: u64, metadata: Option<&Metadata>, task: T
     let sampling = wanted
         .sampling
         .filter(|sampling| total > sampling.bytes && pass.tables.indexed);
+    // Of a file that is read in windows not every page is looked at.
+    let damage = if sampling.is_none() {
+        inconsistency(&connection)
+    } else {
+        None
+    };
+    pass.is_damaged = damage.is_some();
     let extent = if let Some(sampling) = sampling {
         sample::read(&mut pass, &sampling, &wanted)
     } else {
         pass.tell_channels();
         pass.whole();
-        let all = pass.messages + pass.orphans + pass.too_large + pass.unfit + pass.cut_off;
+        let all = pass.messages + pass.orphans + pass.too_large + pass.unfit + pass.cut_off + pass.doubted;
         Extent {
             whole: true,
             messages_total: pass.stopped.is_none().then_some(all),
             ..Extent::default()
         }
     };
-    let damage = (extent.whole && pass.stopped.is_none())
-        .then(|| inconsistency(&connection))
-        .flatten();
     let truncated = report(&pass, path, extent.whole, source) | damage.is_some();
-    if let Some(damage) = damage {
+    if let Some(damage) = damage.filter(|_| pass.stopped.is_none()) {
         let message = format!("SQLite finds the file damaged, messages may hold bytes of others: {damage}");
         source.problem_with_help(
             ReadStatus::Partial,
@@ -153,6 +157,10 @@ fn report(pass: &Pass<'_, '_>, path: &Path, whole: bool, source: &mut Source) ->
         (
             pass.cut_off,
             "messages go on behind the end of the file and were left out",
+        ),
+        (
+            pass.doubted,
+            "messages before rows that cannot be read were left out: their ends may be damaged",
         ),
         (pass.unfit, "messages have no time or no bytes and were left out"),
     ] {

@@ -54,6 +54,12 @@ pub(super) struct Pass<'c, 'v> {
     pub(super) last_page: Option<LastPage>,
     /// Messages that go on behind the end of the file.
     pub(super) cut_off: u64,
+    /// Whether the file is damaged: a message is then used when the row behind it can be read, for its last pages may be what is damaged.
+    pub(super) is_damaged: bool,
+    /// Topic, log time and bytes of the message that waits for that.
+    held: Option<(i64, i64, Vec<u8>)>,
+    /// Messages before rows that cannot be read.
+    pub(super) doubted: u64,
     /// Why something could not be read.
     pub(super) stopped: Option<String>,
     /// The first rows that could not be read though there are some behind them, and how many such stretches there are.
@@ -84,6 +90,9 @@ impl<'c, 'v> Pass<'c, 'v> {
             unfit: 0,
             last_page: None,
             cut_off: 0,
+            is_damaged: false,
+            held: None,
+            doubted: 0,
             stopped: None,
             lost: None,
         }
@@ -107,6 +116,7 @@ impl<'c, 'v> Pass<'c, 'v> {
         } else {
             self.sorted()
         };
+        self.settle(result.is_ok());
         let Err(why) = result else { return };
         self.stopped = Some(why);
         // The index may be what is damaged, and the messages behind it whole; so may those behind a damaged page.
@@ -126,6 +136,7 @@ impl<'c, 'v> Pass<'c, 'v> {
                 }
                 pass.deliver(row)
             });
+            self.settle(result.is_ok());
             if result.is_ok() || self.largest_row < from {
                 return;
             }
@@ -239,21 +250,43 @@ impl<'c, 'v> Pass<'c, 'v> {
             return Ok(Next::Go);
         }
         let topic = match row.get_ref(1) {
-            Ok(ValueRef::Integer(topic)) => self.tables.channels.get(&topic),
-            _ => None,
+            Ok(ValueRef::Integer(topic)) if self.tables.channels.contains_key(&topic) => topic,
+            _ => {
+                self.orphans += 1;
+                return Ok(Next::Go);
+            }
         };
-        let Some(channel) = topic else {
-            self.orphans += 1;
-            return Ok(Next::Go);
+        if self.is_damaged {
+            let before = self.held.replace((topic, log_ns, data.to_vec()));
+            if let Some((topic, log_ns, data)) = before {
+                self.hand_on(topic, log_ns, &data);
+            }
+        } else {
+            self.hand_on(topic, log_ns, data);
+        }
+        Ok(Next::Go)
+    }
+
+    /// Uses the message that is held, where what was to be read behind it was read.
+    fn settle(&mut self, is_whole: bool) {
+        match self.held.take() {
+            Some((topic, log_ns, data)) if is_whole => self.hand_on(topic, log_ns, &data),
+            Some(_) => self.doubted += 1,
+            None => {}
+        }
+    }
+
+    fn hand_on(&mut self, topic: i64, log_ns: i64, data: &[u8]) {
+        let Some(channel) = self.tables.channels.get(&topic) else {
+            return;
         };
         self.messages += 1;
-        self.bytes += size;
+        self.bytes += data.len() as u64;
         self.visit.message(channel, &Message { log_ns, data });
         if self.bytes >= self.told + PROGRESS_STEP {
             self.told = self.bytes;
             (self.progress)(self.bytes.min(self.total), self.total);
         }
-        Ok(Next::Go)
     }
 }
 
