@@ -6,10 +6,11 @@ use serde::Serialize;
 
 use crate::run::{FailOn, Run};
 use crate::verdict::{Finding, Severity};
-use crate::visible::{clean, pretty_json};
+use crate::visible::pretty_json;
 
 use super::fingerprint::fingerprints;
 use super::place::Locator;
+use super::text::clean;
 
 #[derive(Serialize)]
 struct Issue {

@@ -11,11 +11,12 @@ use crate::page::{self, Page};
 use crate::run::{FailOn, Run, VerdictWord};
 use crate::source::{Confidence, Place, SourceKind};
 use crate::verdict::{Finding, Fix, Measured, Outcome, PlaceRole, Safety, Severity};
-use crate::visible::{clean, pretty_json};
+use crate::visible::pretty_json;
 
 use super::fingerprint::fingerprints;
 use super::place::Locator;
 use super::terminal::measured_words;
+use super::text::clean;
 
 /// What stands for something else in the path of a URI.
 const RESERVED: &AsciiSet = &CONTROLS

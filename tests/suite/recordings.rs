@@ -405,6 +405,12 @@ fn waivers_and_baselines_hold_for_the_recording_that_they_are_for() {
     assert!(is_stale(&ran), "{}", ran.text());
 }
 
+/// The lines of `--format json-lines`.
+fn parsed(ran: &Ran) -> Vec<Value> {
+    let text = ran.text();
+    text.lines().map(|line| serde_json::from_str(line).unwrap()).collect()
+}
+
 /// A line or a part of a document, without the type that lines have.
 fn without_type(part: &Value) -> String {
     let mut keys: BTreeMap<String, Value> = serde_json::from_value(part.clone()).unwrap();
@@ -424,11 +430,7 @@ fn lines_come_recording_by_recording_and_are_those_of_the_document() {
     );
     let ran = program(folder.path(), &["--format", "json-lines"]);
     assert_eq!(ran.code, 1, "{}", ran.text());
-    let lines: Vec<Value> = ran
-        .text()
-        .lines()
-        .map(|line| serde_json::from_str(line).unwrap())
-        .collect();
+    let lines = parsed(&ran);
     let kinds: Vec<&str> = lines.iter().map(|line| line["type"].as_str().unwrap()).collect();
     assert_eq!((kinds[0], *kinds.last().unwrap()), ("run", "summary"));
     let labels: Vec<&Value> = lines
@@ -499,11 +501,7 @@ fn what_a_configuration_asks_is_answered_the_same_in_lines() {
         let lines = program(folder.path(), &["--format", "json-lines"]);
         assert_eq!(document.code, lines.code, "{config}");
         let document = document.report();
-        let told: Vec<Value> = lines
-            .text()
-            .lines()
-            .map(|line| serde_json::from_str(line).unwrap())
-            .collect();
+        let told = parsed(&lines);
         for (kind, key) in [
             ("required", "required"),
             ("finding", "findings"),

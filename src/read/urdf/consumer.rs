@@ -13,7 +13,7 @@ use super::xml::Element;
 /// Nesting at which urdf-rs is no longer asked: it recurses, and its stack is not ours to size.
 const DEEPEST: usize = 100;
 
-/// Size at which it is no longer asked, bytes: it takes thirty times the text for a moment. The largest known robots have a third of it.
+/// Size at which it is no longer asked, bytes: it takes thirty times the text for a moment. The largest known robots have a tenth of it.
 const LARGEST: usize = 2_000_000;
 
 /// Asks urdf-rs about the robot, without looks and without what urdfdom ignores: neither habits of XML nor foreign

@@ -1,5 +1,6 @@
 //! CONFIG01: arguments that `static_transform_publisher` refuses, or reads as something else than was meant.
 
+use std::cell::LazyCell;
 use std::collections::BTreeMap;
 
 use crate::analysis::names;
@@ -25,8 +26,10 @@ impl Rule for StaticTransformArguments {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let claims = world.claims.iter().rev();
-        let claims: ClaimsAt = claims.map(|claim| ((&claim.place, claim.label.as_str()), claim)).collect();
+        let claims = LazyCell::new(|| -> ClaimsAt {
+            let claims = world.claims.iter().rev();
+            claims.map(|claim| ((&claim.place, claim.label.as_str()), claim)).collect()
+        });
         for publisher in &world.publishers {
             let subject = format!(
                 "arguments of `{}` of {}",
