@@ -65,7 +65,7 @@ impl Judge {
         }
     }
 
-    /// Counts a finding that is not kept, in the finding behind those that are. It is as severe and as sure as any that it counts.
+    /// Counts a finding that is not kept, in the finding behind those that are. It is as severe and as sure as the loudest that it counts.
     fn count(&mut self, mut finding: Finding) {
         self.unlisted += 1;
         if self.unlisted == 1 {
@@ -79,8 +79,10 @@ impl Judge {
             UNLISTED.clone_into(&mut finding.subject);
             self.keep(finding);
         } else if let Some(last) = self.findings.last_mut() {
-            last.severity = last.severity.max(finding.severity);
-            last.confidence = last.confidence.max(finding.confidence);
+            let weight = |finding: &Finding| (finding.loudness(), finding.confidence);
+            if weight(&finding) > weight(last) {
+                (last.severity, last.confidence) = (finding.severity, finding.confidence);
+            }
         }
         let measured = vec![Measured::count(UNLISTED, self.unlisted)];
         if let Some(last) = self.findings.last_mut() {
@@ -182,7 +184,11 @@ mod tests {
             last.message
         );
         assert_eq!((last.severity, last.confidence), (Severity::Error, Confidence::Likely));
-        assert_eq!(last.measured, [Measured::count(UNLISTED, 7)]);
+        // Hints make no finding that is sure.
+        judge.fail(Finding::new(Severity::Error, "a guess", "wrong", place).hint());
+        let last = judge.findings.last().unwrap();
+        assert_eq!(last.confidence, Confidence::Likely);
+        assert_eq!(last.measured, [Measured::count(UNLISTED, 8)]);
         assert_eq!(judge.judged.last().unwrap().measured, last.measured);
         assert_eq!(judge.judged.last().unwrap().outcome, Outcome::Fail);
     }
