@@ -163,6 +163,17 @@ const SIZED: &[(&str, Sized)] = &[
         let file = |number| (format!("{number}.yaml"), text(number));
         (0..count).map(file).collect()
     }),
+    ("files of one pair of frames that agree", |count| {
+        (0..count)
+            .map(|number| (format!("{number}.yaml"), CALIBRATION.to_owned()))
+            .collect()
+    }),
+    ("files of one pair of frames that differ", |count| {
+        let text = |number| CALIBRATION.replace("translation: [", &format!("translation: [{number}"));
+        (0..count)
+            .map(|number| (format!("{number}.yaml"), text(number)))
+            .collect()
+    }),
     ("static transforms of a launch file", |count| {
         let node = |number: usize| {
             format!(

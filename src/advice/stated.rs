@@ -7,11 +7,14 @@ use crate::source::Confidence;
 use crate::verdict::Finding;
 use crate::world::{Claim, FrameId, World};
 
+/// How many of the sources that agree with one side are shown.
+const MOST_SHOWN: usize = 16;
+
 impl Statement {
     /// The claim behind it, where it is one.
     pub(crate) fn claim<'w>(&self, world: &'w World) -> Option<&'w Claim> {
-        let is_its = |claim: &&Claim| claim.place == self.place && claim.label == self.label;
-        let mut claims = world.claims.iter().filter(is_its);
+        let claims = world.claims_called(self.place.source, &self.label);
+        let mut claims = claims.filter(|claim| claim.place == self.place);
         claims.next().filter(|_| claims.next().is_none())
     }
 }
@@ -30,9 +33,17 @@ impl Pair {
             .confidence(self.reading_with(roles))
             .label(stated(&self.other))
             .related(self.reference.place.clone(), stated(&self.reference));
-        for (with_other, place, who) in &self.seconded_by {
-            let side = if *with_other { &self.other } else { &self.reference };
-            finding = finding.related(place.clone(), format!("{who} agrees with {}", side.who));
+        for (with_other, side) in [(false, &self.reference), (true, &self.other)] {
+            let seconding = self.seconded_by.iter().filter(|(other, ..)| *other == with_other);
+            let not_shown = seconding.clone().count().saturating_sub(MOST_SHOWN);
+            for (index, (_, place, who)) in seconding.take(MOST_SHOWN).enumerate() {
+                let and_others = if index + 1 == MOST_SHOWN && not_shown > 0 {
+                    format!(", and so do {not_shown} other sources")
+                } else {
+                    String::new()
+                };
+                finding = finding.related(place.clone(), format!("{who} agrees with {}{and_others}", side.who));
+            }
         }
         let sides = [&self.reference, &self.other];
         // The platform's own names, where one of the two uses them.

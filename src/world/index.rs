@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use crate::source::SourceId;
 
 use super::robot::Joint;
-use super::{FrameId, FrameUse, World};
+use super::{Claim, FrameId, FrameUse, World};
 
 /// Places by names; indices into the world that it was made of.
 #[derive(Clone, Debug, Default)]
@@ -14,6 +14,8 @@ pub(super) struct Index {
     uses: BTreeMap<FrameId, Vec<usize>>,
     /// Joints of one name, as indices into `World::robots` and its `joints`.
     joints: BTreeMap<(SourceId, String), Vec<(usize, usize)>>,
+    /// Claims of one label, as indices into `World::claims`.
+    claims: BTreeMap<(SourceId, String), Vec<usize>>,
 }
 
 impl Index {
@@ -27,6 +29,10 @@ impl Index {
                 let key = (robot.source, joint.name.value.clone());
                 index.joints.entry(key).or_default().push((number, inside));
             }
+        }
+        for (number, claim) in world.claims.iter().enumerate() {
+            let key = (claim.place.source, claim.label.clone());
+            index.claims.entry(key).or_default().push(number);
         }
         index
     }
@@ -53,6 +59,17 @@ impl World {
             known
         });
         known.get(words).into_iter().flatten()
+    }
+
+    /// The claims of a file that stand under this key or joint, in order.
+    pub fn claims_called(&self, source: SourceId, label: &str) -> impl Iterator<Item = &Claim> {
+        let numbers = self
+            .index()
+            .claims
+            .get(&(source, label.to_owned()))
+            .into_iter()
+            .flatten();
+        numbers.filter_map(|number| self.claims.get(*number))
     }
 
     /// The joints of a file that have this name, in order.

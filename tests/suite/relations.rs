@@ -388,3 +388,42 @@ fn one_odd_source_of_three_is_told_once() {
         }
     }
 }
+
+#[test]
+fn of_very_many_files_each_is_compared_with_some_and_the_report_says_so() {
+    let pose = base_link_from_lidar();
+    let many = |odd: usize| {
+        let folder = tempfile::tempdir().unwrap();
+        for number in 0..100 {
+            let pose = if number == odd { pose.inverse() } else { pose };
+            fs::write(
+                folder.path().join(format!("car{number:03}.yaml")),
+                Form::Nested.text(&pose),
+            )
+            .unwrap();
+        }
+        support::checked(folder.path())
+    };
+    for odd in [0, 3, 50, 99] {
+        let run = many(odd);
+        let found = cross(&run);
+        assert_eq!(found.len(), 1, "{odd}: {found:?}");
+        assert_eq!(found[0].rule, "CROSS02");
+        assert_eq!(found[0].relation.as_deref(), Some("inverse"));
+        assert!(place(&run, found[0]).ends_with(&format!("car{odd:03}.yaml:1")));
+    }
+    for rule in ["CROSS01", "CROSS02"] {
+        let run = many(100);
+        let rows = run.verdict.rows.iter().filter(|row| row.rule == rule);
+        let cut: Vec<_> = rows.filter(|row| row.subject.contains("each with each")).collect();
+        assert_eq!(cut.len(), 1, "{rule}");
+        assert_eq!(cut[0].outcome, Outcome::NotEvaluated);
+        assert!(
+            cut[0]
+                .reason
+                .as_ref()
+                .unwrap()
+                .contains("100 statements are more than 64")
+        );
+    }
+}

@@ -1,12 +1,14 @@
 //! Whether numbers alone tell that two sources mean the same sensors, whatever they call them.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Isometry3;
 use serde::Deserialize;
 
 use crate::analysis::cross::pair::Pair;
 use crate::math::relation::{Classification, Relation};
+use crate::source::SourceId;
+use crate::world::FrameId;
 
 #[derive(Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -55,18 +57,31 @@ impl Limits {
     pub(crate) fn halves(&self, pose: &Isometry3<f64>, off_deg: f64, off_m: f64) -> bool {
         off_deg <= self.exact_deg && self.is_turned(pose) || off_m <= self.exact_m && self.lengths(pose) > 2
     }
+}
 
-    /// Whether as many sensors of the same two sources differ in the same way.
-    pub(crate) fn is_of_several(&self, pair: &Pair, relation: Relation, all: &[(Pair, Option<Relation>)]) -> bool {
-        let sources = |pair: &Pair| BTreeSet::from([pair.reference.place.source, pair.other.place.source]);
-        let of = sources(pair);
-        let alike = all.iter().filter(|(other, found)| {
-            *found == Some(relation) && sources(other) == of && self.is_telling(&other.reference.pose)
-        });
-        let sensors: BTreeSet<_> = alike
-            .map(|(other, _)| (&other.reference.target, &other.reference.source_frame))
-            .collect();
-        sensors.len() >= self.min_sensors
+/// Sensors that two sources state differently by one relation.
+#[derive(Default)]
+pub(crate) struct Alike(BTreeMap<(Relation, [SourceId; 2]), BTreeSet<[FrameId; 2]>>);
+
+impl Alike {
+    /// Counts a pair whose difference is this relation.
+    pub(crate) fn add(&mut self, limits: &Limits, pair: &Pair, relation: Relation) {
+        let reference = &pair.reference;
+        if limits.is_telling(&reference.pose) {
+            let sensors = self.0.entry((relation, Self::sources(pair))).or_default();
+            sensors.insert([reference.target.clone(), reference.source_frame.clone()]);
+        }
+    }
+
+    /// How many sensors of the two sources of a pair differ by this relation.
+    pub(crate) fn count(&self, pair: &Pair, relation: Relation) -> usize {
+        let sensors = self.0.get(&(relation, Self::sources(pair)));
+        sensors.map_or(0, BTreeSet::len)
+    }
+
+    fn sources(pair: &Pair) -> [SourceId; 2] {
+        let (a, b) = (pair.reference.place.source, pair.other.place.source);
+        [a.min(b), a.max(b)]
     }
 }
 

@@ -5,17 +5,20 @@
 use crate::analysis::cross::pair::{Pair, Statement};
 use crate::world::World;
 
+/// How many differences about two frames later ones are compared with.
+const MOST_TOLD: usize = 256;
+
 /// An odd source differs from each of those that agree: only the first of such pairs speaks, and the others second it.
 /// `earlier` are the pairs before this one about the same two frames.
 pub(crate) fn fold(world: &World, pair: &mut Pair, earlier: &mut [Pair]) {
     if is_same(&pair.reference, &pair.other, false) {
         return;
     }
-    let told = earlier.iter_mut().find(|told| {
+    let told = earlier.iter_mut().filter(|told| told.repeats.is_none());
+    let told = told.take(MOST_TOLD).find(|told| {
         let turned = told.reference.target != pair.reference.target;
         let same = |a: &Statement, b: &Statement| is_same(a, b, turned);
-        told.repeats.is_none()
-            && told.alternatives == pair.alternatives
+        told.alternatives == pair.alternatives
             && (same(&told.reference, &pair.reference) && same(&told.other, &pair.other)
                 || same(&told.reference, &pair.other) && same(&told.other, &pair.reference))
     });

@@ -4,7 +4,7 @@
 //! in the files of two devices, state different robots, so only a recording's own description is held against a file.
 //! Rules that judge one source alone take what others say from [`crate::analysis::pairs`].
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use crate::analysis::cross::pair::{Direction, Pair, Rank, Statement, TURNED};
@@ -14,8 +14,21 @@ use crate::source::{Confidence, Place, SourceId, SourceKind};
 use crate::world::graph::{Edge, EdgeOrigin};
 use crate::world::{Claim, ClaimKind, FrameId, Spelling, World};
 
-/// All pairs of a world, in a fixed order.
-pub(crate) fn pairs(world: &World) -> Vec<Pair> {
+/// Statements that were held against each other.
+pub(crate) struct Pairs {
+    /// The pairs, in a fixed order.
+    pub(crate) pairs: Vec<Pair>,
+    /// Frames that so many sources speak of that not each was compared with each: which, and what was compared instead.
+    pub(crate) cut: Vec<(String, String)>,
+}
+
+/// How many statements of two frames are each compared with each; of more, each with the most trusted ones.
+const MOST_EACH_WITH_EACH: usize = 64;
+/// How many the most trusted ones are, then: the time that it takes follows the number of statements.
+const MOST_REFERENCES: usize = 4;
+
+/// All pairs of a world.
+pub(crate) fn pairs(world: &World) -> Pairs {
     let mut by_frames: BTreeMap<(FrameId, FrameId), Vec<Statement>> = BTreeMap::new();
     for statement in statements(world) {
         let (a, b) = (&statement.target, &statement.source_frame);
@@ -26,22 +39,72 @@ pub(crate) fn pairs(world: &World) -> Vec<Pair> {
         };
         by_frames.entry(key).or_default().push(statement);
     }
-    let mut pairs = Vec::new();
+    let (mut pairs, mut cut) = (Vec::new(), Vec::new());
     for mut statements in by_frames.into_values() {
         add_chains(world, &mut statements);
         statements.sort_by(|a, b| (a.rank, a.bare_quaternion, &a.place).cmp(&(b.rank, b.bare_quaternion, &b.place)));
         let from = pairs.len();
-        for (index, reference) in statements.iter().enumerate() {
-            for other in statements.iter().skip(index + 1) {
-                if let Some(pair) = pair(world, reference, other) {
-                    let mut pair = oriented(pair);
-                    fold(world, &mut pair, pairs.get_mut(from..).unwrap_or_default());
-                    pairs.push(pair);
-                }
+        for (first, second) in each_with_each(world, &statements, &mut cut) {
+            let (Some(reference), Some(other)) = (statements.get(first), statements.get(second)) else {
+                continue;
+            };
+            if let Some(pair) = pair(world, reference, other) {
+                let mut pair = oriented(pair);
+                fold(world, &mut pair, pairs.get_mut(from..).unwrap_or_default());
+                pairs.push(pair);
             }
         }
     }
-    pairs
+    Pairs { pairs, cut }
+}
+
+/// Which statements of two frames are held against each other, by their numbers.
+///
+/// Files are compared within a folder; descriptions, recordings and launch files with all others.
+fn each_with_each(
+    world: &World,
+    statements: &[Statement],
+    cut: &mut Vec<(String, String)>,
+) -> BTreeSet<(usize, usize)> {
+    let mut groups: BTreeMap<(Rank, Option<&Path>), Vec<usize>> = BTreeMap::new();
+    for (number, statement) in statements.iter().enumerate() {
+        let is_of_folder = statement.rank == Rank::File && !is_launched(world, statement);
+        let path = Path::new(world.path(statement.place.source));
+        let folder = is_of_folder.then(|| path.parent().unwrap_or(path));
+        groups.entry((statement.rank, folder)).or_default().push(number);
+    }
+    let is_compared = |(first, second): &(usize, usize)| {
+        let both = statements.get(*first).zip(statements.get(*second));
+        both.is_some_and(|(a, b)| comparable(world, a, b).is_some())
+    };
+    let all: Vec<usize> = (0..statements.len()).collect();
+    let mut compared = BTreeSet::new();
+    for ((_, folder), group) in &groups {
+        let is_cut = group.len() > MOST_EACH_WITH_EACH;
+        let references = if is_cut { MOST_REFERENCES } else { group.len() };
+        let others = if folder.is_some() { group } else { &all };
+        let of_group = group.iter().take(references).flat_map(|first| {
+            let others = others.iter().filter(move |other| *other != first);
+            others.map(move |other| (*other.min(first), *other.max(first)))
+        });
+        let of_group: BTreeSet<(usize, usize)> = of_group.filter(is_compared).collect();
+        if let Some((first, _)) = of_group.first().filter(|_| is_cut)
+            && let Some(first) = statements.get(*first)
+        {
+            let whose = folder.map_or("in descriptions, recordings and launch files".to_owned(), |folder| {
+                format!("in files of `{}`", folder.display())
+            });
+            let why = format!(
+                "{} statements are more than {MOST_EACH_WITH_EACH}: each was compared with the first {MOST_REFERENCES} of them, not \
+                 with all. Check fewer files in one run",
+                group.len()
+            );
+            let (target, source) = (&first.target, &first.source_frame);
+            cut.push((format!("`{target}` from `{source}`, each with each {whose}"), why));
+        }
+        compared.extend(of_group);
+    }
+    compared
 }
 
 fn pair(world: &World, reference: &Statement, other: &Statement) -> Option<Pair> {

@@ -2,7 +2,7 @@
 
 use crate::analysis::{
     cross::pair::{Pair, Statement},
-    cross::statements::pairs,
+    cross::statements::{Pairs, pairs},
 };
 use crate::rules::prelude::*;
 use crate::world::{Claim, World};
@@ -23,8 +23,12 @@ impl Rule for ExtrinsicConsistency {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        for pair in pairs(world) {
+        let Pairs { pairs, cut } = pairs(world);
+        for pair in pairs {
             judge_pair(world, &pair, limits, out);
+        }
+        for (subject, why) in cut {
+            out.too_little(subject, why);
         }
     }
 }

@@ -4,9 +4,9 @@ use nalgebra::Isometry3;
 
 use crate::advice::{literal::with_fix, places::swap_edits, restate::restated};
 use crate::analysis::cross::blame::{blame, holds_radians_twice};
-use crate::analysis::cross::exact::{Limits, off_axes_deg};
+use crate::analysis::cross::exact::{Alike, Limits, off_axes_deg};
 use crate::analysis::cross::pair::{Direction, Pair};
-use crate::analysis::cross::statements::pairs;
+use crate::analysis::cross::statements::{Pairs, pairs};
 use crate::math::relation::{Classification, Relation, Tolerance, classify};
 use crate::math::rotation::{from_rpy, rotation_angle_between};
 use crate::rules::prelude::*;
@@ -21,19 +21,23 @@ impl Rule for ExtrinsicRelation {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let blamed = pairs(world).into_iter().map(|mut pair| {
+        let Pairs { pairs, cut } = pairs(world);
+        for (subject, why) in cut {
+            out.too_little(subject, why);
+        }
+        let mut alike = Alike::default();
+        let mut blamed: Vec<(String, Pair, Classification)> = Vec::new();
+        for mut pair in pairs {
             let subject = pair.subject(world);
             let found = blame(&mut pair, limits.mount_m);
-            (subject, pair, found)
-        });
-        let blamed: Vec<(String, Pair, Classification)> = blamed.collect();
-        let all: Vec<_> = blamed
-            .iter()
-            .map(|(_, pair, found)| (pair.clone(), found.error()))
-            .collect();
+            if let Some(relation) = found.error() {
+                alike.add(limits, &pair, relation);
+            }
+            blamed.push((subject, pair, found));
+        }
         for (subject, pair, found) in blamed {
             let is_sure = found.error().is_some_and(|relation| {
-                limits.fits(&pair.reference.pose, &found) || limits.is_of_several(&pair, relation, &all)
+                limits.fits(&pair.reference.pose, &found) || alike.count(&pair, relation) >= limits.min_sensors
             });
             judge_pair(world, subject, &pair, &found, is_sure, limits, out);
         }
