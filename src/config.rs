@@ -141,7 +141,6 @@ pub fn nearest(input: &Path) -> Option<PathBuf> {
     let whole = std::fs::canonicalize(input).ok()?;
     whole
         .ancestors()
-        .filter(|folder| folder.is_dir())
         .map(|folder| folder.join(CONFIGURATION))
         .find(|path| path.is_file())
 }

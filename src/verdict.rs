@@ -9,6 +9,7 @@ mod measured;
 pub mod plot;
 pub mod waiver;
 
+use std::borrow::Cow;
 use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Vector3;
@@ -101,9 +102,9 @@ impl NotEvaluated {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Row {
     /// Code of the rule.
-    pub rule: String,
+    pub rule: Cow<'static, str>,
     /// Name of the rule.
-    pub name: String,
+    pub name: Cow<'static, str>,
     /// What was judged.
     pub subject: String,
     /// What became of it.
@@ -314,7 +315,11 @@ impl Verdict {
 
     /// Adds another verdict.
     pub fn extend(&mut self, other: Self) {
-        self.rows.extend(other.rows);
+        if self.rows.capacity() == 0 {
+            self.rows = other.rows;
+        } else {
+            self.rows.extend(other.rows);
+        }
         self.findings.extend(other.findings);
         self.explained.extend(other.explained);
         self.dropped.join(&other.dropped);

@@ -1,7 +1,8 @@
 //! Text from files and recordings where people see it: characters that steer, reorder or hide are spelled out.
 
 use std::borrow::Cow;
-use std::fmt::Write;
+use std::fmt::Write as _;
+use std::io::{BufWriter, Write};
 
 use serde::Serialize;
 
@@ -52,32 +53,59 @@ pub(crate) fn clean_in_place(text: &str) -> Option<String> {
     Some(cleaned)
 }
 
-/// A value as indented JSON that ends with a newline. Characters that steer or hide are written as `\uXXXX`: a reader of the value gets them as
-/// they are, who looks at the file sees them.
-pub(crate) fn pretty_json(value: &impl Serialize) -> Result<String, serde_json::Error> {
-    Ok(spelled_out(serde_json::to_string_pretty(value)?))
+/// Writes a value as indented JSON that ends with a newline. Characters that steer or hide are written as `\uXXXX`: a reader of the value gets
+/// them as they are, who looks at the file sees them.
+pub(crate) fn write_json(value: &impl Serialize, to: &mut dyn Write) -> serde_json::Result<()> {
+    let mut to = SpelledOut(BufWriter::with_capacity(1 << 16, to));
+    serde_json::to_writer_pretty(&mut to, value)?;
+    to.write_all(b"\n")
+        .and_then(|()| to.flush())
+        .map_err(serde_json::Error::io)
+}
+
+/// The same as a text.
+pub(crate) fn pretty_json(value: &impl Serialize) -> serde_json::Result<String> {
+    text(|to| serde_json::to_writer_pretty(to, value))
 }
 
 /// As [`pretty_json`], on one line.
-pub(crate) fn json_line(value: &impl Serialize) -> Result<String, serde_json::Error> {
-    Ok(spelled_out(serde_json::to_string(value)?))
+pub(crate) fn json_line(value: &impl Serialize) -> serde_json::Result<String> {
+    text(|to| serde_json::to_writer(to, value))
 }
 
-/// Outside of strings JSON has none of these characters, and all of them lie in the first plane.
-fn spelled_out(mut json: String) -> String {
-    if may_steer(&json) && json.chars().any(steers) {
-        let mut spelled = String::with_capacity(json.len() + 64);
-        for c in json.chars() {
-            if steers(c) {
-                let _ = write!(spelled, "\\u{:04x}", u32::from(c));
-            } else {
-                spelled.push(c);
+fn text(write: impl FnOnce(&mut SpelledOut<Vec<u8>>) -> serde_json::Result<()>) -> serde_json::Result<String> {
+    let mut to = SpelledOut(Vec::new());
+    write(&mut to)?;
+    to.0.push(b'\n');
+    String::from_utf8(to.0).map_err(|error| serde_json::Error::io(std::io::Error::other(error)))
+}
+
+/// Spells characters out in JSON on its way to a writer, piece by piece. A piece of JSON is whole characters; outside of strings it has none
+/// that are spelled out, and all of these lie in the first plane.
+struct SpelledOut<W>(W);
+
+impl<W: Write> Write for SpelledOut<W> {
+    fn write(&mut self, piece: &[u8]) -> std::io::Result<usize> {
+        match std::str::from_utf8(piece) {
+            Ok(text) if may_steer(text) && text.chars().any(steers) => {
+                let mut spelled = String::with_capacity(text.len() + 8);
+                for c in text.chars() {
+                    if steers(c) {
+                        let _ = write!(spelled, "\\u{:04x}", u32::from(c));
+                    } else {
+                        spelled.push(c);
+                    }
+                }
+                self.0.write_all(spelled.as_bytes())?;
             }
+            _ => self.0.write_all(piece)?,
         }
-        json = spelled;
+        Ok(piece.len())
     }
-    json.push('\n');
-    json
+
+    fn flush(&mut self) -> std::io::Result<()> {
+        self.0.flush()
+    }
 }
 
 #[cfg(test)]

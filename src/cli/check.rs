@@ -14,7 +14,7 @@ use crate::run::Run;
 use crate::verdict::KeptOutcomes;
 
 use super::args::{Chain, Check, Color, Reporting};
-use super::stream::Stream;
+use super::stream::{Stream, print_json, save_json};
 use super::{Answer, Failure, Surroundings, call, fixes, paths, save, view};
 
 /// Judges the inputs and reports.
@@ -81,8 +81,9 @@ pub(super) fn run(
     if check.views.rrd.is_some() {
         view::is_there()?;
     }
+    let mut stdout = Some(stdout);
     let mut stream = if is_final {
-        Stream::open(&check.reporting, stdout)?
+        Stream::open(&check.reporting, &mut stdout)?
     } else {
         None
     };
@@ -107,7 +108,7 @@ pub(super) fn run(
     if let Some(file) = &check.views.rrd {
         said.push_str(&view::save(&run, file, check.views.max_size)?);
     }
-    let mut answer = tell(&mut run, &check.reporting, call, stream, surroundings)?;
+    let mut answer = tell(&mut run, &check.reporting, call, (stream, stdout), surroundings)?;
     answer.err.insert_str(0, &said);
     answer.err.push_str(&options.timings.words());
     if check.watch {
@@ -140,7 +141,7 @@ pub(super) fn chain(
         ..engine::Options::default()
     })?;
     let call = call::of(arguments, &call::today()?);
-    tell(&mut run, &chain.reporting, call, None, surroundings)
+    tell(&mut run, &chain.reporting, call, (None, None), surroundings)
 }
 
 /// The reports of a run where they are wanted, and the exit code.
@@ -148,7 +149,7 @@ fn tell(
     run: &mut Run,
     reporting: &Reporting,
     mut call: report::Call,
-    stream: Option<Stream>,
+    (stream, stdout): (Option<Stream>, Option<&mut dyn std::io::Write>),
     surroundings: Surroundings,
 ) -> Result<Answer, Failure> {
     let fail_on = reporting.fail_on(run);
@@ -184,7 +185,9 @@ fn tell(
     let is_streamed = |format: Format| stream.is_some() && format == Format::JsonLines;
     for output in &reporting.output {
         let format = reporting.format_of(output);
-        if !is_streamed(format) {
+        if format == Format::Json {
+            save_json(run, fail_on, &output.file)?;
+        } else if !is_streamed(format) {
             save(
                 &output.file,
                 report::render(run, format, &options(Style::PLAIN), &call)?,
@@ -204,6 +207,8 @@ fn tell(
                 ..options(style)
             },
         );
+    } else if let (Format::Json, Some(stdout)) = (reporting.format, stdout) {
+        print_json(run, fail_on, stdout)?;
     } else if !is_streamed(reporting.format) {
         answer.out = report::render(run, reporting.format, &options(surroundings.style), &call)?;
     }

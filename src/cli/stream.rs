@@ -1,9 +1,10 @@
 //! `--format json-lines`: written while the run goes on, a recording after the other.
 
 use std::io::{ErrorKind, Write};
+use std::path::Path;
 
 use crate::files::Draft;
-use crate::report::{Format, ReportError, json_lines};
+use crate::report::{Format, ReportError, json, json_lines};
 use crate::run::{FailOn, Grown, Run};
 
 use super::Failure;
@@ -35,9 +36,27 @@ fn unwritten(name: &str, error: &std::io::Error) -> Failure {
     Failure::Usage(format!("cannot write `{name}`: {error}"))
 }
 
+/// Writes the JSON document of a run to a file.
+pub(super) fn save_json(run: &Run, fail_on: FailOn, file: &Path) -> Result<(), Failure> {
+    let written = Draft::of(file).and_then(|mut draft| {
+        json::write(run, fail_on, &mut draft)?;
+        draft.keep()
+    });
+    written.map_err(|error| unwritten(&file.display().to_string(), &error))
+}
+
+/// Writes it to the standard output.
+pub(super) fn print_json(run: &Run, fail_on: FailOn, stdout: &mut dyn Write) -> Result<(), Failure> {
+    match json::write(run, fail_on, stdout).map_err(std::io::Error::from) {
+        // Whoever reads has seen enough.
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(()),
+        written => written.map_err(|error| unwritten("standard output", &error)),
+    }
+}
+
 impl<'w> Stream<'w> {
     /// Opens everything that lines are wanted in. `None` where they are wanted nowhere.
-    pub(super) fn open(reporting: &Reporting, stdout: &'w mut dyn Write) -> Result<Option<Self>, Failure> {
+    pub(super) fn open(reporting: &Reporting, stdout: &mut Option<&'w mut dyn Write>) -> Result<Option<Self>, Failure> {
         let mut sinks: Vec<Sink<'w>> = Vec::new();
         for output in &reporting.output {
             if reporting.format_of(output) == Format::JsonLines {
@@ -47,7 +66,7 @@ impl<'w> Stream<'w> {
             }
         }
         if reporting.format == Format::JsonLines && !reporting.is_in_file() {
-            sinks.push(Sink::Stdout(stdout));
+            sinks.extend(stdout.take().map(Sink::Stdout));
         }
         let mut stream = Self { sinks, failed: None };
         stream.pass_on(json_lines::start());

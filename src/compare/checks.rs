@@ -90,7 +90,7 @@ fn rows(run: &Run) -> BTreeMap<Key, &Row> {
                 subject = subject.replace(path, "its file");
             }
         }
-        let known = rows.entry((row.rule.clone(), subject)).or_insert(row);
+        let known = rows.entry((row.rule.to_string(), subject)).or_insert(row);
         if rank(row) > rank(known) {
             *known = row;
         }

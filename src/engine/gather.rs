@@ -409,7 +409,8 @@ fn read_bounded(path: &Path) -> Result<Vec<u8>, String> {
     if meta.len() > MAX_TEXT_BYTES {
         return too_large(meta.len());
     }
-    let mut bytes = Vec::new();
+    // A file that grows meanwhile is read to its end all the same.
+    let mut bytes = Vec::with_capacity(usize::try_from(meta.len() + 1).unwrap_or_default());
     let file = fs::File::open(path).map_err(cannot)?;
     file.take(MAX_TEXT_BYTES + 1).read_to_end(&mut bytes).map_err(cannot)?;
     if bytes.len() as u64 > MAX_TEXT_BYTES {

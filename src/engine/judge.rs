@@ -1,5 +1,6 @@
 //! Runs the rules over a world. Makes the `not-evaluated` rows a rule's author could forget, and catches a crash.
 
+use std::borrow::Cow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 use crate::analysis::{Estimates, Settings};
@@ -209,10 +210,13 @@ fn unmeasured(out: &Judge) -> Option<String> {
 }
 
 fn take(mut out: Judge, rule: &Enabled, label: Option<&str>, crash: Option<String>, verdict: &mut Verdict) {
-    let prefixed = |subject: String| label.map_or_else(|| subject.clone(), |label| format!("{label}: {subject}"));
+    let prefixed = |subject: String| match label {
+        Some(label) => format!("{label}: {subject}"),
+        None => subject,
+    };
     let row = |subject: String, outcome, reason, measured| Row {
-        rule: rule.entry.page.code.to_owned(),
-        name: rule.entry.page.name.to_owned(),
+        rule: Cow::Borrowed(rule.entry.page.code),
+        name: Cow::Borrowed(rule.entry.page.name),
         subject,
         outcome,
         reason,

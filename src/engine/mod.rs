@@ -131,7 +131,7 @@ impl Setup<'_> {
     fn seen(&self, worlds: &[World]) -> Vec<World> {
         match self.options.sights {
             Sights::Everything => worlds.to_vec(),
-            Sights::None | Sights::Plots => Vec::new(),
+            Sights::None | Sights::Worlds | Sights::Plots => Vec::new(),
         }
     }
 
@@ -139,7 +139,12 @@ impl Setup<'_> {
     fn judge(&self, worlds: &mut [World], several: bool) -> Vec<(usize, Verdict)> {
         parallel::map(worlds.iter_mut().collect(), |world: &mut World| {
             let judged = self.judge_as(self.governed.of(world), world, several);
-            world.forget();
+            // A recording may be asked for more, and is compared with others.
+            if self.options.sights == Sights::None && world.bags.is_empty() {
+                world.empty();
+            } else {
+                world.forget();
+            }
             judged
         })
     }

@@ -71,12 +71,14 @@ pub enum Verdicts {
     One,
 }
 
-/// What a run keeps to be looked at.
+/// What a run keeps to be looked at; each has what those before it have.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Sights {
-    /// Nothing.
-    #[default]
+    /// The verdict alone.
     None,
+    /// What was read of every platform.
+    #[default]
+    Worlds,
     /// The plots of rules.
     Plots,
     /// Plots, and all that is known of every platform, clouds of points among it.

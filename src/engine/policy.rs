@@ -109,13 +109,20 @@ impl<'a> RunPolicy<'a> {
         (sources, platforms): (&[Arc<Source>], &[String]),
         demanded: Option<&Demanded>,
     ) -> (Verdict, Laid) {
-        let mut parts: BTreeMap<usize, Verdict> = BTreeMap::new();
+        let mut parts: BTreeMap<usize, Vec<Verdict>> = BTreeMap::new();
         for (governed, verdict) in verdicts {
-            parts.entry(governed).or_default().extend(verdict);
+            parts.entry(governed).or_default().push(verdict);
         }
         let (mut whole, mut all) = (Verdict::default(), Laid::default());
-        for (at, mut verdict) in parts {
+        for (at, verdicts) in parts {
             let Some(governing) = self.each.get(at) else { continue };
+            let mut verdict = Verdict::default();
+            verdict
+                .rows
+                .reserve_exact(verdicts.iter().map(|one| one.rows.len()).sum());
+            for one in verdicts {
+                verdict.extend(one);
+            }
             let mut laid = self.with(sources, platforms, &governing.asked, |context| {
                 policy::lay(&mut verdict, &governing.policy, context)
             });

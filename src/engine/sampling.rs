@@ -181,8 +181,8 @@ mod tests {
 
     fn row(subject: &str, why: NotEvaluated) -> Row {
         Row {
-            rule: "TEST01".to_owned(),
-            name: "test".to_owned(),
+            rule: "TEST01".into(),
+            name: "test".into(),
             subject: subject.to_owned(),
             outcome: Outcome::NotEvaluated,
             reason: Some(format!("{}: 3 messages", why.word())),

@@ -310,8 +310,8 @@ fn weigh(verdict: &mut Verdict, policy: &Policy, context: &Context) {
         .map(|f| (f.rule.as_str(), f.subject.as_str()))
         .collect();
     for row in verdict.rows.iter_mut().filter(|row| row.outcome == Outcome::Fail) {
-        if let Some(origin) = off.get(&(row.rule.clone(), row.subject.clone()))
-            && !left.contains(&(row.rule.as_str(), row.subject.as_str()))
+        if let Some(origin) = off.get(&(row.rule.to_string(), row.subject.clone()))
+            && !left.contains(&(&*row.rule, row.subject.as_str()))
         {
             row.outcome = Outcome::NotEvaluated;
             row.reason = Some(format!("turned off for this file ({origin})"));
@@ -406,7 +406,7 @@ impl Scope {
             }
         };
         let codes: BTreeSet<&str> = asked.map(|rule| rule.code).collect();
-        let rows = || verdict.rows.iter().filter(|row| codes.contains(row.rule.as_str()));
+        let rows = || verdict.rows.iter().filter(|row| codes.contains(&*row.rule));
         if rows().any(|row| row.outcome.is_judged() && meant(&row.subject)) {
             return None;
         }
@@ -435,7 +435,7 @@ fn settle_rows(verdict: &mut Verdict) {
         }
     }
     for row in verdict.rows.iter_mut().filter(|row| row.outcome == Outcome::Fail) {
-        if let Some((false, Some(words))) = found.get(&(row.rule.as_str(), row.subject.as_str())) {
+        if let Some((false, Some(words))) = found.get(&(&*row.rule, row.subject.as_str())) {
             row.outcome = Outcome::Waived;
             row.reason = Some(words.clone());
         }

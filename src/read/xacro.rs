@@ -120,7 +120,7 @@ pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) 
     };
     match (expanded, copies) {
         (Ok(marked), Some(copies)) => {
-            let (text, written, templates) = copies.unmarked(marked);
+            let (text, written, templates) = copies.unmarked(&marked);
             Ok(Expanded {
                 text,
                 written,
@@ -129,7 +129,7 @@ pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) 
         }
         (Ok(text), None) => Ok(Expanded::plain(text)),
         (Err(Expansion::Failed { stderr, line }), Some(copies)) => Err(Expansion::Failed {
-            stderr: copies.with_files(stderr),
+            stderr: copies.with_files(&stderr),
             line,
         }),
         (Err(failure), _) => Err(failure),

@@ -28,7 +28,7 @@ pub(super) fn render(run: &Run, fail_on: FailOn) -> Result<String, ReportError> 
         let suite = suites
             .entry(&row.rule)
             .or_insert_with(|| TestSuite::new(format!("{} {}", row.rule, row.name)));
-        let findings = found.get(&(row.rule.as_str(), row.subject.as_str()));
+        let findings = found.get(&(&*row.rule, row.subject.as_str()));
         suite.add_test_case(case(row, findings.map_or(&[], Vec::as_slice), fail_on, &locator));
     }
     let mut report = Report::new("frames-lint");

@@ -45,8 +45,8 @@ impl Sample {
 
     pub(super) fn row(&mut self, rule: &str, subject: &str, outcome: Outcome, reason: Option<&str>) {
         self.run.verdict.rows.push(Row {
-            rule: rule.to_owned(),
-            name: "a-rule".to_owned(),
+            rule: rule.to_owned().into(),
+            name: "a-rule".into(),
             subject: subject.to_owned(),
             outcome,
             reason: reason.map(str::to_owned),

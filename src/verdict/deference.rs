@@ -225,7 +225,7 @@ fn settle_rows(verdict: &mut Verdict) {
     let open: BTreeSet<(&str, &str)> = verdict.findings.iter().map(Finding::key).collect();
     let explained: BTreeMap<(&str, &str), &Finding> = verdict.explained.iter().map(|one| (one.key(), one)).collect();
     for row in verdict.rows.iter_mut().filter(|row| row.outcome == Outcome::Fail) {
-        let key = (row.rule.as_str(), row.subject.as_str());
+        let key = (&*row.rule, row.subject.as_str());
         if let (false, Some(finding)) = (open.contains(&key), explained.get(&key)) {
             row.outcome = Outcome::Explained;
             row.reason = finding.explained_by.as_ref().map(Explainer::words);

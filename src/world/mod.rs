@@ -347,6 +347,16 @@ impl World {
         self.made = Made::default();
     }
 
+    /// Drops everything but its name and where it is from.
+    pub fn empty(&mut self) {
+        *self = Self {
+            label: std::mem::take(&mut self.label),
+            members: std::mem::take(&mut self.members),
+            sources: std::mem::take(&mut self.sources),
+            ..Self::default()
+        };
+    }
+
     /// Drops what was worked out: it is worked out again where somebody asks.
     pub fn forget(&mut self) {
         self.made = Made::default();

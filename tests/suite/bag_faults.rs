@@ -443,7 +443,7 @@ fn the_healthy_recording_is_silent_and_much_was_judged() {
             .rows
             .iter()
             .filter(|row| row.outcome == Outcome::Pass)
-            .map(|row| row.rule.as_str())
+            .map(|row| row.rule.as_ref())
             .collect();
         let beside = ["CROSS01", "CROSS02", "CROSS06", "TREE12"];
         let alone = [

@@ -225,3 +225,35 @@ fn a_missing_file_of_a_split_recording_adds_no_finding() {
         );
     }
 }
+
+#[test]
+fn a_recording_that_ends_early_adds_no_finding() {
+    // What connects the arm comes late.
+    let arm = "
+  - {topic: /tf, rate_hz: 20, transforms: [{parent: arm, child: gripper, xyz: [0.2, 0, 0]}]}
+  - {topic: /tf, rate_hz: 20, from_s: 14, transforms: [{parent: base_link, child: arm, xyz: [0, 0, 0.8]}]}
+";
+    let recipe = drive("") + arm.trim_start_matches('\n');
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("drive.db3");
+    Drive::of(&recipe).write_db3(&path, Db3::default());
+    let recordings = [
+        ("mcap", support::build(&recipe)),
+        ("bag", ros1::bag_of(&Drive::of(&recipe), rosbag1::Layout::default()).bytes),
+        ("db3", fs::read(&path).unwrap()),
+    ];
+    for (ending, bytes) in recordings {
+        let checked = |bytes: &[u8]| {
+            let path = folder.path().join(format!("cut.{ending}"));
+            fs::write(&path, bytes).unwrap();
+            found(&check(&path))
+        };
+        let known = checked(&bytes);
+        assert!(!known.iter().any(|(rule, _)| rule == "TREE01"), "{ending}: {known:?}");
+        for percent in [3, 10, 25, 45, 80] {
+            let cut = checked(support::damage::cut(&bytes, percent));
+            let new: Vec<_> = cut.difference(&known).collect();
+            assert!(new.is_empty(), "{ending}, {percent} %: {new:?}");
+        }
+    }
+}

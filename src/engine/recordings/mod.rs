@@ -398,7 +398,7 @@ impl Room<'_> {
                 .map(|finding| (finding.rule.as_str(), finding.subject.as_str()))
                 .collect();
             verdict.rows.retain(|row| match row.outcome {
-                Outcome::Fail | Outcome::Explained => found.contains(&(row.rule.as_str(), row.subject.as_str())),
+                Outcome::Fail | Outcome::Explained => found.contains(&(&*row.rule, row.subject.as_str())),
                 _ => !known.contains(&key(row, &labels)),
             });
         }

@@ -61,7 +61,7 @@ impl OfFiles {
                 continue;
             }
             let subject = plain_subject(&row.subject, platforms).to_owned();
-            if self.rows.insert((row.rule.clone(), subject.clone(), row.outcome)) {
+            if self.rows.insert((row.rule.to_string(), subject.clone(), row.outcome)) {
                 rows.push(Row { subject, ..row.clone() });
             }
             if of_drive.contains(&known) {

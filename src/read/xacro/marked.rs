@@ -53,15 +53,18 @@ impl Copies {
         let mut next = 0;
         while let Some(template) = copies.templates.get(next).cloned() {
             let marked = copies.marked(next, &template, packages)?;
+            if next == 0 {
+                fs::write(copies.top(), included_by(&marked, &copies.path(0))?).ok()?;
+            }
             fs::write(copies.path(next), marked).ok()?;
             next += 1;
         }
         Some(copies)
     }
 
-    /// The copy of the file itself.
+    /// What stands for the file itself. It includes the copy, for `xacro-rs` reads what is included at once, and the first file byte by byte.
     pub(super) fn top(&self) -> PathBuf {
-        self.path(0)
+        self.folder.path().join("top.xacro")
     }
 
     fn path(&self, index: usize) -> PathBuf {
@@ -161,7 +164,8 @@ impl Copies {
     }
 
     /// A text that names copies, with the files in their place.
-    pub(super) fn with_files(&self, mut text: String) -> String {
+    pub(super) fn with_files(&self, text: &str) -> String {
+        let mut text = text.replace(&*self.top().to_string_lossy(), &self.path(0).to_string_lossy());
         for (index, template) in self.templates.iter().enumerate().rev() {
             text = text.replace(&*self.path(index).to_string_lossy(), &template.path.to_string_lossy());
         }
@@ -169,7 +173,7 @@ impl Copies {
     }
 
     /// The expansion without its marks, and where it is written: ids of sources are numbers of templates.
-    pub(super) fn unmarked(self, marked: String) -> (String, Vec<Written>, Vec<Template>) {
+    pub(super) fn unmarked(self, marked: &str) -> (String, Vec<Written>, Vec<Template>) {
         let marked = self.with_files(marked);
         let open = format!(" {MARK}=\"");
         let mut text = String::with_capacity(marked.len());
@@ -186,6 +190,21 @@ impl Copies {
         let written = written(&text, &marks, &self.templates).unwrap_or_default();
         (text, written, self.templates)
     }
+}
+
+/// `text` up to the start tag of its root, and what lies in the root by including the file of the text; the whole of it where nothing can be
+/// included.
+fn included_by(text: &str, path: &Path) -> Option<String> {
+    let document = urdf::parse_strict(text)?;
+    let root = document.root_element();
+    let Span { start, end } = tag(&root, text);
+    let opening = text.get(..end)?;
+    if opening.ends_with("/>") || root.lookup_namespace_uri(Some("xacro")).is_none() {
+        return Some(text.to_owned());
+    }
+    let name = text.get(start + 1..name_end(text, start))?;
+    let path = spelled(path)?;
+    Some(format!("{opening}<xacro:include filename=\"{path}\"/></{name}>\n"))
 }
 
 /// A path as it stands in an attribute; `None` where it would need to be quoted.

@@ -181,7 +181,7 @@ fn group(
     let classes: Vec<String> = classes.into_iter().collect();
     let name = rule.map(|rule| rule.name);
     let name = name
-        .or_else(|| items.first().map(|item| item.row.name.as_str()))
+        .or_else(|| items.first().map(|item| &*item.row.name))
         .unwrap_or_default();
     let head = html! {
         th scope="rowgroup" id={ "rule-" (code) } {

@@ -58,11 +58,18 @@ impl Rule for OrphanSubtree {
             looping,
             names,
         };
+        let cut_off: BTreeSet<SourceId> = world.bags.iter().filter(|bag| bag.truncated).map(|bag| bag.source).collect();
+        let in_cut_off = world.frames.iter().filter(|used| cut_off.contains(&used.place.source));
+        let in_cut_off: BTreeSet<FrameId> = in_cut_off.map(|used| used.frame.canonical()).collect();
         for (index, orphan) in components.iter().enumerate() {
-            if index != main
-                && let Some(connected) = components.get(main)
-            {
+            let Some(connected) = components.get(main).filter(|_| index != main) else {
+                continue;
+            };
+            if orphan.members.is_disjoint(&in_cut_off) {
                 judge_orphan(world, orphan, connected, &surroundings, out);
+            } else if let Some(root) = orphan.roots.first().or(orphan.members.first()) {
+                let why = "a part of the recording could not be read: what connects the frames may stand there";
+                out.too_little(format!("subtree `{root}`"), why);
             }
         }
     }

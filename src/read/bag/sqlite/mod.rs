@@ -54,7 +54,7 @@ pub(super) fn read(path: &Path, total: u64, metadata: Option<&Metadata>, task: T
     } else {
         None
     };
-    pass.is_damaged = damage.is_some();
+    pass.damaged_page = damage.as_ref().map(|_| page_size(&connection));
     let extent = if let Some(sampling) = sampling {
         sample::read(&mut pass, &sampling, &wanted)
     } else {
@@ -101,6 +101,12 @@ fn inconsistency(connection: &Connection) -> Option<String> {
         Ok(said) => Some(said.split_whitespace().collect::<Vec<_>>().join(" ")),
         Err(error) => Some(error.to_string()),
     }
+}
+
+/// Bytes of a page: of the largest that there can be, where it is not known.
+fn page_size(connection: &Connection) -> usize {
+    let size = connection.query_row("PRAGMA page_size", [], |row| row.get::<_, u32>(0));
+    size.unwrap_or(1 << 16) as usize
 }
 
 /// What to do with a damaged database.

@@ -2,6 +2,8 @@
 //!
 //! Owns how rows become messages, and that none is delivered twice. Must not know which rows are wanted.
 
+use std::collections::VecDeque;
+
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, Params, Row};
 
@@ -54,10 +56,12 @@ pub(super) struct Pass<'c, 'v> {
     pub(super) last_page: Option<LastPage>,
     /// Messages that go on behind the end of the file.
     pub(super) cut_off: u64,
-    /// Whether the file is damaged: a message is then used when the row behind it can be read, for its last pages may be what is damaged.
-    pub(super) is_damaged: bool,
-    /// Topic, log time and bytes of the message that waits for that.
-    held: Option<(i64, i64, Vec<u8>)>,
+    /// Bytes of a page, where the file is damaged: a message is then used when so much behind it could be read, for the rows of a page are
+    /// damaged together.
+    pub(super) damaged_page: Option<usize>,
+    /// Topic, log time and bytes of the messages that wait for that.
+    held: VecDeque<(i64, i64, Vec<u8>)>,
+    held_bytes: usize,
     /// Messages before rows that cannot be read.
     pub(super) doubted: u64,
     /// Why something could not be read.
@@ -90,8 +94,9 @@ impl<'c, 'v> Pass<'c, 'v> {
             unfit: 0,
             last_page: None,
             cut_off: 0,
-            is_damaged: false,
-            held: None,
+            damaged_page: None,
+            held: VecDeque::new(),
+            held_bytes: 0,
             doubted: 0,
             stopped: None,
             lost: None,
@@ -256,23 +261,36 @@ impl<'c, 'v> Pass<'c, 'v> {
                 return Ok(Next::Go);
             }
         };
-        if self.is_damaged {
-            let before = self.held.replace((topic, log_ns, data.to_vec()));
-            if let Some((topic, log_ns, data)) = before {
-                self.hand_on(topic, log_ns, &data);
-            }
-        } else {
+        let Some(page) = self.damaged_page else {
             self.hand_on(topic, log_ns, data);
+            return Ok(Next::Go);
+        };
+        self.held_bytes += data.len();
+        self.held.push_back((topic, log_ns, data.to_vec()));
+        while let Some((_, _, first)) = self.held.front()
+            && self.held_bytes - first.len() >= page
+        {
+            self.use_held();
         }
         Ok(Next::Go)
     }
 
-    /// Uses the message that is held, where what was to be read behind it was read.
+    /// Uses the messages that are held, where what was to be read behind them was read.
     fn settle(&mut self, is_whole: bool) {
-        match self.held.take() {
-            Some((topic, log_ns, data)) if is_whole => self.hand_on(topic, log_ns, &data),
-            Some(_) => self.doubted += 1,
-            None => {}
+        if !is_whole {
+            self.doubted += self.held.len() as u64;
+            self.held.clear();
+            self.held_bytes = 0;
+        }
+        while !self.held.is_empty() {
+            self.use_held();
+        }
+    }
+
+    fn use_held(&mut self) {
+        if let Some((topic, log_ns, data)) = self.held.pop_front() {
+            self.held_bytes -= data.len();
+            self.hand_on(topic, log_ns, &data);
         }
     }
 
