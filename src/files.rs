@@ -37,12 +37,13 @@ pub fn remove_on_signals() {
 
 #[cfg(unix)]
 fn wait_for_signals() {
-    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
-    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGHUP, SIGINT, SIGTERM]) else {
+    use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGXFSZ};
+    // Sent where a file grows over a limit: taken, so that the write fails as it does on a full disk.
+    let Ok(mut signals) = signal_hook::iterator::Signals::new([SIGHUP, SIGINT, SIGTERM, SIGXFSZ]) else {
         return;
     };
     std::thread::spawn(move || {
-        if let Some(signal) = signals.forever().next() {
+        if let Some(signal) = signals.forever().find(|signal| *signal != SIGXFSZ) {
             // Held until the end, so that nothing new comes to be.
             let known = KNOWN.lock().unwrap_or_else(PoisonError::into_inner);
             for path in known.iter() {
@@ -299,9 +300,17 @@ impl Outputs {
             let (input, output) = (input.display(), output.display());
             return Some(format!("`{output}` is not written: it is the input `{input}`"));
         }
-        let foreign = known.iter().find(|(_, file)| !self.force && !is_ours(file));
-        foreign.map(|(_, file)| {
-            let shown = file.display();
+        let (_, foreign) = known
+            .iter()
+            .find(|(_, file)| !is_ours(file) && (!self.force || is_source(file)))?;
+        let shown = foreign.display();
+        Some(if is_source(foreign) {
+            format!(
+                "`{shown}` is there already, and may be what inputs include or load: it is not replaced, also not with --force"
+            )
+        } else if foreign.is_dir() {
+            format!("`{shown}` is a folder, no file to write to")
+        } else {
             format!("`{shown}` is there already, and is no report of frames-lint; --force replaces it")
         })
     }
@@ -336,6 +345,20 @@ fn is_ours(path: &Path) -> bool {
     let is_view = || head.starts_with("RRF") && head.contains("frames-lint");
     let is_known = MARKS.iter().any(|mark| head.contains(mark));
     read.is_ok() && (head.is_empty() || head.trim() == "[]" || is_known || names_rule() || is_view())
+}
+
+/// Whether a file is of a kind that robots and drives are described in. What a file includes or loads is known when it has been read, and then it
+/// is too late to refuse.
+fn is_source(path: &Path) -> bool {
+    const ENDINGS: [&str; 14] = [
+        "bag", "cfg", "db3", "idl", "launch", "mcap", "msg", "py", "sdf", "toml", "urdf", "xacro", "yaml", "yml",
+    ];
+    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
+    // `init` writes a configuration anew; one that governs the run is refused as an input.
+    let is_configuration = path.file_name().is_some_and(|name| name == "frames-lint.yaml");
+    path.is_file()
+        && !is_configuration
+        && (ending.is_some_and(|ending| ENDINGS.contains(&&*ending)) || path.ends_with("package.xml"))
 }
 
 /// Whether a word ends in the code of a rule, as the findings of a report have it: `error[CROSS02`, `title=CROSS02`, `"CROSS02`.

@@ -8,8 +8,16 @@ use serde::Serialize;
 
 /// Characters that would steer a terminal, end a line, reorder what stands on it or cannot be seen, in text that comes from a file or a bag.
 fn steers(c: char) -> bool {
-    (c.is_control() && c != '\n' && c != '\t')
-        || matches!(c, '\u{ad}' | '\u{61c}' | '\u{180e}' | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{2069}' | '\u{feff}')
+    (c.is_control() && c != '\n' && c != '\t') || is_unseen(c)
+}
+
+/// Characters that are not controls and have no width or shape of their own: Unicode's `Default_Ignorable_Code_Point`, its marks of direction,
+/// of annotations and of lines among them.
+pub(crate) fn is_unseen(c: char) -> bool {
+    matches!(c,
+        '\u{ad}' | '\u{34f}' | '\u{61c}' | '\u{115f}'..='\u{1160}' | '\u{17b4}'..='\u{17b5}' | '\u{180b}'..='\u{180f}'
+        | '\u{200b}'..='\u{200f}' | '\u{2028}'..='\u{202e}' | '\u{2060}'..='\u{206f}' | '\u{3164}' | '\u{fe00}'..='\u{fe0f}' | '\u{feff}'
+        | '\u{ffa0}' | '\u{fff0}'..='\u{fffb}' | '\u{1bca0}'..='\u{1bca3}' | '\u{1d173}'..='\u{1d17a}' | '\u{e0000}'..='\u{e0fff}')
 }
 
 /// Whether a text may have any: nearly all have printable ASCII alone, and that is quickly seen.
@@ -81,7 +89,7 @@ fn text(write: impl FnOnce(&mut SpelledOut<Vec<u8>>) -> serde_json::Result<()>) 
 }
 
 /// Spells characters out in JSON on its way to a writer, piece by piece. A piece of JSON is whole characters; outside of strings it has none
-/// that are spelled out, and all of these lie in the first plane.
+/// that are spelled out.
 struct SpelledOut<W>(W);
 
 impl<W: Write> Write for SpelledOut<W> {
@@ -91,7 +99,9 @@ impl<W: Write> Write for SpelledOut<W> {
                 let mut spelled = String::with_capacity(text.len() + 8);
                 for c in text.chars() {
                     if steers(c) {
-                        let _ = write!(spelled, "\\u{:04x}", u32::from(c));
+                        for unit in c.encode_utf16(&mut [0; 2]) {
+                            let _ = write!(spelled, "\\u{unit:04x}");
+                        }
                     } else {
                         spelled.push(c);
                     }
@@ -128,6 +138,7 @@ mod tests {
             "c1\u{9b}",
             "del\u{7f}",
             "line\u{2028}end",
+            "tag\u{e0041}",
             "plain é",
         ];
         for written in [pretty_json(&names).unwrap(), json_line(&names).unwrap()] {

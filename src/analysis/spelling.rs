@@ -4,10 +4,11 @@
 
 use unicode_normalization::{UnicodeNormalization, is_nfc};
 
+use crate::visible::is_unseen;
+
 /// Whether a character has no width or controls something, so that two names can look alike and differ.
 pub(crate) fn is_invisible(c: char) -> bool {
-    (c.is_control() && !c.is_whitespace())
-        || matches!(c, '\u{ad}' | '\u{200b}'..='\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2060}'..='\u{2064}' | '\u{feff}')
+    (c.is_control() || is_unseen(c)) && !c.is_whitespace()
 }
 
 /// The name without what must not be in one: invisible characters, blanks at its ends, slashes at its ends and doubled,

@@ -8,6 +8,8 @@ use crate::files::Outputs;
 use crate::report::{Style, terminal};
 use crate::tables::Tables;
 
+use crate::visible::clean;
+
 use super::args::Convert;
 use super::{Answer, Failure, Surroundings, paths, save};
 
@@ -44,7 +46,7 @@ pub(super) fn run(asked: Convert, stdin: &mut dyn Read, surroundings: Surroundin
     let converted =
         convert::convert(&run, own.dialects(), &wish).map_err(|why| Failure::Usage(format!("{unread}{why}")))?;
     let mut answer = Answer {
-        err: unread + &converted.notes,
+        err: unread + &clean(&converted.notes),
         code: run.exit_code_of_reading(),
         ..Answer::default()
     };

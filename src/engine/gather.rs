@@ -83,7 +83,35 @@ pub(super) fn gather(
         emerged.into_iter().enumerate().collect(),
         |(offset, text)| read_emerged(text, source_id(emerged_from + offset), inputs, manner.tables),
     ));
+    excuse_loaded(&mut readings);
     readings
+}
+
+/// What a xacro loads (`load_yaml`) is judged in its expansion: that the file itself is in a form of its own is no problem then.
+fn excuse_loaded(readings: &mut [Reading]) {
+    let is_loading = |source: &&Source| {
+        source.kind == SourceKind::Xacro && source.status == ReadStatus::Read && source.text.contains("load_yaml")
+    };
+    let loading = readings.iter().map(|reading| &reading.source).filter(is_loading);
+    let loading: Vec<(String, String)> = loading
+        .map(|source| (source.path.clone(), source.text.clone()))
+        .collect();
+    for source in readings.iter_mut().map(|reading| &mut reading.source) {
+        let is_alone = source.problems.len() == 1 && !source.not_understood.is_empty();
+        let Some(name) = Path::new(&source.path)
+            .file_name()
+            .filter(|_| is_alone && source.kind == SourceKind::Yaml)
+        else {
+            continue;
+        };
+        let name = name.to_string_lossy();
+        if let Some((path, _)) = loading.iter().find(|(_, text)| text.contains(&*name)) {
+            source.status = ReadStatus::Read;
+            source.detail = Some(format!("loaded by `{path}`: judged in its expansion"));
+            source.problems.clear();
+            source.not_understood.clear();
+        }
+    }
 }
 
 /// Gives the places of expansions the ids of the files that they are in. A file that is no input is put behind the others.
@@ -189,8 +217,18 @@ fn included_xacros(inputs: &[(usize, &Input)]) -> Vec<String> {
     let mut included: Vec<String> = inputs
         .iter()
         .filter(|(_, input)| input.kind == SourceKind::Xacro)
-        .filter_map(|(_, input)| read_bounded(&input.path).ok())
-        .flat_map(|bytes| xacro_parts::includes(&String::from_utf8_lossy(&bytes)))
+        .filter_map(|(_, input)| {
+            Some((
+                input.path.file_name()?.to_string_lossy(),
+                read_bounded(&input.path).ok()?,
+            ))
+        })
+        .flat_map(|(own, bytes)| {
+            let mut names = xacro_parts::includes(&String::from_utf8_lossy(&bytes));
+            // A file that includes itself is no part: it is a fault, and expanding it says so.
+            names.retain(|name| *name != own);
+            names
+        })
         .collect();
     included.sort();
     included.dedup();

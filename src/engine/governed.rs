@@ -235,7 +235,15 @@ impl Governed {
     /// Whether the `xacro` program may be run: the outer configuration says so, and lies outside of what is checked.
     pub(super) fn runs_xacro(&self, options: &Options) -> bool {
         let config = self.outer.config.as_ref().filter(|config| config.runs_xacro());
-        config.is_some_and(|config| !AllowedFolders::exactly(&options.paths).holds(Path::new(config.path())))
+        config.is_some_and(|config| {
+            let checked = AllowedFolders::around(options.paths.iter().map(PathBuf::as_path));
+            let path = Path::new(config.path());
+            // A link in a folder that is checked is of whoever wrote that folder.
+            let folder = std::path::absolute(path)
+                .ok()
+                .and_then(|path| path.parent().map(Path::to_path_buf));
+            !checked.holds(path) && !folder.is_some_and(|folder| checked.holds(&folder))
+        })
     }
 
     /// Where they stand, those that they extend among them.

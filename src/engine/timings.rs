@@ -5,6 +5,8 @@ use std::fmt::Write as _;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use crate::visible::clean;
+
 /// So many of a phase are named.
 const NAMED: usize = 8;
 
@@ -60,7 +62,7 @@ impl Timings {
             let total: Duration = items.iter().map(|(_, time)| *time).sum();
             let _ = writeln!(text, "  {name:<13}  {:>9.3} s", total.as_secs_f64());
             for (what, time) in items.iter().filter(|(what, _)| !what.is_empty()).take(NAMED) {
-                let _ = writeln!(text, "    {:>9.3} s  {what}", time.as_secs_f64());
+                let _ = writeln!(text, "    {:>9.3} s  {}", time.as_secs_f64(), clean(what));
             }
         }
         text

@@ -9,6 +9,8 @@ mod tests;
 
 use tree_sitter::{Language, Node};
 
+use std::collections::HashMap;
+
 use crate::source::{Place, ReadStatus, Source, Span};
 use crate::world::transform_name::{NamePart, TransformName};
 use crate::world::{DeclaredChain, Facts};
@@ -94,9 +96,16 @@ pub fn read(source: &mut Source) -> Facts {
             return Facts::default();
         }
     };
-    let reader = Reader { text: &source.text };
+    let nodes = nodes(tree.root_node());
+    let reader = Reader {
+        text: &source.text,
+        parents: nodes
+            .iter()
+            .flat_map(|node| children(*node).into_iter().map(|child| (child.id(), *node)))
+            .collect(),
+    };
     let mut facts = Facts::default();
-    for node in nodes(tree.root_node()) {
+    for node in nodes {
         let chain = bound(node).map_or_else(|| reader.product(node), |(name, value)| reader.binding(name, value));
         for mut chain in chain {
             chain.place.source = source.id;
@@ -140,19 +149,25 @@ struct Factor {
 
 struct Reader<'t> {
     text: &'t str,
+    /// By the ids of nodes. The library looks for a parent from the root on, each time.
+    parents: HashMap<usize, Node<'t>>,
 }
 
 impl<'t> Reader<'t> {
+    fn parent(&self, node: Node<'t>) -> Option<Node<'t>> {
+        self.parents.get(&node.id()).copied()
+    }
+
     /// The chains of a product that is not part of a larger one and not bound to a name.
     fn product(&self, node: Node<'t>) -> Vec<DeclaredChain> {
-        if !self.is_product(node) || node.parent().is_some_and(|parent| self.continues(parent)) {
+        if !self.is_product(node) || self.parent(node).is_some_and(|parent| self.continues(parent)) {
             return Vec::new();
         }
-        let mut around = node.parent();
+        let mut around = self.parent(node);
         while let Some(parent) =
             around.filter(|parent| matches!(parent.kind(), "parenthesized_expression" | "argument_list"))
         {
-            around = parent.parent();
+            around = self.parent(parent);
         }
         let is_bound = around
             .and_then(bound)
@@ -279,15 +294,15 @@ impl<'t> Reader<'t> {
             | "reference_expression"
             | "pointer_expression"
             | "argument_list"
-            | "arguments" => node.parent().is_some_and(|parent| self.continues(parent)),
-            "field_expression" | "attribute" => node.parent().is_some_and(|parent| self.continues(parent)),
+            | "arguments" => self.parent(node).is_some_and(|parent| self.continues(parent)),
+            "field_expression" | "attribute" => self.parent(node).is_some_and(|parent| self.continues(parent)),
             "call_expression" | "call" => {
                 let name = Self::called(node).map_or("", |(_, name)| text(name, self.text));
                 let passes = INVERSES.contains(&name) || SAME.contains(&name) || WRAPS.contains(&name);
                 self.is_product(node)
                     || passes
-                        && node
-                            .parent()
+                        && self
+                            .parent(node)
                             .is_some_and(|parent| self.continues(parent) || bound(parent).is_some())
             }
             _ => self.is_product(node),
@@ -411,7 +426,7 @@ impl<'t> Reader<'t> {
 
     /// What a member is a member of; nothing for names of their own and of this object.
     fn owner(&self, name: Node<'t>) -> String {
-        let object = name.parent().and_then(|member| {
+        let object = self.parent(name).and_then(|member| {
             let object = ["argument", "value", "object"]
                 .iter()
                 .find_map(|field| member.child_by_field_name(field));

@@ -266,11 +266,17 @@ fn unusable(root: &Path, group: usize, refusal: String) -> Input {
     }
 }
 
-/// A path for reports. Bytes that are no UTF-8 are spelled out (`\xff`), so that two names stay two.
+/// A path for reports. Bytes that are no UTF-8 are spelled out (`\xff`), and a backslash that could be taken for that is doubled, so that two
+/// names stay two.
 fn display(path: &Path) -> String {
     let mut text = String::new();
     for chunk in path.as_os_str().as_encoded_bytes().utf8_chunks() {
-        text.push_str(chunk.valid());
+        // On Windows a backslash separates folders, and every name is UTF-16.
+        if cfg!(unix) {
+            text.push_str(&chunk.valid().replace("\\x", "\\\\x"));
+        } else {
+            text.push_str(chunk.valid());
+        }
         for byte in chunk.invalid() {
             let _ = write!(text, "\\x{byte:02x}");
         }
@@ -450,6 +456,7 @@ mod tests {
         let shown = |bytes: &[u8]| display(Path::new(std::ffi::OsStr::from_bytes(bytes)));
         assert_eq!(shown(b"./car/\xffa.urdf"), "car/\\xffa.urdf");
         assert_ne!(shown(b"\xfe.urdf"), shown(b"\xff.urdf"));
+        assert_eq!(shown(b"\\xff.urdf"), "\\\\xff.urdf");
         assert_eq!(shown("./fährt.urdf".as_bytes()), "fährt.urdf");
     }
 }

@@ -166,7 +166,8 @@ fn escaped(text: &str) -> String {
     let mut ticks = text.matches('`').count() / 2 * 2;
     let mut is_code = false;
     let mut escaped = String::with_capacity(text.len());
-    for c in text.chars() {
+    let mut chars = text.chars().peekable();
+    while let Some(c) = chars.next() {
         match c {
             '`' if ticks > 0 => {
                 ticks -= 1;
@@ -177,7 +178,12 @@ fn escaped(text: &str) -> String {
             '<' => escaped.push_str("&lt;"),
             '>' => escaped.push_str("&gt;"),
             '&' => escaped.push_str("&amp;"),
-            '|' | '*' | '_' | '[' | ']' | '\\' | '#' | '~' | '`' => {
+            // An empty comment keeps what shows it from making a mention, a reference or a link of this.
+            '@' => escaped.push_str("@<!-- -->"),
+            '#' => escaped.push_str("\\#<!-- -->"),
+            ':' if chars.peek() == Some(&'/') => escaped.push_str(":<!-- -->"),
+            '.' if escaped.ends_with("www") => escaped.push_str("<!-- -->."),
+            '|' | '*' | '_' | '[' | ']' | '\\' | '~' | '`' => {
                 escaped.push('\\');
                 escaped.push(c);
             }
@@ -199,8 +205,14 @@ fn single_ticks(text: &str) -> String {
 }
 
 fn code(text: &str) -> String {
-    let text = one_line(text).replace('`', "'").replace('|', "\\|");
-    format!("`{text}`")
+    let text = one_line(text).replace('|', "\\|");
+    let longest = text.split(|c| c != '`').map(str::len).max().unwrap_or(0);
+    if longest == 0 {
+        return format!("`{text}`");
+    }
+    // A span that is opened by more backticks than stand together in it.
+    let fence = "`".repeat(longest + 1);
+    format!("{fence} {text} {fence}")
 }
 
 #[cfg(test)]
@@ -212,6 +224,11 @@ mod tests {
         // A run of three would be a code span of its own kind, and what follows markup.
         assert_eq!(escaped("```<img src=x>`"), "`''<img src=x>`");
         assert_eq!(escaped("frame `a`<b>` of `c`"), "frame `a`&lt;b&gt;` of `c\\`");
-        assert_eq!(code("a`|b"), "`a'\\|b`");
+        assert_eq!(code("a`|b"), "`` a`\\|b ``");
+        // Two backticks in one name leave what stands between them outside of code.
+        assert_eq!(
+            escaped("`x`@team #1 http://a www.b`y`"),
+            "`x`@<!-- -->team \\#<!-- -->1 http:<!-- -->//a www<!-- -->.b`y`"
+        );
     }
 }

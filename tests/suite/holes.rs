@@ -239,7 +239,10 @@ fn a_recording_that_ends_early_adds_no_finding() {
     Drive::of(&recipe).write_db3(&path, Db3::default());
     let recordings = [
         ("mcap", support::build(&recipe)),
-        ("bag", ros1::bag_of(&Drive::of(&recipe), rosbag1::Layout::default()).bytes),
+        (
+            "bag",
+            ros1::bag_of(&Drive::of(&recipe), rosbag1::Layout::default()).bytes,
+        ),
         ("db3", fs::read(&path).unwrap()),
     ];
     for (ending, bytes) in recordings {

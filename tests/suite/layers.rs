@@ -22,7 +22,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
         ("page", &["source", "verdict"]),
         ("read", &["source", "world", "math", "tables", "files"]),
         ("collect", &["source", "world", "read", "math"]),
-        ("analysis", &["source", "world", "verdict", "math", "tables"]),
+        ("analysis", &["source", "world", "verdict", "math", "tables", "visible"]),
         (
             "advice",
             &["source", "world", "verdict", "math", "tables", "analysis", "rules"],
@@ -62,7 +62,7 @@ fn allowed() -> BTreeMap<&'static str, &'static [&'static str]> {
             "cli",
             &[
                 "engine", "report", "run", "verdict", "page", "rules", "convert", "tables", "config", "fix", "compare",
-                "view", "files",
+                "view", "files", "visible",
             ],
         ),
     ])

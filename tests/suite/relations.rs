@@ -412,6 +412,31 @@ fn of_very_many_files_each_is_compared_with_some_and_the_report_says_so() {
         assert_eq!(found[0].relation.as_deref(), Some("inverse"));
         assert!(place(&run, found[0]).ends_with(&format!("car{odd:03}.yaml:1")));
     }
+    // Of cars that all differ, one is stated as another one's inverse.
+    let folder = tempfile::tempdir().unwrap();
+    for number in 0..100_u32 {
+        let of_car = |number: u32| {
+            let mut pose = base_link_from_lidar();
+            pose.translation.vector.x += 0.2 * f64::from(number);
+            pose.rotation *= UnitQuaternion::from_euler_angles(0.0, 0.0, 0.05 * f64::from(number));
+            pose
+        };
+        let pose = if number == 57 {
+            of_car(50).inverse()
+        } else {
+            of_car(number)
+        };
+        fs::write(
+            folder.path().join(format!("car{number:03}.yaml")),
+            Form::Nested.text(&pose),
+        )
+        .unwrap();
+    }
+    let run = support::checked(folder.path());
+    let found = cross(&run);
+    assert_eq!(found.len(), 1, "{found:?}");
+    assert_eq!(found[0].relation.as_deref(), Some("inverse"));
+    assert!(place(&run, found[0]).ends_with("car057.yaml:1"));
     for rule in ["CROSS01", "CROSS02"] {
         let run = many(100);
         let rows = run.verdict.rows.iter().filter(|row| row.rule == rule);

@@ -439,4 +439,59 @@ fn the_program_is_run_only_where_the_user_says_so() {
     );
     assert!(inside.text().contains("no effect of `xacro`"), "{}", inside.text());
     assert!(checked(&folder.path().join("gate.yaml")) && !checked(&robot.join("own.yaml")));
+    // A configuration beside a file that is named is of who wrote that file, a link in its folder as well.
+    write(&robot, "frames-lint.yaml", "xacro: run\n");
+    for asked in ["r.urdf.xacro", "./r.urdf.xacro", "."] {
+        assert!(!is_run(&[asked], &path), "{asked}");
+    }
+    fs::remove_file(robot.join("frames-lint.yaml")).unwrap();
+    std::os::unix::fs::symlink(folder.path().join("gate.yaml"), robot.join("frames-lint.yaml")).unwrap();
+    assert!(!is_run(&["r.urdf.xacro"], &path));
+}
+
+#[test]
+fn what_cannot_be_included_is_said() {
+    let folder = tempfile::tempdir().unwrap();
+    let checked = folder.path().join("robot");
+    write(folder.path(), "outside/part.xacro", &robot("<link name=\"outside\"/>"));
+    write(&checked, "parts/wheel.xacro", &robot("<link name=\"wheel\"/>"));
+    let run = |name: &str, inside: &str| {
+        write(&checked, name, &robot(inside));
+        run_with(&checked, ["check", name], &[]).text()
+    };
+    let outside = run(
+        "a.urdf.xacro",
+        "<link name=\"base_link\"/><xacro:include filename=\"../outside/*.xacro\"/>",
+    );
+    assert!(outside.contains("was not expanded"), "{outside}");
+    let own = run(
+        "b.urdf.xacro",
+        "<link name=\"base_link\"/><xacro:include filename=\"b.urdf.xacro\"/>",
+    );
+    assert!(own.contains("Circular include"), "{own}");
+    let inside = run("c.urdf.xacro", "<xacro:include filename=\"parts/*.xacro\"/>");
+    assert!(inside.contains("(expanded): 1 link"), "{inside}");
+}
+
+#[test]
+fn values_that_a_xacro_loads_are_judged_in_its_expansion() {
+    let folder = tempfile::tempdir().unwrap();
+    let mounts = "lidar: {x: 1.0, y: 0.1, z: 1.8, yaw: 2.0}\ncams:\n  - {name: front, yaw: 0.0}\n";
+    write(folder.path(), "mounts.yaml", mounts);
+    let alone = run_with(folder.path(), ["check", "."], &[]).text();
+    assert!(alone.contains("in a form that is not known"), "{alone}");
+    write(
+        folder.path(),
+        "car.urdf.xacro",
+        &robot(
+            "<xacro:property name=\"m\" value=\"${load_yaml('mounts.yaml')}\"/><link name=\"base_link\"/><link name=\"lidar\"/>\
+             <joint name=\"j\" type=\"fixed\"><parent link=\"base_link\"/><child link=\"lidar\"/>\
+             <origin xyz=\"${m['lidar']['x']} 0.1 1.8\" rpy=\"0 0 0.02\"/></joint>",
+        ),
+    );
+    let beside = run_with(folder.path(), ["check", "."], &[]).text();
+    assert!(
+        beside.contains("judged in its expansion") && !beside.contains("not known"),
+        "{beside}"
+    );
 }

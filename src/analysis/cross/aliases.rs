@@ -1,7 +1,7 @@
 //! The frames of the platform that a calibration means with names of its own.
 
 use std::cell::{Cell, OnceCell};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use nalgebra::Isometry3;
 
@@ -56,6 +56,28 @@ impl<'g> Candidate<'g> {
     }
 }
 
+/// All transforms that a file states, by their frames.
+#[derive(Default)]
+pub(crate) struct OfFile<'s> {
+    by_target: BTreeMap<&'s FrameId, Vec<Stated<'s>>>,
+    by_source: BTreeMap<&'s FrameId, Vec<Stated<'s>>>,
+}
+
+impl<'s> OfFile<'s> {
+    pub(crate) fn add(&mut self, stated: Stated<'s>) {
+        self.by_target.entry(stated.target).or_default().push(stated);
+        self.by_source.entry(stated.source).or_default().push(stated);
+    }
+
+    /// Those that have one of the two frames of `stated` in the same place.
+    fn sharing<'a>(&'a self, stated: &'a Stated) -> impl Iterator<Item = &'a Stated<'s>> {
+        let targets = self.by_target.get(stated.target).into_iter().flatten();
+        let sources = self.by_source.get(stated.source).into_iter().flatten();
+        let targets = targets.filter(|other| other.source != stated.source);
+        targets.chain(sources.filter(|other| other.target != stated.target))
+    }
+}
+
 /// Looks for the frames of a platform that transforms of calibrations are meant for.
 pub(crate) struct Search<'g> {
     world: &'g World,
@@ -102,7 +124,7 @@ impl<'g> Search<'g> {
 
     /// The pairs whose names are of the right kinds. Where none of them has the transform to the last digits, as it is or with a
     /// convention error, and others have, those. `of_file` is all that the file states.
-    pub(crate) fn candidates(&self, stated: &Stated, of_file: &[Stated]) -> Vec<Candidate<'g>> {
+    pub(crate) fn candidates(&self, stated: &Stated, of_file: &OfFile) -> Vec<Candidate<'g>> {
         if self.is_spent() {
             return Vec::new();
         }
@@ -149,10 +171,9 @@ impl<'g> Search<'g> {
 
     /// Pairs of frames that are called anything. Of one pair nothing tells the direction; where a file states several transforms of one
     /// frame (`body` of each camera), the platform's frame that all of them share does.
-    fn by_shared_frame(&self, stated: &Stated, of_file: &[Stated]) -> Vec<Candidate<'g>> {
-        let shares = |other: &&Stated| (other.target == stated.target) != (other.source == stated.source);
-        let others: Vec<&Stated> = of_file.iter().filter(shares).collect();
-        let mut own = if others.is_empty() {
+    fn by_shared_frame(&self, stated: &Stated, of_file: &OfFile) -> Vec<Candidate<'g>> {
+        let mut others = of_file.sharing(stated).peekable();
+        let mut own = if others.peek().is_none() {
             Vec::new()
         } else {
             self.telling(stated)
@@ -160,9 +181,7 @@ impl<'g> Search<'g> {
         if own.is_empty() {
             return own;
         }
-        let others = others
-            .iter()
-            .map(|other| (other.target == stated.target, self.telling(other)));
+        let others = others.map(|other| (other.target == stated.target, self.telling(other)));
         let others: Vec<(bool, Vec<Candidate>)> = others.collect();
         own.retain(|candidate| {
             others.iter().any(|(is_target, others)| {

@@ -87,16 +87,21 @@ fn each_with_each(
             let others = others.iter().filter(move |other| *other != first);
             others.map(move |other| (*other.min(first), *other.max(first)))
         });
+        if !is_cut {
+            compared.extend(of_group);
+            continue;
+        }
+        let of_group = of_group.chain(of_one_length(statements, group));
         let of_group: BTreeSet<(usize, usize)> = of_group.filter(is_compared).collect();
-        if let Some((first, _)) = of_group.first().filter(|_| is_cut)
+        if let Some((first, _)) = of_group.first()
             && let Some(first) = statements.get(*first)
         {
             let whose = folder.map_or("in descriptions, recordings and launch files".to_owned(), |folder| {
                 format!("in files of `{}`", folder.display())
             });
             let why = format!(
-                "{} statements are more than {MOST_EACH_WITH_EACH}: each was compared with the first {MOST_REFERENCES} of them, not \
-                 with all. Check fewer files in one run",
+                "{} statements are more than {MOST_EACH_WITH_EACH}: each was compared with the first {MOST_REFERENCES} of them and the \
+                 {MOST_REFERENCES} that are nearest in length, not with all. Check fewer files in one run",
                 group.len()
             );
             let (target, source) = (&first.target, &first.source_frame);
@@ -105,6 +110,25 @@ fn each_with_each(
         compared.extend(of_group);
     }
     compared
+}
+
+/// Pairs of statements that differ, and whose translations are nearly as long: a convention error leaves the length as it is.
+fn of_one_length(statements: &[Statement], group: &[usize]) -> Vec<(usize, usize)> {
+    let of_group = group
+        .iter()
+        .filter_map(|number| Some((*number, statements.get(*number)?)));
+    let mut lengths: Vec<(f64, usize, &Statement)> = of_group
+        .map(|(number, one)| (one.pose.translation.vector.norm(), number, one))
+        .collect();
+    lengths.sort_by(|a, b| a.0.total_cmp(&b.0));
+    lengths.dedup_by(|a, b| a.2.pose == b.2.pose);
+    let near = |(at, (_, first, _)): (usize, &(f64, usize, &Statement))| {
+        let behind = lengths.iter().skip(at + 1).take(MOST_REFERENCES);
+        behind
+            .map(|(_, second, _)| (*first.min(second), *first.max(second)))
+            .collect::<Vec<_>>()
+    };
+    lengths.iter().enumerate().flat_map(near).collect()
 }
 
 fn pair(world: &World, reference: &Statement, other: &Statement) -> Option<Pair> {

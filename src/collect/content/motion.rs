@@ -10,6 +10,9 @@ use super::super::series::{Room, Rows, Sample};
 use super::path::Path;
 use super::poses::{joined, pose_row};
 
+/// No rate (rad/s, deg/s) and no acceleration (m/s^2, g, mg) is larger.
+const MOST_READ: f64 = 1e6;
+
 /// What one topic says of motion; nothing is set aside for what it does not.
 pub(super) struct Motion {
     room: Room,
@@ -78,8 +81,11 @@ impl Motion {
     }
 
     pub(super) fn imu(&mut self, point: Point, imu: &Imu) {
-        let parts: [&[f64]; 3] = [&imu.orientation, &imu.angular_velocity, &imu.linear_acceleration];
-        self.inertial.push(self.room, point, &parts);
+        // One damaged message of thousands would outweigh all others in a mean.
+        let read = |value: f64| if value.abs() < MOST_READ { value } else { f64::NAN };
+        let (rates, forces) = (imu.angular_velocity.map(read), imu.linear_acceleration.map(read));
+        self.inertial
+            .push(self.room, point, &[&imu.orientation, &rates, &forces]);
     }
 
     pub(super) fn odometry(&mut self, point: Point, odometry: &Odometry<'_>) {

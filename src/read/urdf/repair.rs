@@ -289,7 +289,7 @@ impl Lexer<'_> {
 
     /// Ends the reading at something that no robot description has.
     fn too_much(&mut self, at: usize, what: &str) -> Option<usize> {
-        self.report.excess = Some((Span::new(at, at + 1), format!("{what}: this is no URDF")));
+        self.report.excess = Some((Span::new(at, at + 1), format!("{what}, more than is read")));
         None
     }
 

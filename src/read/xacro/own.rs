@@ -64,6 +64,12 @@ impl Bounds {
             let path = path.display();
             return Some(format!("error: `{path}` lies outside of what is checked\n{BY_PROGRAM}"));
         }
+        let folder = path.parent().unwrap_or(Path::new(""));
+        if let Some(pattern) = patterns(text).find(|pattern| !self.allowed.holds(&folder.join(fixed_part(pattern)))) {
+            return Some(format!(
+                "error: `{pattern}` lies outside of what is checked\n{BY_PROGRAM}"
+            ));
+        }
         let is_loaded = !self.in_force && text.contains("load_yaml");
         is_loaded.then(|| format!("error: `load_yaml` may read any file here\n{BY_PROGRAM}"))
     }
@@ -139,6 +145,29 @@ fn expand_here(file: &Path, args: HashMap<String, String>, bounds: Option<&Bound
         }
     }
     Ok(text)
+}
+
+/// The patterns of files that are included, as they are written: what they match where nothing may be read is nothing, and no error.
+fn patterns(text: &str) -> impl Iterator<Item = &str> {
+    let includes = text.split(":include").skip(1);
+    let names = includes.filter_map(|rest| {
+        let (_, value) = rest.split('>').next()?.split_once("filename")?;
+        let value = value.trim_start().strip_prefix('=')?.trim_start();
+        let quote = value.chars().next().filter(|c| matches!(c, '"' | '\''))?;
+        value.get(1..)?.split(quote).next()
+    });
+    names.filter(|name| name.contains(['*', '?', '[']) && !name.contains('$'))
+}
+
+/// The folder of a pattern, up to where it stands for several names.
+fn fixed_part(pattern: &str) -> &str {
+    let fixed = pattern
+        .find(['*', '?', '['])
+        .and_then(|end| pattern.get(..end))
+        .unwrap_or(pattern);
+    fixed
+        .rsplit_once('/')
+        .map_or("", |(folder, _)| if folder.is_empty() { "/" } else { folder })
 }
 
 /// What stands in `${...}`, in the order of the text.
@@ -247,6 +276,13 @@ fn words(error: &XacroError, bounds: Option<&Bounds>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn patterns_of_includes_are_known_with_their_folders() {
+        let text = "<xacro:include filename=\"../a/*.xacro\"/><xacro:include ns='x' filename = 'b.xacro' /><xacro:include filename='/c[0].xacro'/>";
+        let folders: Vec<_> = patterns(text).map(|pattern| (pattern, fixed_part(pattern))).collect();
+        assert_eq!(folders, [("../a/*.xacro", "../a"), ("/c[0].xacro", "/")]);
+    }
 
     #[test]
     fn names_that_hold_a_float_are_known() {

@@ -10,7 +10,7 @@ use crate::world::{FrameId, World};
 use super::super::Style;
 use super::super::place::Locator;
 use super::super::style::Ink;
-use super::super::text::plural;
+use super::super::text::{one_line, plural};
 use super::{Link, Links, Names, outsiders, pose_words, shown, title, worlds};
 
 /// Deeper frames are not indented further: a chain of thousands of frames stays readable, and small.
@@ -37,7 +37,7 @@ pub fn render(run: &Run, style: Style) -> String {
         let _ = writeln!(
             out,
             "\n{}",
-            style.paint(Ink::Faint, &format!("Paths in {}", locator.folder()))
+            style.paint(Ink::Faint, &one_line(&format!("Paths in {}", locator.folder())))
         );
     }
     out

@@ -88,10 +88,15 @@ fn non_finite<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<F
 /// Numbers that no computation gives: what lay in memory before.
 fn denormal<'e>(evidence: &'e CovarianceEvidence, limits: &Limits) -> Option<Fault<'e>> {
     let is_denormal = |value: &f64| *value != 0.0 && value.abs() < limits.denormal;
-    let (at, value) = evidence.samples.iter().find_map(|at| {
+    let mut found = evidence.samples.iter().enumerate().filter_map(|(number, at)| {
         let value = at.values.iter().copied().find(is_denormal)?;
-        Some((at, value))
-    })?;
+        Some((number, at, value))
+    });
+    let (number, at, value) = found.next()?;
+    // A driver does so from its first message on or again and again; one matrix among others is one damaged message.
+    if number > 0 && found.next().is_none() {
+        return None;
+    }
     Some(Fault {
         severity: Severity::Warning,
         words: format!("a matrix holds {value:e}: memory that was never filled"),

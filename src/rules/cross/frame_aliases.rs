@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Isometry3;
 
-use crate::analysis::cross::aliases::{Candidate, Search, Stated};
+use crate::analysis::cross::aliases::{Candidate, OfFile, Search, Stated};
 use crate::analysis::cross::exact;
 use crate::math::relation::Relation;
 use crate::rules::prelude::*;
@@ -62,12 +62,14 @@ impl Rule for FrameAliases {
         }
         let search = Search::new(world, &exact);
         let mut suspected: Vec<Suspicion> = Vec::new();
-        let mut of_files: BTreeMap<SourceId, Vec<Stated>> = BTreeMap::new();
+        let mut of_files: BTreeMap<SourceId, OfFile> = BTreeMap::new();
         for one in &asked {
-            of_files.entry(one.claim.place.source).or_default().push(one.stated);
+            of_files.entry(one.claim.place.source).or_default().add(one.stated);
         }
         for one in &asked {
-            let of_file = of_files.get(&one.claim.place.source).map_or(&[][..], Vec::as_slice);
+            let Some(of_file) = of_files.get(&one.claim.place.source) else {
+                continue;
+            };
             let candidates = search.candidates(&one.stated, of_file);
             if search.is_spent() {
                 let why = "the platform has too many frames to try all pairs: `aliases:` in frames-lint.yaml says which are meant";

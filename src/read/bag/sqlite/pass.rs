@@ -113,38 +113,54 @@ impl<'c, 'v> Pass<'c, 'v> {
         self.visit.seam();
     }
 
-    /// Reads every message, in order of time.
+    /// Reads every message, in order of time; of a damaged file in order of rows.
     pub(super) fn whole(&mut self) {
-        let result = if self.tables.indexed {
-            let sql = select("ORDER BY timestamp, rowid");
-            self.run(&sql, [], Self::in_order)
-        } else {
-            self.sorted()
-        };
-        self.settle(result.is_ok());
-        let Err(why) = result else { return };
-        self.stopped = Some(why);
+        if self.damaged_page.is_none() {
+            let result = if self.tables.indexed {
+                let sql = select("ORDER BY timestamp, rowid");
+                self.run(&sql, [], Self::in_order)
+            } else {
+                self.sorted()
+            };
+            let Err(why) = result else { return };
+            self.stopped = Some(why);
+        }
         // The index may be what is damaged, and the messages behind it whole; so may those behind a damaged page.
         for _ in 0..MAX_LOSSES {
             self.seam();
             let behind = self.largest_row.saturating_add(1);
             let Some(from) = self.readable_from(behind) else { return };
-            if from > behind && self.messages > 0 {
-                let (first, count) = self.lost.unwrap_or(((behind, from - 1), 0));
-                self.lost = Some((first, count + 1));
-            }
+            self.miss(behind, from);
             let sql = select("WHERE rowid >= ?1 ORDER BY rowid");
             let result = self.run(&sql, [from], |pass, row| {
                 let at = row_number(row)?;
                 if at <= pass.largest_row {
                     return Err("its rows are out of order".to_owned());
                 }
+                let next = pass.largest_row.saturating_add(1);
+                if at > next && at > from {
+                    // Pages were passed over without a word of SQLite.
+                    pass.settle(false);
+                    pass.seam();
+                    pass.miss(next, at);
+                    pass.stopped.get_or_insert("they are missing".to_owned());
+                }
                 pass.deliver(row)
             });
             self.settle(result.is_ok());
-            if result.is_ok() || self.largest_row < from {
+            let Err(why) = result else { return };
+            self.stopped = Some(why);
+            if self.largest_row < from {
                 return;
             }
+        }
+    }
+
+    /// Notes that rows from `behind` on, up to `from`, were not read, where some were read before.
+    fn miss(&mut self, behind: i64, from: i64) {
+        if from > behind && self.largest_row > i64::MIN {
+            let (first, count) = self.lost.unwrap_or(((behind, from - 1), 0));
+            self.lost = Some((first, count + 1));
         }
     }
 
