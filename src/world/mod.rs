@@ -46,7 +46,7 @@ pub use claim::{Claim, ClaimKind, Doubt, Literal, Pose, Spelling};
 pub use conventions::{Conventions, Declared};
 pub use frame::{FrameId, FrameRole, FrameUse};
 pub use graph::FrameGraph;
-pub use origin::EarthOrigin;
+pub use origin::{EarthOrigin, LocalOrigin, OriginSource};
 pub use ouster::OusterMetadata;
 pub use projection::Projection;
 pub use reference::{FileReference, ReferenceState};
@@ -80,6 +80,9 @@ pub struct World {
     /// Where files say that the origin of a local frame lies on the Earth.
     #[serde(default)]
     pub origins: Vec<EarthOrigin>,
+    /// Origins that came from the messages of recordings of which no messages are kept.
+    #[serde(skip)]
+    pub bag_origins: Vec<LocalOrigin>,
     /// What the metadata of Ouster sensors say.
     #[serde(default)]
     pub ousters: Vec<OusterMetadata>,
@@ -135,6 +138,8 @@ pub struct Facts {
     pub references: Vec<FileReference>,
     /// Where a file says that the origin of a local frame lies on the Earth.
     pub origins: Vec<EarthOrigin>,
+    /// Origins that came from the messages of a recording of which no messages are kept.
+    pub bag_origins: Vec<LocalOrigin>,
     /// What the metadata of Ouster sensors say.
     pub ousters: Vec<OusterMetadata>,
     /// Cameras that a file of camera_info_manager describes.
@@ -266,6 +271,7 @@ impl World {
             references: kept(&self.references, |one| at(&one.path.place)),
             conventions: Arc::clone(&self.conventions),
             origins: kept(&self.origins, |one| at(&one.place)),
+            bag_origins: kept(&self.bag_origins, |one| at(&one.place)),
             ousters: kept(&self.ousters, |one| at(&one.place)),
             tables: Arc::clone(&self.tables),
             dataset: self.dataset.clone(),
@@ -289,6 +295,7 @@ impl World {
         self.chains.extend(facts.chains);
         self.references.extend(facts.references);
         self.origins.extend(facts.origins);
+        self.bag_origins.extend(facts.bag_origins);
         self.ousters.extend(facts.ousters);
         self.cameras.extend(facts.cameras);
         self.projections.extend(facts.projections);

@@ -527,7 +527,11 @@ fn what_a_configuration_asks_is_answered_the_same_in_lines() {
 
 #[test]
 fn lines_of_ten_times_as_many_recordings_take_hardly_more_memory() {
-    let drive = support::build(&drive(0, 1.85).replace("duration_s: 20", "duration_s: 1"));
+    // A map over fixes: where it begins is compared, and that alone is kept.
+    let drive = drive(0, 1.85)
+        + "  - {topic: /pose, from_drive: pose, rate_hz: 10, frame_id: map}\n  - {topic: /fix, from_drive: fix, rate_hz: 10, frame_id: gps}\n";
+    let drive = drive.replace("topics:", "drive: {vehicle: car, motion: turning, seed: 5}\ntopics:");
+    let drive = support::build(&drive);
     let peak = |count: usize| {
         let folder = tempfile::tempdir().unwrap();
         for number in 0..count {

@@ -4,13 +4,13 @@
 
 use nalgebra::Vector3;
 
-use crate::analysis::geo::origins::Origin;
+use crate::world::LocalOrigin;
 
 /// Beyond it east, north and up say nothing, metres.
 const FAR_M: f64 = 1e5;
 
 /// East, north and up from one to the other, metres; without up where one of them says no height.
-pub(crate) fn between(from: &Origin, to: &Origin) -> Vector3<f64> {
+pub(crate) fn between(from: &LocalOrigin, to: &LocalOrigin) -> Vector3<f64> {
     let (mut from_at, mut to_at) = (from.at, to.at);
     if from.has_height && to.has_height {
         return from_at.enu_of(&to_at);
@@ -26,7 +26,7 @@ pub(crate) fn between(from: &Origin, to: &Origin) -> Vector3<f64> {
 }
 
 /// A place, in degrees and metres.
-pub(crate) fn told(origin: &Origin) -> String {
+pub(crate) fn told(origin: &LocalOrigin) -> String {
     let (latitude, longitude) = (
         origin.at.latitude_rad.to_degrees(),
         origin.at.longitude_rad.to_degrees(),

@@ -11,71 +11,44 @@ use crate::analysis::geo::overlay::{Overlay, is_way};
 use crate::analysis::motion::{BagMotion, Motion, Stream, Timed};
 use crate::analysis::{Estimates, geo::earth::OnEarth, names, names::Standard};
 use crate::math::{geodesy::Geodetic, similarity2::deviations};
-use crate::source::{Confidence, Place};
-use crate::world::{BagEvidence, EarthOrigin, FrameId, World, bag::TopicEvidence, content::FixAt, motion::PoseRow};
+use crate::source::{Confidence, Place, SourceId};
+use crate::world::{
+    BagEvidence, EarthOrigin, FrameId, LocalOrigin, OriginSource, World, bag::TopicEvidence, content::FixAt,
+    motion::PoseRow,
+};
 
 /// Metres of a degree of latitude, for the digits of a file.
 const DEGREE_M: f64 = 111_320.0;
 /// From so many decimals on, degrees are taken to be rounded.
 const ROUNDED_DECIMALS: u32 = 5;
 
-/// Where a statement comes from: the more trusted first. Statements of one recording's messages are not alternatives, files of
-/// one format are.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub(crate) enum By {
-    /// A transform from the Earth's frame.
-    Transform,
-    /// A topic.
-    Topic,
-    /// A file, in this format.
-    File(String),
-    /// Poses laid over fixes.
-    Track,
-}
-
-/// One origin.
-#[derive(Clone, Debug)]
-pub(crate) struct Origin {
-    /// Who says it, for messages.
-    pub(crate) who: String,
-    /// By what.
-    pub(crate) by: By,
-    /// The recording, by its place in the world, of what a recording says.
-    pub(crate) bag: Option<usize>,
-    /// Where it lies; at height 0 where that is not said.
-    pub(crate) at: Geodetic,
-    /// Whether the height is said.
-    pub(crate) has_height: bool,
-    /// How far off it may be: its digits, or the fit's deviation, metres.
-    pub(crate) within_m: f64,
-    /// Where the same source puts it later on, farthest off.
-    pub(crate) later: Option<Geodetic>,
-    /// By how much a track's axes are turned from east and north, and one deviation of that, radians.
-    pub(crate) turned_rad: Option<(f64, f64)>,
-    /// Where it is said.
-    pub(crate) place: Place,
-    /// How sure the reading is.
-    pub(crate) reading: Confidence,
-}
-
 /// Every origin of a world, by how far it is trusted, and why others were left out.
-pub(crate) fn origins(world: &Estimates, limits: &Limits) -> (Vec<Origin>, Vec<String>) {
+pub(crate) fn origins(world: &Estimates, limits: &Limits) -> (Vec<LocalOrigin>, Vec<String>) {
     let mut left_out = Vec::new();
     let mut all = of_transforms(world, limits, &mut left_out);
     all.extend(world.origins.iter().filter_map(of_file));
-    let motion = Motion::of(world);
-    for (index, (bag, streams)) in world.bags.iter().zip(&motion.bags).enumerate() {
-        all.extend(bag.topics.values().filter_map(|topic| of_topic(bag, index, topic)));
-        all.extend(streams.poses.iter().filter_map(|poses| of_local_xy(index, poses)));
-        // One for each drive: what is wrong with an origin is wrong with all tracks of it.
-        all.extend(of_tracks(world, index, streams, limits).min_by(|a, b| a.within_m.total_cmp(&b.within_m)));
-    }
+    all.extend(of_bags(world, limits));
+    all.extend(world.bag_origins.iter().cloned());
     all.sort_by(|a, b| (&a.by, a.bag, &a.place).cmp(&(&b.by, b.bag, &b.place)));
     (all, left_out)
 }
 
+/// Every origin that comes from the messages of a recording; those of its transforms are left out, for these are compared with all others.
+pub(crate) fn of_bags(world: &Estimates, limits: &Limits) -> Vec<LocalOrigin> {
+    let mut all = Vec::new();
+    let motion = Motion::of(world);
+    for (bag, streams) in world.bags.iter().zip(&motion.bags) {
+        all.extend(bag.topics.values().filter_map(|topic| of_topic(bag, topic)));
+        all.extend(streams.poses.iter().filter_map(|poses| of_local_xy(bag.source, poses)));
+        // One for each drive: what is wrong with an origin is wrong with all tracks of it.
+        let tracks = of_tracks(world, bag.source, streams, limits);
+        all.extend(tracks.min_by(|a, b| a.within_m.total_cmp(&b.within_m)));
+    }
+    all
+}
+
 /// Of transforms those of `map`, or of the only local frame there is.
-fn of_transforms(world: &World, limits: &Limits, left_out: &mut Vec<String>) -> Vec<Origin> {
+fn of_transforms(world: &World, limits: &Limits, left_out: &mut Vec<String>) -> Vec<LocalOrigin> {
     let is_map = |frame: &FrameId| matches!(names::standard(frame), Some((_, Standard::Map)));
     let mut stated = OnEarth::all(world);
     stated.retain(|stated| stated.is_local() && stated.has.1 && !names::has_word(&stated.local, &["odom"]));
@@ -96,12 +69,12 @@ fn of_transforms(world: &World, limits: &Limits, left_out: &mut Vec<String>) -> 
         let at = Geodetic::from_ecef(&pose.translation.vector)?;
         let later = stated.poses.iter().skip(1);
         let later = later.filter_map(|(_, pose)| Geodetic::from_ecef(&pose.translation.vector));
-        (at.height_m.abs() <= limits.max_height_m).then(|| Origin {
+        (at.height_m.abs() <= limits.max_height_m).then(|| LocalOrigin {
             later: farthest(&at, later),
             turned_rad: None,
             who: stated.subject.clone(),
-            by: By::Transform,
-            bag: world.bags.iter().position(|bag| bag.source == place.source),
+            by: OriginSource::Transform,
+            bag: Some(place.source).filter(|id| world.bags.iter().any(|bag| bag.source == *id)),
             at,
             has_height: true,
             within_m: 0.0,
@@ -112,7 +85,7 @@ fn of_transforms(world: &World, limits: &Limits, left_out: &mut Vec<String>) -> 
     stated.iter().filter_map(made).collect()
 }
 
-fn of_file(stated: &EarthOrigin) -> Option<Origin> {
+fn of_file(stated: &EarthOrigin) -> Option<LocalOrigin> {
     let [latitude, longitude] = stated.latitude_longitude_deg?;
     // An altitude of nothing at all is one that was not filled in.
     let altitude_m = stated.altitude_m.filter(|altitude| *altitude != 0.0);
@@ -121,9 +94,9 @@ fn of_file(stated: &EarthOrigin) -> Option<Origin> {
     } else {
         0.0
     };
-    Some(Origin {
+    Some(LocalOrigin {
         who: format!("`{}`", stated.label),
-        by: By::File(stated.format.clone()),
+        by: OriginSource::File(stated.format.clone()),
         bag: None,
         at: Geodetic::from_degrees(latitude, longitude, altitude_m.unwrap_or(0.0))?,
         has_height: altitude_m.is_some(),
@@ -148,7 +121,7 @@ pub(crate) fn tells_origin(topic: &str) -> bool {
 }
 
 /// A point or a fix on a topic of an origin.
-fn of_topic(bag: &BagEvidence, index: usize, topic: &TopicEvidence) -> Option<Origin> {
+fn of_topic(bag: &BagEvidence, topic: &TopicEvidence) -> Option<LocalOrigin> {
     let fixes = topic.content.fixes.as_ref().filter(|_| tells_origin(&topic.topic))?;
     let mut valid = fixes.samples.iter().filter(|fix| fix.status >= 0);
     let first = valid.next()?;
@@ -156,10 +129,10 @@ fn of_topic(bag: &BagEvidence, index: usize, topic: &TopicEvidence) -> Option<Or
     let height_m = |fix: &FixAt| if has_height { fix.altitude_m } else { 0.0 };
     let of = |fix: &FixAt| Geodetic::from_degrees(fix.latitude_deg, fix.longitude_deg, height_m(fix));
     let at = of(first)?;
-    Some(Origin {
+    Some(LocalOrigin {
         who: format!("topic `{}`", topic.topic),
-        by: By::Topic,
-        bag: Some(index),
+        by: OriginSource::Topic,
+        bag: Some(bag.source),
         at,
         has_height,
         within_m: 0.0,
@@ -171,17 +144,17 @@ fn of_topic(bag: &BagEvidence, index: usize, topic: &TopicEvidence) -> Option<Or
 }
 
 /// A pose on `local_xy_origin`: x is the longitude, y the latitude (swri_transform_util).
-fn of_local_xy(index: usize, poses: &Stream<PoseRow>) -> Option<Origin> {
+fn of_local_xy(bag: SourceId, poses: &Stream<PoseRow>) -> Option<LocalOrigin> {
     let is_one = poses.topic.rsplit('/').next() == Some("local_xy_origin");
     let of = |timed: &Timed<PoseRow>| {
         let [longitude, latitude, altitude] = timed.row.position;
         Geodetic::from_degrees(latitude, longitude, altitude)
     };
     let at = of(poses.rows().next().filter(|_| is_one)?)?;
-    Some(Origin {
+    Some(LocalOrigin {
         who: poses.subject.clone(),
-        by: By::Topic,
-        bag: Some(index),
+        by: OriginSource::Topic,
+        bag: Some(bag),
         at,
         has_height: at.height_m != 0.0,
         within_m: 0.0,
@@ -195,10 +168,10 @@ fn of_local_xy(index: usize, poses: &Stream<PoseRow>) -> Option<Origin> {
 /// Where the poses of a map, laid over fixes, put its origin.
 fn of_tracks<'m>(
     world: &'m World,
-    index: usize,
+    bag: SourceId,
     streams: &'m BagMotion,
     limits: &'m Limits,
-) -> impl Iterator<Item = Origin> + 'm {
+) -> impl Iterator<Item = LocalOrigin> + 'm {
     let in_map = |poses: &&Stream<PoseRow>| {
         let kind = poses.frame.as_ref().and_then(names::standard);
         matches!(kind, Some((_, Standard::Map)))
@@ -210,10 +183,10 @@ fn of_tracks<'m>(
         .filter_map(move |(poses, fixes)| {
             let overlay = Overlay::of(world, poses, fixes)?;
             let (at, within_m, turned_rad) = origin_of_track(&overlay, limits)?;
-            Some(Origin {
+            Some(LocalOrigin {
                 who: format!("{} laid over {}", poses.subject, fixes.subject),
-                by: By::Track,
-                bag: Some(index),
+                by: OriginSource::Track,
+                bag: Some(bag),
                 at,
                 has_height: false,
                 within_m,

@@ -3,6 +3,7 @@
 //!
 //! Owns what is kept of a recording when it has been judged, so that a run needs memory for a few of them at a time.
 
+mod compared;
 mod evidence;
 mod latched;
 mod whole;
@@ -10,18 +11,15 @@ mod whole;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use crate::analysis::geo::earth::is_earth;
 use crate::policy::Laid;
 use crate::progress::Progress;
 use crate::read::discover::Inputs;
 use crate::rules::Kind;
 use crate::run::{Grown, Recording, Run};
-use crate::source::{Place, Source, SourceId, SourceKind};
+use crate::source::{Source, SourceId, SourceKind};
 use crate::verdict::waiver::plain_subject;
 use crate::verdict::{Finding, Outcome, Row, Verdict};
-use crate::world::bag::{Said, StampEvidence, TfEdge, TopicEvidence};
-use crate::world::content::StepEvidence;
-use crate::world::{Facts, FrameUse, World};
+use crate::world::{Facts, World};
 
 use super::evidence::Saved;
 use super::gather::source_id;
@@ -185,7 +183,7 @@ impl Room<'_> {
             let verdicts = self.setup.judge(&mut worlds, true);
             if !plan.widen(&worlds, &verdicts) {
                 let mut drive = self.drive(label, recordings, (worlds, &others), verdicts);
-                drive.left = drive.worlds.iter_mut().flat_map(slim).collect();
+                drive.left = drive.worlds.iter().flat_map(|world| self.compared(world)).collect();
                 plan.note(&mut own);
                 drive.sources = own;
                 return drive;
@@ -427,63 +425,4 @@ fn name(recordings: &[usize], worlds: &mut [World], sources: &[Arc<Source>]) -> 
     }
     let names: Vec<&str> = recordings.iter().filter_map(|id| path(*id)).collect();
     names.join(" + ")
-}
-
-/// Takes out of the recordings of a judged world what nobody compares: all but the first values of latched transforms, and what tells where
-/// maps begin. What is left, by the recordings' numbers.
-fn slim(world: &mut World) -> Vec<(usize, Facts)> {
-    let frames = &world.frames;
-    let bags = world.bags.iter_mut().map(|bag| {
-        // Without fixes no track tells where its map begins.
-        let tells = |said: Said| said.content.fixes.is_some() || said.content.motion.nmea.is_some();
-        let has_fixes = bag.topics.values().flat_map(TopicEvidence::said).any(tells);
-        if !has_fixes {
-            bag.topics.clear();
-        }
-        for topic in bag.topics.values_mut() {
-            topic.stamps = StampEvidence::default();
-            let members = topic.members.values_mut().map(|member| &mut member.content);
-            for content in std::iter::once(&mut topic.content).chain(members) {
-                content.clouds = None;
-                content.lasers = None;
-                content.radar = None;
-                content.grids = None;
-                content.images = None;
-                content.imu = None;
-                content.covariances.clear();
-                content.motion.inertial = None;
-                content.motion.twists = None;
-                content.motion.orientations = None;
-                content.motion.vectors = None;
-            }
-        }
-        let is_earth = |edge: &TfEdge| is_earth(&edge.parent) || is_earth(&edge.child);
-        bag.tf.retain(|edge| edge.is_static || has_fixes || is_earth(edge));
-        bag.tf.shrink_to_fit();
-        for edge in &mut bag.tf {
-            edge.stamps = StampEvidence::default();
-            edge.steps = StepEvidence::default();
-            if edge.is_static {
-                edge.samples.truncate(1);
-                edge.samples.shrink_to_fit();
-                edge.motion = None;
-            }
-        }
-        bag.annotations.clear();
-        // A recording joins others by the names of its frames.
-        let mut known = BTreeSet::new();
-        let frames = frames.iter().filter(|used| used.place.source == bag.source);
-        let frames = frames.filter(|used| known.insert((&used.frame, used.role)));
-        let frames = frames.map(|used| FrameUse {
-            place: Place::whole(bag.source),
-            ..used.clone()
-        });
-        let facts = Facts {
-            frames: frames.collect(),
-            bags: vec![bag.clone()],
-            ..Facts::default()
-        };
-        (bag.source.0 as usize, facts)
-    });
-    bags.collect()
 }

@@ -5,11 +5,11 @@ mod own;
 use nalgebra::Vector3;
 
 use crate::analysis::geo::apart::{between, direction, told};
-use crate::analysis::geo::origins::{By, Limits, Origin, origins};
+use crate::analysis::geo::origins::{Limits, origins};
 use crate::math::geoid::undulation_m;
 use crate::rules::prelude::*;
 use crate::source::Confidence;
-use crate::world::{EarthOrigin, World};
+use crate::world::{EarthOrigin, LocalOrigin, OriginSource, World};
 
 pub(crate) struct OriginConsistency;
 
@@ -75,11 +75,11 @@ fn judge_place(stated: &EarthOrigin, out: &mut Judge) {
 
 /// Files of one format are for different maps: of these the one that is nearest to the reference, none where the reference is
 /// itself one of them.
-fn nearest_of_alternatives<'o>(reference: &Origin, others: &'o [Origin]) -> Vec<&'o Origin> {
-    let distance = |origin: &Origin| between(reference, origin).norm();
-    let mut kept: Vec<&Origin> = Vec::new();
+fn nearest_of_alternatives<'o>(reference: &LocalOrigin, others: &'o [LocalOrigin]) -> Vec<&'o LocalOrigin> {
+    let distance = |origin: &LocalOrigin| between(reference, origin).norm();
+    let mut kept: Vec<&LocalOrigin> = Vec::new();
     for other in others {
-        let is_file = matches!(other.by, By::File(_));
+        let is_file = matches!(other.by, OriginSource::File(_));
         if is_file && other.by == reference.by {
             continue;
         }
@@ -92,12 +92,12 @@ fn nearest_of_alternatives<'o>(reference: &Origin, others: &'o [Origin]) -> Vec<
     kept
 }
 
-fn judge_pair(world: &World, reference: &Origin, other: &Origin, limits: &Limits, out: &mut Judge) {
-    let named = |origin: &Origin| format!("{} in {}", origin.who, world.path(origin.place.source));
+fn judge_pair(world: &World, reference: &LocalOrigin, other: &LocalOrigin, limits: &Limits, out: &mut Judge) {
+    let named = |origin: &LocalOrigin| format!("{} in {}", origin.who, world.path(origin.place.source));
     let subject = format!("origin: {} and {}", named(reference), named(other));
     let apart = between(reference, other);
     let distance_m = apart.norm();
-    let by_track = reference.by == By::Track || other.by == By::Track;
+    let by_track = reference.by == OriginSource::Track || other.by == OriginSource::Track;
     let excused_m = reference.within_m + other.within_m + if by_track { limits.track_m } else { 0.0 };
     let (warning_m, error_m) = (limits.warning_m.max(excused_m), limits.error_m.max(excused_m));
     let measured = Measured::new("distance of the two origins", distance_m, "m").limit(warning_m);
@@ -137,7 +137,7 @@ fn judge_pair(world: &World, reference: &Origin, other: &Origin, limits: &Limits
         "keep the origin in one file, and let everything read it from there; of two, keep the one that the map was made about"
     };
     // Files of one folder may be for two sites, and nothing here says which of them is used.
-    let files_alone = matches!((&reference.by, &other.by), (By::File(_), By::File(_)));
+    let files_alone = matches!((&reference.by, &other.by), (OriginSource::File(_), OriginSource::File(_)));
     let ceiling = if files_alone && distance_m > limits.site_m {
         Confidence::Hint
     } else {
@@ -156,7 +156,7 @@ fn judge_pair(world: &World, reference: &Origin, other: &Origin, limits: &Limits
 }
 
 /// The undulation of the geoid, where it explains the whole difference.
-fn geoid(a: &Origin, b: &Origin, apart: &Vector3<f64>, limits: &Limits) -> Option<f64> {
+fn geoid(a: &LocalOrigin, b: &LocalOrigin, apart: &Vector3<f64>, limits: &Limits) -> Option<f64> {
     let level = apart.xy().norm() <= limits.error_m && a.has_height && b.has_height;
     let undulation = undulation_m(&a.at).filter(|_| level)?;
     let explains = (apart.z.abs() - undulation.abs()).abs() <= limits.geoid_m && undulation.abs() >= limits.min_geoid_m;

@@ -8,24 +8,26 @@ use crate::math::geodesy::Geodetic;
 use crate::verdict::Judge;
 use crate::verdict::{Finding, Measured, Severity};
 use crate::world::motion::FixRow;
+use crate::world::{LocalOrigin, OriginSource};
 
 use crate::analysis::geo::apart::{direction, told};
 use crate::analysis::geo::origins::Limits;
-use crate::analysis::geo::origins::{By, Origin, tells_origin};
+use crate::analysis::geo::origins::tells_origin;
 use crate::analysis::geo::overlay::geodetic;
 
 /// `NavSatStatus.status` with corrections from a ground station.
 const CORRECTED: i8 = 2;
 
 /// Judges each origin alone.
-pub(crate) fn judge(world: &Estimates, all: &[Origin], limits: &Limits, out: &mut Judge) {
+pub(crate) fn judge(world: &Estimates, all: &[LocalOrigin], limits: &Limits, out: &mut Judge) {
     let motion = Motion::of(world);
     for origin in all {
         if let Some(later) = &origin.later {
             judge_later(origin, later, limits, out);
         }
-        let is_stated = matches!(origin.by, By::Transform | By::Topic);
-        let Some(bag) = origin.bag.filter(|_| is_stated).and_then(|bag| motion.bags.get(bag)) else {
+        let is_stated = matches!(origin.by, OriginSource::Transform | OriginSource::Topic);
+        let mut bags = world.bags.iter().zip(&motion.bags);
+        let Some((_, bag)) = bags.find(|(bag, _)| is_stated && origin.bag == Some(bag.source)) else {
             continue;
         };
         let receivers = bag.fixes.iter().filter(|fixes| !tells_origin(&fixes.topic));
@@ -36,7 +38,7 @@ pub(crate) fn judge(world: &Estimates, all: &[Origin], limits: &Limits, out: &mu
 }
 
 /// Whether an origin stays where it is.
-fn judge_later(origin: &Origin, later: &Geodetic, limits: &Limits, out: &mut Judge) {
+fn judge_later(origin: &LocalOrigin, later: &Geodetic, limits: &Limits, out: &mut Judge) {
     let subject = format!("first and last origin by {}", origin.who);
     let apart = origin.at.enu_of(later);
     let distance_m = apart.norm();
@@ -65,7 +67,7 @@ fn judge_later(origin: &Origin, later: &Geodetic, limits: &Limits, out: &mut Jud
 }
 
 /// Whether an origin is a first fix, and of what quality.
-fn judge_first_fix(origin: &Origin, fixes: &Stream<FixRow>, limits: &Limits, out: &mut Judge) {
+fn judge_first_fix(origin: &LocalOrigin, fixes: &Stream<FixRow>, limits: &Limits, out: &mut Judge) {
     let subject = format!("first fix of {} as the origin by {}", fixes.subject, origin.who);
     let valid = || fixes.rows().filter(|timed| timed.row.status >= 0);
     let first = valid().find_map(|timed| Some((timed, geodetic(&timed.row)?)));
@@ -107,7 +109,7 @@ fn judge_first_fix(origin: &Origin, fixes: &Stream<FixRow>, limits: &Limits, out
 }
 
 /// A finding, where poses in `map` are expressed in east and north, and nothing says about which origin.
-pub(crate) fn missing(track: &Origin, limits: &Limits) -> Option<Finding> {
+pub(crate) fn missing(track: &LocalOrigin, limits: &Limits) -> Option<Finding> {
     let (turned_rad, within_rad) = track.turned_rad?;
     let turned_deg = turned_rad.to_degrees();
     if turned_deg.abs() > limits.aligned_deg || limits.sigmas * within_rad.to_degrees() > limits.aligned_deg {

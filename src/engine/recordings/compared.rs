@@ -1,0 +1,63 @@
+//! What is kept of a judged recording to compare it with others: a thousand of them fit into memory.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::analysis::Estimates;
+use crate::analysis::geo::earth::is_earth;
+use crate::analysis::geo::origins::{self, Limits};
+use crate::source::Place;
+use crate::world::bag::TfEdge;
+use crate::world::{BagEvidence, Facts, FrameUse, LocalOrigin, World};
+
+use super::Room;
+
+impl Room<'_> {
+    /// The first values of latched transforms, where the Earth's frames lie and where maps begin, by the recordings' numbers.
+    pub(super) fn compared(&self, world: &World) -> Vec<(usize, Facts)> {
+        let settings = &self.setup.governed.at(self.setup.governed.of(world)).choice.settings;
+        let origins = origins::of_bags(&Estimates::new(world, settings), &settings.limits::<Limits>());
+        let bags = world.bags.iter();
+        bags.map(|bag| (bag.source.0 as usize, facts(world, bag, &origins)))
+            .collect()
+    }
+}
+
+fn facts(world: &World, bag: &BagEvidence, origins: &[LocalOrigin]) -> Facts {
+    let is_earth = |edge: &&TfEdge| is_earth(&edge.parent) || is_earth(&edge.child);
+    let edges = bag.tf.iter().filter(|edge| edge.is_static || is_earth(edge));
+    let edges = edges.filter_map(|edge| {
+        let (parent, child) = (edge.parent.clone(), edge.child.clone());
+        Some(TfEdge {
+            topic: edge.topic.clone(),
+            is_static: edge.is_static,
+            samples: edge
+                .samples
+                .get(..if edge.is_static { 1 } else { edge.samples.len() })?
+                .to_vec(),
+            ..TfEdge::once(parent, child, edge.first()?.clone())
+        })
+    });
+    // A recording joins others by the names of its frames.
+    let mut known = BTreeSet::new();
+    let frames = world.frames.iter().filter(|used| used.place.source == bag.source);
+    let frames = frames.filter(|used| known.insert((&used.frame, used.role)));
+    let frames = frames.map(|used| FrameUse {
+        place: Place::whole(bag.source),
+        ..used.clone()
+    });
+    let origins = origins.iter().filter(|origin| origin.bag == Some(bag.source));
+    Facts {
+        frames: frames.collect(),
+        bag_origins: origins.cloned().collect(),
+        bags: vec![BagEvidence {
+            tf: edges.collect(),
+            topics: BTreeMap::new(),
+            parent_switches: Vec::new(),
+            parts: Vec::new(),
+            annotations: BTreeMap::new(),
+            share: bag.share.clone(),
+            ..*bag
+        }],
+        ..Facts::default()
+    }
+}
