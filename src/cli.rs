@@ -195,7 +195,12 @@ pub fn run_to(
         Verb::Completions { shell } => {
             completions::script(shell, arguments.first().map_or("".as_ref(), OsString::as_os_str))
         }
-        Verb::ExpandXacro { file, args, allowed } => Ok(match engine::expand_xacro(&file, &args, &allowed) {
+        Verb::ExpandXacro {
+            file,
+            args,
+            allowed,
+            from,
+        } => Ok(match engine::expand_xacro(&file, &args, &allowed, from.as_deref()) {
             Ok(out) => Answer {
                 out,
                 ..Answer::default()

@@ -301,8 +301,11 @@ impl Verdict {
     /// Puts rows and findings into their order: rows by rule and subject, findings by severity (worst first), then
     /// rule, subject, place and message.
     pub fn sort(&mut self) {
-        self.rows
-            .sort_by(|a, b| (&a.rule, &a.subject, a.outcome).cmp(&(&b.rule, &b.subject, b.outcome)));
+        // In two steps: of each rule the subjects are nearly in order, for platforms are judged in the order of their paths.
+        self.rows.sort_by(|a, b| a.rule.cmp(&b.rule));
+        for of_rule in self.rows.chunk_by_mut(|a, b| a.rule == b.rule) {
+            of_rule.sort_by(|a, b| (&a.subject, a.outcome).cmp(&(&b.subject, b.outcome)));
+        }
         let order = |a: &Finding, b: &Finding| {
             let by_weight = (b.severity, b.confidence).cmp(&(a.severity, a.confidence));
             by_weight.then_with(|| {

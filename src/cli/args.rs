@@ -77,6 +77,9 @@ pub(super) enum Verb {
         /// Folder that may be read; may be repeated, and without it any may
         #[arg(long, value_name = "DIR")]
         allowed: Vec<PathBuf>,
+        /// Folder that relative paths in the file start from; without it the working directory
+        #[arg(long, value_name = "DIR")]
+        from: Option<PathBuf>,
     },
     /// Write a completion script for a shell
     Completions {

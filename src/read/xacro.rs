@@ -97,7 +97,8 @@ pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) 
         }
         command.arg(VERB).env("RUST_XACRO_PACKAGE_MAP", listed(&packages));
         if let Some(folder) = path.parent() {
-            command.current_dir(folder);
+            // Not by the system's start of a process: a statically linked program would copy itself for that.
+            command.arg("--from").arg(folder);
         }
         let folders = allowed.folders().iter().map(PathBuf::as_path).chain(top.parent());
         for folder in folders {

@@ -31,33 +31,36 @@ impl FrameId {
     /// Lower-case words of the name, split at `_`, `/`, `-`, `.`, blanks and where a lower-case letter meets an
     /// upper-case one. Conventions are looked for in tokens, never in substrings: `odom_combined` has no token `ned`.
     pub fn tokens(&self) -> Vec<String> {
-        let mut tokens = Vec::new();
-        let mut current = String::new();
-        let mut previous_lower = false;
-        for c in self.0.chars() {
-            let boundary = previous_lower && c.is_uppercase();
-            if !c.is_alphanumeric() || boundary {
-                if !current.is_empty() {
-                    tokens.push(std::mem::take(&mut current));
-                }
-                if !c.is_alphanumeric() {
-                    previous_lower = false;
-                    continue;
-                }
-            }
-            previous_lower = c.is_lowercase() || c.is_ascii_digit();
-            current.extend(c.to_lowercase());
-        }
-        if !current.is_empty() {
-            tokens.push(current);
-        }
-        tokens
+        self.words().map(|word| lower(word).collect()).collect()
     }
 
     /// Whether one of the tokens is `word` (lower case).
     pub fn has_token(&self, word: &str) -> bool {
-        self.tokens().iter().any(|token| token == word)
+        self.words().any(|own| lower(own).eq(word.chars()))
     }
+
+    /// The tokens as spelled.
+    fn words(&self) -> impl Iterator<Item = &str> {
+        let parts = self.0.split(|c: char| !c.is_alphanumeric());
+        parts.flat_map(|part| {
+            let mut rest = part;
+            std::iter::from_fn(move || {
+                let mut before = false;
+                let next = rest.char_indices().find(|(_, c)| {
+                    let is_boundary = before && c.is_uppercase();
+                    before = c.is_lowercase() || c.is_ascii_digit();
+                    is_boundary
+                });
+                let word;
+                (word, rest) = rest.split_at(next.map_or(rest.len(), |(at, _)| at));
+                (!word.is_empty()).then_some(word)
+            })
+        })
+    }
+}
+
+fn lower(word: &str) -> impl Iterator<Item = char> {
+    word.chars().flat_map(char::to_lowercase)
 }
 
 impl fmt::Display for FrameId {

@@ -199,12 +199,19 @@ fn included_by(text: &str, path: &Path) -> Option<String> {
     let root = document.root_element();
     let Span { start, end } = tag(&root, text);
     let opening = text.get(..end)?;
-    if opening.ends_with("/>") || root.lookup_namespace_uri(Some("xacro")).is_none() {
+    if opening.ends_with("/>") {
         return Some(text.to_owned());
     }
     let name = text.get(start + 1..name_end(text, start))?;
     let path = spelled(path)?;
-    Some(format!("{opening}<xacro:include filename=\"{path}\"/></{name}>\n"))
+    let space = match root.lookup_namespace_uri(Some("xacro")) {
+        Some(_) => "",
+        None => " xmlns:xacro=\"http://www.ros.org/wiki/xacro\"",
+    };
+    let opening = opening.strip_suffix('>')?;
+    Some(format!(
+        "{opening}{space}><xacro:include filename=\"{path}\"/></{name}>\n"
+    ))
 }
 
 /// A path as it stands in an attribute; `None` where it would need to be quoted.

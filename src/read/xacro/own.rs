@@ -22,12 +22,16 @@ const STACK: usize = 1 << 29;
 const MEMORY: u64 = 2 << 30;
 
 /// Expands `file` with `args` of the form `name:=value`; it and what it names lie in the folders `allowed`, or anywhere where that is empty.
-/// Limits the memory and the rights of the whole process: call it in one of its own.
+/// Relative paths start from the folder `from`. Limits the memory and the rights of the whole process, and changes its working directory: call
+/// it in one of its own.
 ///
 /// # Errors
 ///
 /// Why there is no expansion, in lines as the `xacro` program writes them.
-pub fn expand(file: &Path, args: &[String], allowed: &[PathBuf]) -> Result<String, String> {
+pub fn expand(file: &Path, args: &[String], allowed: &[PathBuf], from: Option<&Path>) -> Result<String, String> {
+    if let Some(from) = from {
+        std::env::set_current_dir(from).map_err(|error| format!("error: `{}`: {error}", from.display()))?;
+    }
     // Where the limit cannot be set, time and output are still bounded from outside.
     #[cfg(unix)]
     let _ = nix::sys::resource::setrlimit(nix::sys::resource::Resource::RLIMIT_AS, MEMORY, MEMORY);
