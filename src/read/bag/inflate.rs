@@ -49,17 +49,8 @@ pub(super) struct Unpacked {
     pub(super) at: u64,
     /// Whether the chunk does not follow the one before.
     pub(super) seam: bool,
-    /// The decompressed bytes, or what is wrong.
-    pub(super) data: Result<Vec<u8>, Damage>,
-}
-
-/// A chunk that does not decompress, or not to what its checksum says.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(super) struct Damage {
-    /// What is wrong.
-    pub(super) why: String,
-    /// What came out before that, where no checksum says that it is wrong.
-    pub(super) before: Vec<u8>,
+    /// The decompressed bytes, or what is wrong: what comes out before an error is used of none, for no checksum stands for it.
+    pub(super) data: Result<Vec<u8>, String>,
 }
 
 /// Takes chunks in, and gives them out in the same order.
@@ -110,7 +101,7 @@ impl Inflater {
             }
         };
         let mut buffers: Vec<Vec<u8>> = packed.iter().map(|_| self.free.pop().unwrap_or_default()).collect();
-        let mut slots: Vec<Option<Result<Vec<u8>, Damage>>> = packed.iter().map(|_| None).collect();
+        let mut slots: Vec<Option<Result<Vec<u8>, String>>> = packed.iter().map(|_| None).collect();
         let jobs = packed.iter().zip(&mut slots).zip(buffers.drain(..));
         if packed.len() < 2 {
             for ((chunk, slot), buffer) in jobs {
@@ -130,12 +121,7 @@ impl Inflater {
         let room = KEPT.saturating_sub(self.free.len());
         self.free.extend(done.take(room));
         for (chunk, slot) in packed.into_iter().zip(slots) {
-            let data = slot.unwrap_or_else(|| {
-                Err(Damage {
-                    why: "the chunk was not decompressed".to_owned(),
-                    before: Vec::new(),
-                })
-            });
+            let data = slot.unwrap_or_else(|| Err("the chunk was not decompressed".to_owned()));
             let mut compressed = chunk.data;
             let data = match data {
                 // Bytes that were not compressed are handed on as they are.
@@ -158,56 +144,24 @@ impl Inflater {
     }
 }
 
-/// Decompresses a chunk; see [`bytes_of`].
-fn unpack(chunk: &Packed, mut buffer: Vec<u8>) -> Result<Vec<u8>, Damage> {
-    match bytes_of(chunk, &mut buffer) {
-        Ok(()) => Ok(buffer),
-        Err(why) if chunk.checksum != 0 => Err(Damage {
-            why,
-            before: Vec::new(),
-        }),
-        Err(why) => Err(Damage {
-            why,
-            before: readable(chunk),
-        }),
-    }
-}
-
-/// What comes out of a damaged chunk before the damage.
-fn readable(chunk: &Packed) -> Vec<u8> {
-    let mut before = Vec::new();
-    let data = chunk.data.as_slice();
-    // The error is known; what was written before it stays.
-    let _ = match chunk.compression {
-        Compression::None => data.take(chunk.size).read_to_end(&mut before),
-        Compression::Zstd => ::zstd::stream::read::Decoder::new(data)
-            .and_then(|decoder| decoder.take(chunk.size).read_to_end(&mut before)),
-        Compression::Lz4 => {
-            ::lz4::Decoder::new(data).and_then(|decoder| decoder.take(chunk.size).read_to_end(&mut before))
-        }
-        Compression::Bz2 => bz2_reader(data).take(chunk.size).read_to_end(&mut before),
-    };
-    before
-}
-
 /// Decompresses a chunk into a buffer and holds it against its checksum; a chunk that is not compressed is only held
 /// against it.
-fn bytes_of(chunk: &Packed, buffer: &mut Vec<u8>) -> Result<(), String> {
+fn unpack(chunk: &Packed, mut buffer: Vec<u8>) -> Result<Vec<u8>, String> {
     buffer.clear();
     let size = usize::try_from(chunk.size).map_err(|_| "a chunk is larger than this machine's memory".to_owned())?;
     let bytes = match chunk.compression {
         Compression::None => chunk.data.as_slice(),
         Compression::Zstd => {
-            zstd(&chunk.data, size, buffer)?;
+            zstd(&chunk.data, size, &mut buffer)?;
             buffer.as_slice()
         }
         Compression::Lz4 => {
-            lz4(&chunk.data, size, buffer)?;
+            lz4(&chunk.data, size, &mut buffer)?;
             buffer.as_slice()
         }
         Compression::Bz2 => {
             let mut reader = bz2_reader(chunk.data.as_slice()).take(chunk.size + 1);
-            let result = reader.read_to_end(buffer);
+            let result = reader.read_to_end(&mut buffer);
             result.map_err(|error| format!("a chunk is damaged: {error}"))?;
             buffer.as_slice()
         }
@@ -227,7 +181,7 @@ fn bytes_of(chunk: &Packed, buffer: &mut Vec<u8>) -> Result<(), String> {
             ));
         }
     }
-    Ok(())
+    Ok(buffer)
 }
 
 thread_local! {
@@ -310,7 +264,7 @@ mod tests {
         }
     }
 
-    fn all(chunks: Vec<Packed>) -> Vec<(u64, Result<Vec<u8>, Damage>)> {
+    fn all(chunks: Vec<Packed>) -> Vec<(u64, Result<Vec<u8>, String>)> {
         let mut inflater = Inflater::default();
         let mut seen = Vec::new();
         let mut look = |chunk: &Unpacked| {
@@ -353,7 +307,7 @@ mod tests {
             chunks[1].checksum ^= 1;
             let seen = all(chunks);
             assert!(seen[0].1.is_ok() && seen[2].1.is_ok());
-            assert!(seen[1].1.as_ref().unwrap_err().why.contains("checksum"));
+            assert!(seen[1].1.as_ref().unwrap_err().contains("checksum"));
             let mut lying = packed(compression, b"some words, some words", 0);
             lying.size -= 3;
             assert!(all(vec![lying])[0].1.is_err(), "{compression:?}");

@@ -19,6 +19,9 @@ const MAX_CHANNELS: usize = 1 << 16;
 /// Bound on the names and metadata of all channels together, bytes.
 const MAX_CHANNEL_BYTES: usize = 64 << 20;
 
+/// What is wrong with zeros: they are what a file system leaves of blocks that were never written, and the format reserves this kind.
+pub(super) const KIND_ZERO: &str = "a record of kind 0, which the format does not know";
+
 struct Schema {
     name: String,
     encoding: String,
@@ -67,8 +70,6 @@ impl<'v> Channels<'v> {
     pub(super) fn record(&mut self, opcode: u8, body: &[u8]) -> Result<(), String> {
         match opcode {
             op::SCHEMA | op::CHANNEL | op::MESSAGE => {}
-            // The format reserves 0; a run of zeros must not pass for empty records.
-            0 => return Err("a record of kind 0, which the format does not know".to_owned()),
             _ => return Ok(()),
         }
         match ::mcap::parse_record(opcode, body) {
@@ -83,27 +84,25 @@ impl<'v> Channels<'v> {
         }
     }
 
-    /// Takes in the records of a chunk. The error says what is wrong behind those that were taken.
+    /// Takes in the records of a chunk. The error says what is wrong behind those that were taken: a record is taken when the one behind it
+    /// has begun as it should, for bytes that were lost or changed are in the record before the fault.
     pub(super) fn chunk(&mut self, bytes: &[u8]) -> Result<(), String> {
         let mut rest = Fields(bytes);
-        while let Some((kind, behind)) = rest.0.split_first() {
-            let cut = |_| "a chunk ends inside a record".to_owned();
-            rest.0 = behind;
-            let length = rest.u64().map_err(cut)?;
-            let length = u32::try_from(length).unwrap_or(u32::MAX);
-            let body = rest.bytes(length).map_err(cut)?;
-            if *kind == op::MESSAGE {
-                let mut fields = Fields(body);
-                // channel, sequence, log time, publish time, data
-                let short = |_| "a message record is shorter than its fields".to_owned();
-                let channel = fields.u16().map_err(short)?;
-                fields.u32().map_err(short)?;
-                let log_time = fields.u64().map_err(short)?;
-                fields.u64().map_err(short)?;
-                self.message(channel, log_time, fields.0);
-            } else {
-                self.record(*kind, body)?;
+        let mut held = next_record(&mut rest)?;
+        while let Some((kind, body)) = held {
+            held = next_record(&mut rest)?;
+            if kind != op::MESSAGE {
+                self.record(kind, body)?;
+                continue;
             }
+            let mut fields = Fields(body);
+            // channel, sequence, log time, publish time, data
+            let short = |_| "a message record is shorter than its fields".to_owned();
+            let channel = fields.u16().map_err(short)?;
+            fields.u32().map_err(short)?;
+            let log_time = fields.u64().map_err(short)?;
+            fields.u64().map_err(short)?;
+            self.message(channel, log_time, fields.0);
         }
         Ok(())
     }
@@ -205,6 +204,21 @@ impl<'v> Channels<'v> {
         self.by_id.insert(record.id, channel);
         Ok(())
     }
+}
+
+/// Kind and body of the next record of a chunk; `None` at its end.
+fn next_record<'a>(rest: &mut Fields<'a>) -> Result<Option<(u8, &'a [u8])>, String> {
+    let Some((kind, behind)) = rest.0.split_first() else {
+        return Ok(None);
+    };
+    if *kind == 0 {
+        return Err(KIND_ZERO.to_owned());
+    }
+    rest.0 = behind;
+    let cut = |_| "a chunk ends inside a record".to_owned();
+    let length = rest.u64().map_err(cut)?;
+    let body = rest.bytes(u32::try_from(length).unwrap_or(u32::MAX)).map_err(cut)?;
+    Ok(Some((*kind, body)))
 }
 
 fn size(channel: &Channel) -> usize {

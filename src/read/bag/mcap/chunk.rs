@@ -9,7 +9,7 @@ use ::mcap::records::op;
 use ::mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 
 use super::super::MAX_MESSAGE;
-use super::super::inflate::{Compression, Damage, Packed, Unpacked};
+use super::super::inflate::{Compression, Packed, Unpacked};
 use super::channels::Channels;
 use super::{MAX_CHUNK, MAX_WHOLE_CHUNK, Pass, Stop};
 
@@ -157,7 +157,7 @@ fn cut(len: u64) -> String {
     format!("the file ends inside a chunk of {len} bytes: the recording was cut off or not closed")
 }
 
-/// Hands on the records of chunks, and those before the damage of a damaged one, which is kept in `faults`.
+/// Hands on the records of chunks; damaged ones are kept in `faults`.
 fn look<'a, 'v>(
     channels: &'a mut Channels<'v>,
     faults: &'a mut Vec<Stop>,
@@ -166,15 +166,8 @@ fn look<'a, 'v>(
         if chunk.seam {
             channels.seam();
         }
-        let result = match &chunk.data {
-            Ok(bytes) => channels.chunk(bytes),
-            Err(Damage { why, before }) => {
-                // That the records end early is known already.
-                let _ = channels.chunk(before);
-                Err(why.clone())
-            }
-        };
-        if let Err(why) = result {
+        let result = chunk.data.as_deref().map_err(Clone::clone);
+        if let Err(why) = result.and_then(|bytes| channels.chunk(bytes)) {
             faults.push(Stop {
                 at: chunk.at,
                 why,

@@ -20,7 +20,7 @@ use ::mcap::records::{Record, op};
 
 use crate::source::{Place, ReadStatus, Source};
 
-use self::channels::Channels;
+use self::channels::{Channels, KIND_ZERO};
 use self::chunk::ChunkHead;
 use self::index::{ChunkAt, Index};
 use super::chunks::{self, Marked};
@@ -68,6 +68,8 @@ struct Pass<'a, 'v> {
     told: u64,
     /// Buffer for records outside chunks.
     record: Vec<u8>,
+    /// Kind and place of the record in the buffer, where it is still to be used.
+    held: Option<(u8, u64)>,
     data_ended: bool,
     /// Messages in the file as its statistics say.
     promised: Option<u64>,
@@ -96,6 +98,7 @@ pub(super) fn read(file: File, total: u64, task: Task<'_>) -> Extent {
         progress,
         told: 0,
         record: Vec::new(),
+        held: None,
         data_ended: false,
         promised: None,
     };
@@ -271,6 +274,7 @@ impl Pass<'_, '_> {
     }
 
     fn records(&mut self, index: &Index) -> Result<(), Stop> {
+        self.held = None;
         loop {
             self.used = self.at;
             if self.at >= self.told + PROGRESS_STEP {
@@ -278,9 +282,13 @@ impl Pass<'_, '_> {
                 (self.progress)(self.at, self.total);
             }
             if self.at >= self.total {
+                self.take_held()?;
                 return Err(self.stop("the file ends without a footer: the recording was not closed"));
             }
-            let (opcode, len) = self.frame()?;
+            let (opcode, len) = match self.frame() {
+                Err(stop) => return self.take_held().and(Err(stop)),
+                Ok(frame) => frame,
+            };
             let available = self.total - self.at;
             let (at, end) = (self.used, self.at.saturating_add(len));
             let known = index.chunks.partition_point(|chunk| chunk.at <= at);
@@ -288,6 +296,12 @@ impl Pass<'_, '_> {
             if is_crossed && !self.data_ended && self.next_chunk(index, at).is_some_and(|next| next < end) {
                 let kind = kind(opcode);
                 return Err(self.stop(format!("a {kind} record of {len} bytes reaches into the next chunk")));
+            }
+            if opcode == 0 {
+                return Err(self.stop(KIND_ZERO));
+            }
+            if len <= available || len <= MAX_CHUNK {
+                self.take_held()?;
             }
             if opcode == op::CHUNK && !self.data_ended {
                 match self.chunk(len, available) {
@@ -311,22 +325,32 @@ impl Pass<'_, '_> {
                     self.skip(len)?;
                     self.data_ended = true;
                 }
-                // Zeros are what a file system leaves of blocks that were never written.
-                0 => return Err(self.stop("a record of kind 0, which the format does not know")),
                 // Behind the data the summary repeats schemas and channels.
                 op::SCHEMA | op::CHANNEL | op::MESSAGE if !self.data_ended => {
                     self.load(opcode, len)?;
-                    // Chunks that are still being decompressed come first.
-                    let (at, used) = (self.at, self.used);
-                    self.flush()?;
-                    (self.at, self.used) = (at, used);
-                    let result = self.channels.record(opcode, &self.record);
-                    result.map_err(|why| self.stop(why))?;
+                    self.held = Some((opcode, at));
                 }
                 op::METADATA | op::ATTACHMENT if !self.data_ended => self.note_here(opcode, len)?,
                 _ => self.skip(len)?,
             }
         }
+    }
+
+    /// Uses the record that was loaded last, if it is one to be used. That is done when the next one has begun as it should: bytes that were
+    /// lost or changed are in the record before the fault.
+    fn take_held(&mut self) -> Result<(), Stop> {
+        let Some((opcode, start)) = self.held.take() else {
+            return Ok(());
+        };
+        // Chunks that are still being decompressed come first.
+        let (at, used) = (self.at, self.used);
+        self.flush()?;
+        (self.at, self.used) = (at, used);
+        let result = self.channels.record(opcode, &self.record);
+        result.map_err(|why| Stop {
+            at: start,
+            ..self.stop(why)
+        })
     }
 
     /// What follows the footer: the magic, and nothing.

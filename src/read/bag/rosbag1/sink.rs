@@ -60,11 +60,8 @@ impl<'v> Sink<'v> {
         if chunk.seam {
             self.connections.visit.seam();
         }
-        let result = match &chunk.data {
-            Ok(bytes) => self.records(bytes),
-            Err(damage) => Err(damage.why.clone()),
-        };
-        if let Err(why) = result {
+        let result = chunk.data.as_deref().map_err(Clone::clone);
+        if let Err(why) = result.and_then(|bytes| self.records(bytes)) {
             self.lose(chunk.at, end, why);
         }
     }
