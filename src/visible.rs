@@ -73,19 +73,23 @@ pub(crate) fn write_json(value: &impl Serialize, to: &mut dyn Write) -> serde_js
 
 /// The same as a text.
 pub(crate) fn pretty_json(value: &impl Serialize) -> serde_json::Result<String> {
-    text(|to| serde_json::to_writer_pretty(to, value))
+    text(|to| write_json(value, to))
 }
 
 /// As [`pretty_json`], on one line.
 pub(crate) fn json_line(value: &impl Serialize) -> serde_json::Result<String> {
-    text(|to| serde_json::to_writer(to, value))
+    text(|to| {
+        serde_json::to_writer(SpelledOut(&mut *to), value)?;
+        to.push(b'\n');
+        Ok(())
+    })
 }
 
-fn text(write: impl FnOnce(&mut SpelledOut<Vec<u8>>) -> serde_json::Result<()>) -> serde_json::Result<String> {
-    let mut to = SpelledOut(Vec::new());
-    write(&mut to)?;
-    to.0.push(b'\n');
-    String::from_utf8(to.0).map_err(|error| serde_json::Error::io(std::io::Error::other(error)))
+/// What is written, as a text.
+pub(crate) fn text(write: impl FnOnce(&mut Vec<u8>) -> serde_json::Result<()>) -> serde_json::Result<String> {
+    let mut bytes = Vec::new();
+    write(&mut bytes)?;
+    String::from_utf8(bytes).map_err(|error| serde_json::Error::io(std::io::Error::other(error)))
 }
 
 /// Spells characters out in JSON on its way to a writer, piece by piece. A piece of JSON is whole characters; outside of strings it has none

@@ -17,7 +17,7 @@ use crate::source::{Placed, Problem, Source};
 use crate::verdict::waiver::Day;
 use crate::verdict::{Explainer, Finding, Fix, Label, Measured, PlaceRole, Row, Safety, Waived};
 
-use crate::visible::{pretty_json, write_json};
+use crate::visible::{text, write_json};
 
 use super::place::{Locator, Spot};
 
@@ -246,15 +246,11 @@ pub(super) struct Counts {
 
 /// The document, indented, with a newline at its end.
 pub fn render(run: &Run, fail_on: FailOn) -> Result<String, serde_json::Error> {
-    with_document(run, fail_on, |document| pretty_json(document))
+    text(|to| write(run, fail_on, to))
 }
 
 /// Writes the same part by part: of thousands of platforms it is larger than all that is known of them.
 pub fn write(run: &Run, fail_on: FailOn, to: &mut dyn Write) -> Result<(), serde_json::Error> {
-    with_document(run, fail_on, |document| write_json(document, to))
-}
-
-fn with_document<T>(run: &Run, fail_on: FailOn, then: impl FnOnce(&Document) -> T) -> T {
     let locator = Locator::new(&run.sources);
     let document = Document {
         made: Made::new(),
@@ -278,7 +274,7 @@ fn with_document<T>(run: &Run, fail_on: FailOn, then: impl FnOnce(&Document) -> 
         recordings: run.recordings.iter().map(recording).collect(),
         summary: counts(&run.summary(fail_on)),
     };
-    then(&document)
+    write_json(&document, to)
 }
 
 pub(super) fn counts(summary: &Summary) -> Counts {

@@ -97,7 +97,7 @@ fn a_file_cut_at_any_percent_gives_what_stands_before_the_cut() {
             if cut.len() >= 8 {
                 let detail = source.detail.unwrap();
                 assert!(
-                    detail.starts_with("read up to byte ") && detail.contains(" %): the file ends"),
+                    detail.starts_with("read up to byte ") && detail.contains(": the file ends"),
                     "{detail}"
                 );
             }

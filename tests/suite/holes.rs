@@ -142,6 +142,21 @@ fn a_damaged_chunk_of_an_mcap_adds_no_finding() {
 }
 
 #[test]
+fn zeros_in_a_chunk_without_a_checksum_add_no_finding() {
+    for compression in ["zstd", "lz4", "none"] {
+        let knobs = format!("chunk_size_bytes: 100000\ncompression: {compression}\nchecksums: false");
+        let bytes = support::build(&drive(&knobs));
+        let zeroed = chunks(&bytes).into_iter().map(|(at, end)| {
+            let middle = at.midpoint(end);
+            let mut damaged = bytes.clone();
+            damaged[middle..(middle + 4096).min(end)].fill(0);
+            (format!("{compression}, zeros in bytes {at} to {end}"), damaged)
+        });
+        adds_nothing("mcap", &bytes, &zeroed.collect());
+    }
+}
+
+#[test]
 fn a_damaged_chunk_of_a_ros_1_bag_adds_no_finding() {
     let drive = Drive::of(&drive(""));
     for compression in Compression::ALL {

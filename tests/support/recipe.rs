@@ -113,7 +113,7 @@
 //! `offered_qos_profiles`), `latched: true`, `writer: /node` (a channel of its own, with `callerid`), `schema`,
 //! `big_endian`.
 //!
-//! **File**: `compression: none | lz4 | zstd`, `chunk_size_bytes`, `metadata: {name: {key: value}}` (metadata records).
+//! **File**: `compression: none | lz4 | zstd`, `chunk_size_bytes`, `checksums: false` (of chunks), `metadata: {name: {key: value}}` (metadata records).
 
 use std::collections::BTreeMap;
 
@@ -152,6 +152,7 @@ pub struct Recipe {
     pub compression: Compression,
     /// Uncompressed size at which a chunk is closed; 64 KiB by default.
     pub chunk_size_bytes: Option<u64>,
+    pub checksums: Option<bool>,
     /// Metadata records: key and value pairs by name.
     #[serde(default)]
     pub metadata: BTreeMap<String, BTreeMap<String, String>>,
@@ -230,6 +231,7 @@ impl Recipe {
                 Compression::Zstd => Some(mcap::Compression::Zstd),
             },
             chunk_bytes: self.chunk_size_bytes.unwrap_or(64 << 10),
+            checksums: self.checksums.unwrap_or(true),
             ..Layout::default()
         };
         let drive = self.drive();

@@ -11,24 +11,18 @@ use crate::analysis::cross::pair::{Direction, Pair, Rank, Statement, TURNED};
 use crate::analysis::places::of_numbers;
 use crate::analysis::{cross::blame::oriented, cross::fold::fold, cross::halves::join_halves, cross::roles};
 use crate::source::{Confidence, Place, SourceId, SourceKind};
+use crate::verdict::Judge;
 use crate::world::graph::{Edge, EdgeOrigin};
 use crate::world::{Claim, ClaimKind, FrameId, Spelling, World};
 
-/// Statements that were held against each other.
-pub(crate) struct Pairs {
-    /// The pairs, in a fixed order.
-    pub(crate) pairs: Vec<Pair>,
-    /// Frames that so many sources speak of that not each was compared with each: which, and what was compared instead.
-    pub(crate) cut: Vec<(String, String)>,
-}
-
-/// How many statements of two frames are each compared with each; of more, each with the most trusted ones.
+/// How many statements of two frames in one folder are each compared with each; of more, each with the first ones and those of like length.
 const MOST_EACH_WITH_EACH: usize = 64;
-/// How many the most trusted ones are, then: the time that it takes follows the number of statements.
+/// How many of either kind these are: the time that it takes follows the number of statements.
 const MOST_REFERENCES: usize = 4;
 
-/// All pairs of a world.
-pub(crate) fn pairs(world: &World) -> Pairs {
+/// The pairs of statements of a world that are held against each other, in a fixed order. Where not each is held against each, that is
+/// reported as not evaluated.
+pub(crate) fn pairs(world: &World, out: &mut Judge) -> Vec<Pair> {
     let mut by_frames: BTreeMap<(FrameId, FrameId), Vec<Statement>> = BTreeMap::new();
     for statement in statements(world) {
         let (a, b) = (&statement.target, &statement.source_frame);
@@ -55,7 +49,10 @@ pub(crate) fn pairs(world: &World) -> Pairs {
             }
         }
     }
-    Pairs { pairs, cut }
+    for (subject, why) in cut {
+        out.too_little(subject, why);
+    }
+    pairs
 }
 
 /// Which statements of two frames are held against each other, by their numbers.

@@ -80,7 +80,8 @@ impl Bounds {
 }
 
 /// What expands what is refused here.
-const BY_PROGRAM: &str = "error: it is expanded with --xacro run only";
+const BY_PROGRAM: &str =
+    "error: check its folder as well, or expand the file with --xacro run: the `xacro` program may read anything";
 
 /// Takes from this process the right to open anything outside of these folders; whether that is in force.
 #[cfg(target_os = "linux")]

@@ -2,7 +2,7 @@
 
 use crate::analysis::{
     cross::pair::{Pair, Statement},
-    cross::statements::{Pairs, pairs},
+    cross::statements::pairs,
 };
 use crate::rules::prelude::*;
 use crate::world::{Claim, World};
@@ -23,12 +23,8 @@ impl Rule for ExtrinsicConsistency {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let Pairs { pairs, cut } = pairs(world);
-        for pair in pairs {
+        for pair in pairs(world, out) {
             judge_pair(world, &pair, limits, out);
-        }
-        for (subject, why) in cut {
-            out.too_little(subject, why);
         }
     }
 }

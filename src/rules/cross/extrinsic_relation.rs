@@ -6,7 +6,7 @@ use crate::advice::{literal::with_fix, places::swap_edits, restate::restated};
 use crate::analysis::cross::blame::{blame, holds_radians_twice};
 use crate::analysis::cross::exact::{Alike, Limits, off_axes_deg};
 use crate::analysis::cross::pair::{Direction, Pair};
-use crate::analysis::cross::statements::{Pairs, pairs};
+use crate::analysis::cross::statements::pairs;
 use crate::math::relation::{Classification, Relation, Tolerance, classify};
 use crate::math::rotation::{from_rpy, rotation_angle_between};
 use crate::rules::prelude::*;
@@ -21,13 +21,9 @@ impl Rule for ExtrinsicRelation {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        let Pairs { pairs, cut } = pairs(world);
-        for (subject, why) in cut {
-            out.too_little(subject, why);
-        }
         let mut alike = Alike::default();
         let mut blamed: Vec<(String, Pair, Classification)> = Vec::new();
-        for mut pair in pairs {
+        for mut pair in pairs(world, out) {
             let subject = pair.subject(world);
             let found = blame(&mut pair, limits.mount_m);
             if let Some(relation) = found.error() {

@@ -22,7 +22,7 @@ impl Rule for EulerSequence {
     type Limits = Limits;
 
     fn judge(world: &Estimates, limits: &Limits, out: &mut Judge) {
-        for pair in pairs(world).pairs {
+        for pair in pairs(world, out) {
             if pair.reference.rpy.is_some() || pair.other.rpy.is_some() {
                 judge_pair(world, &pair, limits, out);
             }

@@ -459,9 +459,8 @@ impl Pass<'_, '_> {
         }) = stopped
         {
             missing |= loses_messages;
-            let percent = 100.0 * at as f64 / self.total.max(1) as f64;
             let status = self.status_of_damage();
-            let message = format!("read up to byte {at} ({percent:.1} %): {why}");
+            let message = format!("read up to byte {at} of {}: {why}", self.total);
             source.problem_with_help(status, whole.clone(), message, Some(HELP.to_owned()));
         } else if let Some(promised) = promised.filter(|promised| !missing && *promised != read + self.channels.orphans)
         {

@@ -51,7 +51,7 @@ impl Losses {
         let mut lines = Vec::new();
         for Loss { from, to, why } in &self.told {
             match to {
-                None => lines.insert(0, format!("read up to byte {from} ({:.1} %): {why}", percent(*from))),
+                None => lines.insert(0, format!("read up to byte {from} of {total}: {why}")),
                 Some(to) => lines.push(format!(
                     "bytes {from} to {to} ({:.1} %) are left out: {why}",
                     percent(*from)

@@ -192,12 +192,13 @@ fn cut_page(path: &Path, total: u64) -> Option<LastPage> {
     Some(LastPage::new(bytes, usize::try_from(size).ok()?))
 }
 
-/// Says that the file ends before its header's last page, where it does.
+/// Says that the file is shorter than its header claims, where it is: cut off, or with bytes lost inside.
 fn missing_end(path: &Path, total: u64) -> Option<String> {
     let (size, pages) = claimed(path)?;
     let claimed = size * pages;
     let percent = 100.0 * total as f64 / claimed as f64;
-    (claimed > total).then(|| format!("the file ends at byte {total} of {claimed} ({percent:.1} %), it was cut off"))
+    (claimed > total)
+        .then(|| format!("the file has {total} of the {claimed} bytes that its header claims ({percent:.1} %)"))
 }
 
 /// Bytes of a page and number of pages that a database's header claims.
