@@ -61,7 +61,7 @@ fn folder(robot: &str) -> tempfile::TempDir {
 
 #[test]
 fn the_hooks_run_as_the_hook_runner_runs_them() {
-    let hooks = yaml(".pre-commit-hooks.yaml");
+    let hooks = yaml("packaging/pre-commit/.pre-commit-hooks.yaml");
     let hooks = hooks.as_array().unwrap();
     assert_eq!(hooks.len(), 2);
     for hook in hooks {
@@ -85,7 +85,7 @@ fn the_hooks_run_as_the_hook_runner_runs_them() {
         }
         assert_eq!(
             (hook["language"].as_str(), hook["pass_filenames"].as_bool()),
-            (Some("rust"), Some(false))
+            (Some("python"), Some(false))
         );
         let files = regex(hook["files"].as_str().unwrap());
         for name in ["a/b.urdf", "c.xacro", "calib.yaml", "calib.yml", "x.launch.py"] {
@@ -112,6 +112,37 @@ fn the_hooks_run_as_the_hook_runner_runs_them() {
         } else {
             assert!(code == 1 && text.contains("a robot/r.urdf:4:"), "{code} {text}");
         }
+    }
+}
+
+#[test]
+fn every_package_has_the_version_of_the_program() {
+    let version = env!("CARGO_PKG_VERSION");
+    for (file, line) in [
+        ("packaging/conda/recipe.yaml", format!("  version: \"{version}\"")),
+        (
+            "packaging/pre-commit/pyproject.toml",
+            format!("version = \"{version}\""),
+        ),
+        (
+            "packaging/pre-commit/pyproject.toml",
+            format!("dependencies = [\"frames-lint=={version}\"]"),
+        ),
+        (
+            "packaging/ros/ament_frames_lint/package.xml",
+            format!("  <version>{version}</version>"),
+        ),
+        (
+            "packaging/ros/ament_frames_lint/setup.py",
+            format!("    version='{version}',"),
+        ),
+        (
+            "packaging/ros/ament_cmake_frames_lint/package.xml",
+            format!("  <version>{version}</version>"),
+        ),
+    ] {
+        let text = fs::read_to_string(root().join(file)).unwrap();
+        assert!(text.lines().any(|one| one == line), "{file} has no line `{line}`");
     }
 }
 
@@ -149,7 +180,12 @@ fn the_action_annotates_and_reports_and_ends_with_the_programs_code() {
     let check = steps.iter().find(|step| step["id"] == "check").unwrap();
     let install = steps[0]["run"].as_str().unwrap();
     assert_eq!(
-        shell(install, root(), &[("FRAMES_LINT_SOURCE", "/nowhere")]).0,
+        shell(
+            install,
+            root(),
+            &[("FRAMES_LINT_PACKAGE", "no-such-package"), ("RUNNER_TEMP", "/nowhere")]
+        )
+        .0,
         0,
         "the program is found"
     );

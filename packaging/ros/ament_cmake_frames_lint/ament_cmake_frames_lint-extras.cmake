@@ -1,0 +1,6 @@
+find_package(ament_cmake_test QUIET REQUIRED)
+
+include("${ament_cmake_frames_lint_DIR}/ament_frames_lint.cmake")
+
+ament_register_extension("ament_lint_auto" "ament_cmake_frames_lint"
+  "ament_cmake_frames_lint_lint_hook.cmake")

@@ -1,0 +1,7 @@
+# What states where frames are, or says how to check them.
+file(GLOB_RECURSE _frames_lint_files FOLLOW_SYMLINKS
+  "*.urdf" "*.xacro" "*.sdf" "frames-lint.yaml")
+if(_frames_lint_files)
+  message(STATUS "Added test 'frames_lint' to check coordinate frames")
+  ament_frames_lint()
+endif()

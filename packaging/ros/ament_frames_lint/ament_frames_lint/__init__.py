@@ -1,0 +1,1 @@
+"""Coordinate frames of a ROS package, checked by frames-lint."""
