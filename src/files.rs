@@ -274,7 +274,15 @@ impl Outputs {
         let mut known: Vec<(Identity, &Path)> = Vec::new();
         for (at, file) in self.files.iter().enumerate() {
             let shown = file.display();
-            let same = |other: &&PathBuf| std::path::absolute(other).ok() == std::path::absolute(file).ok();
+            // A file that is not there yet is known by its folder and its name.
+            let whole = |file: &Path| {
+                let absolute = std::path::absolute(file).ok()?;
+                let folder = fs::canonicalize(absolute.parent()?).ok();
+                Some(folder.map_or(absolute.clone(), |folder| {
+                    folder.join(absolute.file_name().unwrap_or_default())
+                }))
+            };
+            let same = |other: &&PathBuf| whole(other) == whole(file);
             let is_stream = fs::metadata(file).is_ok_and(|about| !about.is_file() && !about.is_dir());
             if !is_stream && self.files.iter().take(at).any(|other| same(&other)) {
                 return Some(format!("`{shown}` is two outputs; each needs a file of its own"));
@@ -386,6 +394,12 @@ pub fn unmeant(path: &Path, checked: &[PathBuf]) -> Option<String> {
     }
     let is_checked = |checked: &PathBuf| fs::canonicalize(checked).is_ok_and(|checked| target.starts_with(checked));
     (!checked.iter().any(is_checked)).then(|| "it lies outside of what was checked".to_owned())
+}
+
+/// Whether another file can be put in the place of one: its folder may be written.
+pub fn may_be_replaced(path: &Path) -> bool {
+    let target = fs::canonicalize(path);
+    target.is_ok_and(|target| target.parent().is_some_and(may_be_written))
 }
 
 #[cfg(unix)]

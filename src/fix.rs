@@ -5,7 +5,7 @@
 
 use std::collections::BTreeMap;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 use similar::TextDiff;
 
@@ -135,6 +135,9 @@ fn has_mark(source: &Source, checked: Option<&[PathBuf]>) -> Result<bool, String
     if let Some(why) = checked.and_then(|checked| files::unmeant(Path::new(path), checked)) {
         return Err(format!("{path}: {why}; --force replaces it all the same"));
     }
+    if !files::may_be_replaced(Path::new(path)) {
+        return Err(format!("{path}: its folder may not be written"));
+    }
     let bytes = std::fs::read(path).map_err(|error| format!("{path}: {error}"))?;
     let text = String::from_utf8(bytes).map_err(|_| format!("{path}: it is not UTF-8; save it so first"))?;
     match text.strip_prefix(BYTE_ORDER_MARK) {
@@ -160,17 +163,14 @@ fn applied(text: &str, edits: &[(Span, &str)]) -> String {
 }
 
 impl Plan {
-    /// Writes the files. Each is written beside itself and then put in its place, so that none is ever half.
-    ///
-    /// # Errors
-    ///
-    /// The path and what the system says of it.
-    pub fn write(&self) -> Result<(), String> {
-        for patch in &self.patches {
+    /// Writes the files. Each is written beside itself and then put in its place, so that none is ever half. Gives the paths of those that
+    /// could not be written, with what the system says of it.
+    pub fn write(&self) -> Vec<String> {
+        let written = self.patches.iter().map(|patch| {
             files::write(Path::new(&patch.path), patch.after.as_bytes())
-                .map_err(|error| format!("cannot write `{}`: {error}", patch.path))?;
-        }
-        Ok(())
+                .map_err(|error| format!("cannot write `{}`: {error}", patch.path))
+        });
+        written.filter_map(Result::err).collect()
     }
 
     /// What changes, as a unified diff that `patch` and `git apply` take.
@@ -178,12 +178,26 @@ impl Plan {
         self.patches
             .iter()
             .map(|patch| {
+                let path = from_here(&patch.path);
                 TextDiff::from_lines(&patch.before, &patch.after)
                     .unified_diff()
-                    .header(&header("a/", &patch.path), &header("b/", &patch.path))
+                    .header(&header("a/", &path), &header("b/", &path))
                     .to_string()
             })
             .collect()
+    }
+}
+
+/// A path as `patch -p1` looks for it: from the working directory, or from the root (`patch -p1 -d /`) where it lies elsewhere.
+fn from_here(path: &str) -> String {
+    let is_plain = |path: &Path| path.components().all(|part| matches!(part, Component::Normal(_)));
+    let here = std::env::current_dir().and_then(std::fs::canonicalize);
+    match (std::fs::canonicalize(path), here) {
+        (Ok(whole), Ok(here)) if !is_plain(Path::new(path)) => {
+            let short = whole.strip_prefix(&here).or_else(|_| whole.strip_prefix("/"));
+            short.unwrap_or(&whole).display().to_string()
+        }
+        _ => path.to_owned(),
     }
 }
 
@@ -258,7 +272,7 @@ mod tests {
         );
         let safe = plan(&run, false, None);
         assert_eq!((safe.fixed, safe.not_asked, safe.patches.len()), (1, 1, 1));
-        safe.write().unwrap();
+        assert!(safe.write().is_empty());
         assert_eq!(
             std::fs::read_to_string(&path).unwrap(),
             format!("{BYTE_ORDER_MARK}AA\r\nbb\r\nC")

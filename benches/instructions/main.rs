@@ -174,6 +174,34 @@ const SIZED: &[(&str, Sized)] = &[
             .map(|number| (format!("{number}.yaml"), text(number)))
             .collect()
     }),
+    ("statements of one pair of frames in one file", |count| {
+        let line = |number| {
+            format!("k{number}: {{parent: base, child: lidar, x: 0.{number}, y: 0, z: 0, roll: 0, pitch: 0, yaw: 0}}\n")
+        };
+        vec![("mounts.yaml".to_owned(), (0..count).map(line).collect())]
+    }),
+    ("links with comments", |count| {
+        let link =
+            |number| format!("<link name=\"l{number}\"/> <!-- frames-lint: allow TREE06 a part on the bench -->\n");
+        let links: String = (0..count).map(link).collect();
+        vec![(
+            "robot.urdf".to_owned(),
+            format!("<robot name=\"r\">\n{links}</robot>\n"),
+        )]
+    }),
+    ("a ring of links", |count| {
+        let link = |number: usize| {
+            let next = (number + 1) % count;
+            format!(
+                "<link name=\"l{number}\"/><joint name=\"j{number}\" type=\"fixed\"><parent link=\"l{number}\"/><child link=\"l{next}\"/></joint>\n"
+            )
+        };
+        let links: String = (0..count).map(link).collect();
+        vec![(
+            "robot.urdf".to_owned(),
+            format!("<robot name=\"r\">\n{links}</robot>\n"),
+        )]
+    }),
     ("static transforms of a launch file", |count| {
         let node = |number: usize| {
             format!(

@@ -10,7 +10,7 @@ use crate::engine;
 use crate::files::Outputs;
 use crate::report::{self, Format, Style, plural, terminal};
 use crate::rules::codes;
-use crate::run::Run;
+use crate::run::{EXIT_USAGE, Run};
 use crate::verdict::KeptOutcomes;
 
 use super::args::{Chain, Check, Color, Reporting};
@@ -97,9 +97,9 @@ pub(super) fn run(
     if fixing.diff {
         return Ok(fixes::show(&run, &options, fixing.unsafe_fixes, &check.reporting));
     }
-    let mut said = String::new();
+    let (mut said, mut is_written) = (String::new(), true);
     if fixing.fix || fixing.unsafe_fixes {
-        said = fixes::apply(&mut run, &options, fixing.unsafe_fixes)?;
+        (said, is_written) = fixes::apply(&mut run, &options, fixing.unsafe_fixes)?;
     }
     if let Some(path) = check.write_baseline {
         let count = plural(engine::write_baseline(&mut run, &path)?, "finding");
@@ -110,6 +110,9 @@ pub(super) fn run(
     }
     let mut answer = tell(&mut run, &check.reporting, call, (stream, stdout), surroundings)?;
     answer.err.insert_str(0, &said);
+    if !is_written {
+        answer.code = EXIT_USAGE;
+    }
     answer.err.push_str(&options.timings.words());
     if check.watch {
         let config = options.config.iter().chain(&options.baseline).cloned();

@@ -29,8 +29,8 @@ pub(super) fn show(run: &Run, options: &Options, all: bool, reporting: &Reportin
     }
 }
 
-/// Applies fixes and checks again, until none is left to apply. Says what was done.
-pub(super) fn apply(run: &mut ManuallyDrop<Run>, options: &Options, all: bool) -> Result<String, Failure> {
+/// Applies fixes and checks again, until none is left to apply. Says what was done, and whether every file could be written.
+pub(super) fn apply(run: &mut ManuallyDrop<Run>, options: &Options, all: bool) -> Result<(String, bool), Failure> {
     let mut said = String::new();
     for _ in 0..ROUNDS {
         let plan = fix::plan(run, all, checked(options));
@@ -40,11 +40,19 @@ pub(super) fn apply(run: &mut ManuallyDrop<Run>, options: &Options, all: bool) -
             }
             break;
         }
-        plan.write().map_err(Failure::Usage)?;
-        said.push_str(&words(&plan, "fixed"));
+        let failed = plan.write();
         **run = engine::check(options)?;
+        if !failed.is_empty() {
+            let (all, written) = (plan.patches.len(), plan.patches.len() - failed.len());
+            let _ = writeln!(said, "fixed {written} of {}", plural(all, "file"));
+            for why in failed {
+                let _ = writeln!(said, "error: {why}");
+            }
+            return Ok((said, false));
+        }
+        said.push_str(&words(&plan, "fixed"));
     }
-    Ok(said)
+    Ok((said, true))
 }
 
 /// What alone may be replaced: what was checked; everything where the user says so.

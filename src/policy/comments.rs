@@ -26,6 +26,7 @@ pub(super) fn all(context: &Context) -> (Vec<Exception>, Vec<Misspelt>) {
             continue;
         }
         let lines = LineIndex::new(&source.text);
+        let mut regions = Regions::of(&source.text);
         let mut from = 0;
         while let Some(at) = source.text.get(from..).and_then(|rest| rest.find(MARK)) {
             let at = from + at;
@@ -35,7 +36,7 @@ pub(super) fn all(context: &Context) -> (Vec<Exception>, Vec<Misspelt>) {
             };
             let place = Place::text(source.id, comment.span);
             let line = lines.locate(&source.text, at).line;
-            match comment.read(source, context) {
+            match comment.read(&mut regions, context) {
                 Ok(found) => exceptions.extend(found.into_iter().map(|(rule, allowed)| Exception {
                     waiver: Waiver {
                         kind: WaiverKind::Comment,
@@ -71,6 +72,9 @@ fn name(source: &Source) -> String {
         _ => source.path.clone(),
     }
 }
+
+/// How far a comment in brackets may go on, bytes.
+const LONGEST: usize = 1 << 16;
 
 /// A comment to frames-lint.
 struct Comment<'t> {
@@ -112,7 +116,9 @@ impl<'t> Comment<'t> {
         let body_from = at + MARK.len();
         // A comment in brackets may go on over lines; the words to frames-lint end with their line.
         let closed = closer.and_then(|closer| {
-            let end = text.get(body_from..)?.find(closer)?;
+            let near = text.as_bytes().get(body_from..)?;
+            let near = near.get(..LONGEST).unwrap_or(near);
+            let end = memchr::memmem::find(near, closer.as_bytes())?;
             Some((body_from + end, body_from + end + closer.len()))
         });
         let (body_to, end) = closed.unwrap_or((line_end, line_end));
@@ -128,7 +134,7 @@ impl<'t> Comment<'t> {
     }
 
     /// The rules that it allows and where, or what is wrong with it.
-    fn read(&self, source: &Source, context: &Context) -> Result<Vec<(String, Allowed)>, String> {
+    fn read(&self, regions: &mut Regions, context: &Context) -> Result<Vec<(String, Allowed)>, String> {
         if !context.comments {
             return Err("comments do not count here: the configuration says so, or was named by --config without `comments: accept`".to_owned());
         }
@@ -178,7 +184,7 @@ impl<'t> Comment<'t> {
         let region = if is_file {
             Span::new(0, usize::MAX)
         } else {
-            self.region(source)
+            regions.of_comment(self)
         };
         let allowed = Allowed {
             reason,
@@ -188,31 +194,66 @@ impl<'t> Comment<'t> {
         };
         Ok(rules.into_iter().map(|rule| (rule, allowed.clone())).collect())
     }
-
-    /// What the comment is for: the element or entry that begins on its line, or behind it.
-    fn region(&self, source: &Source) -> Span {
-        let text = &source.text;
-        let is_xml = text.trim_start_matches('\u{feff}').trim_start().starts_with('<');
-        let element = is_xml.then(|| element(text, self)).flatten();
-        element.unwrap_or_else(|| block(text, self))
-    }
 }
 
-/// The first element that begins on the comment's line, or behind a comment that stands alone.
-fn element(text: &str, comment: &Comment) -> Option<Span> {
-    let options = roxmltree::ParsingOptions {
-        allow_dtd: true,
-        ..roxmltree::ParsingOptions::default()
-    };
-    let document = roxmltree::Document::parse_with_options(text, options).ok()?;
-    let line_start = text.get(..comment.start)?.rfind('\n').map_or(0, |end| end + 1);
-    let mut elements = document.descendants().filter(roxmltree::Node::is_element);
-    let found = if comment.is_trailing {
-        elements.find(|node| (line_start..comment.start).contains(&node.range().start))
-    } else {
-        elements.find(|node| node.range().start >= comment.end)
-    };
-    found.map(|node| Span::from(node.range()))
+/// What the comments of a text are for. Each text is looked through once, however many comments it has.
+struct Regions<'t> {
+    text: &'t str,
+    /// The elements of an XML document, in their order.
+    elements: Vec<Span>,
+    /// The last comments that stand alone one behind the other, and the block behind them.
+    block: Option<(Span, Span)>,
+}
+
+impl<'t> Regions<'t> {
+    fn of(text: &'t str) -> Self {
+        let is_xml = text.trim_start_matches('\u{feff}').trim_start().starts_with('<');
+        let options = roxmltree::ParsingOptions {
+            allow_dtd: true,
+            ..roxmltree::ParsingOptions::default()
+        };
+        let document = is_xml.then(|| roxmltree::Document::parse_with_options(text, options).ok());
+        let elements = document.flatten().map_or_else(Vec::new, |document| {
+            let elements = document.descendants().filter(roxmltree::Node::is_element);
+            elements.map(|node| Span::from(node.range())).collect()
+        });
+        Self {
+            text,
+            elements,
+            block: None,
+        }
+    }
+
+    /// The element or entry that begins on the comment's line, or behind it.
+    fn of_comment(&mut self, comment: &Comment) -> Span {
+        if let Some(element) = self.element(comment) {
+            return element;
+        }
+        if let Some((comments, block)) = self.block
+            && !comment.is_trailing
+            && comments.start <= comment.start
+            && comment.end < comments.end
+        {
+            return block;
+        }
+        let block = block(self.text, comment);
+        if !comment.is_trailing {
+            self.block = Some((Span::new(comment.start, block.start), block));
+        }
+        block
+    }
+
+    /// The first element that begins on the comment's line, or behind a comment that stands alone.
+    fn element(&self, comment: &Comment) -> Option<Span> {
+        let from = if comment.is_trailing {
+            self.text.get(..comment.start)?.rfind('\n').map_or(0, |end| end + 1)
+        } else {
+            comment.end
+        };
+        let next = self.elements.partition_point(|element| element.start < from);
+        let element = self.elements.get(next)?;
+        (!comment.is_trailing || element.start < comment.start).then_some(*element)
+    }
 }
 
 /// The line, and the lines behind it that are indented deeper or go on with its list.
@@ -260,9 +301,7 @@ mod tests {
     fn region(text: &str) -> &str {
         let at = text.find(MARK).unwrap();
         let comment = Comment::around(text, at).unwrap();
-        let mut source = Source::new(crate::source::SourceId(0), "a", SourceKind::Urdf);
-        source.text = text.to_owned();
-        let span = comment.region(&source);
+        let span = Regions::of(text).of_comment(&comment);
         text[span.start..span.end].trim()
     }
 

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::source::{Confidence, Place};
 
-use super::{Finding, Outcome, Verdict};
+use super::{Finding, Label, Outcome, Verdict};
 
 /// The code of a rule: `TREE01`. The registry of the rules makes them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -63,28 +63,31 @@ impl Explainer {
 /// Notes for each finding which of the others may explain it: those of the rules that it names which are on the same subject, the same
 /// topic or the same part of a file. For the findings of one world.
 pub fn match_up(findings: &mut [Finding]) {
-    let known: BTreeMap<&str, Vec<usize>> =
-        findings
-            .iter()
-            .enumerate()
-            .fold(BTreeMap::new(), |mut known, (at, one)| {
-                known.entry(one.rule.as_str()).or_insert_with(Vec::new).push(at);
-                known
-            });
-    let all: &[Finding] = findings;
-    let matches: Vec<Vec<Explainer>> = all
+    // Thousands may have one subject: the first that is the same stands for all of them.
+    let mut known: BTreeMap<&str, Vec<Vec<&Finding>>> = BTreeMap::new();
+    let mut numbers: BTreeMap<(&str, &str), usize> = BTreeMap::new();
+    for one in findings.iter() {
+        let subjects = known.entry(&one.rule).or_default();
+        let number = *numbers.entry(one.key()).or_insert(subjects.len());
+        match subjects.get_mut(number) {
+            Some(same) => same.push(one),
+            None => subjects.push(vec![one]),
+        }
+    }
+    let matches: Vec<Vec<Explainer>> = findings
         .iter()
         .map(|finding| {
-            let others = finding.unless.iter().flat_map(|unless| {
+            let same = finding.unless.iter().flat_map(|unless| {
                 let rule = match unless {
                     Unless::Rule(rule) | Unless::About(rule, _) => rule.as_str(),
                     Unless::CauseOf(_) => &finding.rule,
                 };
-                let others = known.get(rule).into_iter().flatten();
-                others.filter_map(move |at| Some((all.get(*at)?, unless)))
+                let subjects = known.get(rule).into_iter().flatten();
+                subjects.filter_map(move |others| others.iter().find(|other| is_same(finding, other, unless)))
             });
-            let same = others.filter(|(other, unless)| is_same(finding, other, unless));
-            same.map(|(other, _)| other.explainer()).collect()
+            let mut known = BTreeSet::new();
+            let same = same.filter(|other| known.insert(other.key()));
+            same.map(|other| other.explainer()).collect()
         })
         .collect();
     for (finding, explainers) in findings.iter_mut().zip(matches) {
@@ -100,18 +103,8 @@ fn is_same(finding: &Finding, other: &Finding, unless: &Unless) -> bool {
         // Where there are several platforms, subjects open with their names.
         Unless::CauseOf(subject) => return other.subject.ends_with(subject) && other.subject != finding.subject,
     }
-    let places = |finding: &Finding| {
-        finding
-            .places
-            .iter()
-            .map(|label| label.place.clone())
-            .collect::<Vec<Place>>()
-    };
-    let own = places(finding);
-    finding.subject == other.subject
-        || places(other)
-            .iter()
-            .any(|place| own.iter().any(|own| touches(own, place)))
+    let touches = |label: &Label| finding.places.iter().any(|own| touches(&own.place, &label.place));
+    finding.subject == other.subject || other.places.iter().any(touches)
 }
 
 /// Whether two places are messages of one topic, or parts of one file that overlap. TF is no topic of one thing.
@@ -187,8 +180,11 @@ fn speakers(findings: &[Finding]) -> Vec<usize> {
                     None => is_open = true,
                     Some(said_by) => {
                         let counts = findings.get(said_by).is_some_and(|said| says(said, finding));
-                        speaker = speaker.or((counts && said_by != at).then_some(said_by));
+                        speaker = (counts && said_by != at).then_some(said_by);
                     }
+                }
+                if speaker.is_some() {
+                    break;
                 }
             }
             if speaker.is_some() || !is_open {

@@ -357,8 +357,7 @@ impl FrameGraph {
         let mut cycles: BTreeSet<Vec<FrameId>> = BTreeSet::new();
         let mut done: BTreeSet<&FrameId> = BTreeSet::new();
         for start in &self.frames {
-            let mut path: Vec<&FrameId> = Vec::new();
-            self.walk_up(start, &mut path, &mut done, &mut cycles);
+            self.walk_up(start, &mut done, &mut cycles);
         }
         cycles.into_iter().collect()
     }
@@ -366,25 +365,24 @@ impl FrameGraph {
     fn walk_up<'a>(
         &'a self,
         start: &'a FrameId,
-        path: &mut Vec<&'a FrameId>,
         done: &mut BTreeSet<&'a FrameId>,
         cycles: &mut BTreeSet<Vec<FrameId>>,
     ) {
         // An explicit stack: chains may be tens of thousands of frames long.
         let mut stack: Vec<(&'a FrameId, bool)> = vec![(start, false)];
+        let mut path: Vec<&'a FrameId> = Vec::new();
+        let mut positions: BTreeMap<&'a FrameId, usize> = BTreeMap::new();
         while let Some((frame, leaving)) = stack.pop() {
             if leaving {
                 path.pop();
+                positions.remove(frame);
                 done.insert(frame);
                 continue;
             }
-            if let Some(position) = path.iter().position(|f| *f == frame) {
-                let mut cycle: Vec<FrameId> = path.iter().skip(position).map(|f| (*f).clone()).collect();
-                let smallest = cycle
-                    .iter()
-                    .enumerate()
-                    .min_by_key(|(_, frame)| (*frame).clone())
-                    .map_or(0, |(index, _)| index);
+            if let Some(position) = positions.get(frame) {
+                let mut cycle: Vec<FrameId> = path.iter().skip(*position).map(|f| (*f).clone()).collect();
+                let smallest = cycle.iter().enumerate().min_by(|a, b| a.1.cmp(b.1));
+                let smallest = smallest.map_or(0, |(index, _)| index);
                 cycle.rotate_left(smallest);
                 cycles.insert(cycle);
                 continue;
@@ -392,6 +390,7 @@ impl FrameGraph {
             if done.contains(frame) {
                 continue;
             }
+            positions.insert(frame, path.len());
             path.push(frame);
             stack.push((frame, true));
             for parent in self.parents_of(frame) {

@@ -68,18 +68,21 @@ pub(super) fn channels(root: &Node) -> Vec<(FrameId, FrameId)> {
     root.items().unwrap_or_default().iter().filter_map(named).collect()
 }
 
-/// Whether a list holds poses, each with a time of its own, or records of nuScenes that are of no sensor: its `ego_pose.json`, also with one
-/// pose, and its `sample_annotation.json`.
+/// Whether a list holds poses, each with a time of its own or, as for radiance fields (`transforms.json`), with an image of its own; or records
+/// of nuScenes that are of no sensor: its `ego_pose.json`, also with one pose, and its `sample_annotation.json`.
 pub(super) fn is_over_time(items: &[Node]) -> bool {
     let time = |item: &Node| {
-        let times = ["timestamp", "timestamp_ns", "utime", "stamp", "time"];
+        let times = ["timestamp", "timestamp_ns", "utime", "stamp", "time", "file_path"];
         times.iter().find_map(|key| item.get(key)?.text().map(str::to_owned))
     };
     let has = |item: &Node, half: Half| {
         let mut keys = item.pairs().iter().filter_map(|(key, _)| key.text());
         keys.any(|key| names::half(key).is_some_and(|(_, of)| of == half))
     };
-    let is_pose = |item: &Node| has(item, Half::Translation) && has(item, Half::Rotation);
+    let is_pose = |item: &Node| {
+        let is_of_image = item.get("transform_matrix").is_some() && item.get("file_path").is_some();
+        is_of_image || has(item, Half::Translation) && has(item, Half::Rotation)
+    };
     let times: Option<BTreeSet<String>> = items.iter().map(time).collect();
     let is_recorded = |item: &Node| {
         let has = |keys: &[&str]| keys.iter().any(|key| item.get(key).is_some());

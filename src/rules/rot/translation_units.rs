@@ -49,6 +49,9 @@ impl Rule for TranslationUnits {
                 .map(Stated::norm)
                 .filter(|norm| *norm < limits.far_m)
                 .fold(0.0, f64::max);
+            // Where many lie between the usual ones and the longest, none is odd: positions on a way, a map of landmarks.
+            let between = |other: &&Stated| (limits.far_m..limits.outlier * usual).contains(&other.norm());
+            let is_spread = group.iter().filter(between).count() > limits.many;
             let (longest, second) = two_longest(&group);
             let is_many = group.len() > limits.many;
             for stated in &group {
@@ -63,8 +66,9 @@ impl Rule for TranslationUnits {
                     (true, true) => limits.far_among_many_m,
                     _ => limits.far_m,
                 };
-                let found = against_others(world, source, stated, &pairs, limits)
-                    .or_else(|| by_size(world, source, stated, (usual, far), limits));
+                let found = against_others(world, source, stated, &pairs, limits).or_else(|| {
+                    by_size(world, source, stated, (usual, far), limits).filter(|_| is_near || !is_spread)
+                });
                 match found {
                     Some(finding) => out.fail(finding),
                     None => right.pass(source, Measured::new("length", stated.norm(), "m").limit(limits.far_m)),
