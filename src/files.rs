@@ -274,15 +274,8 @@ impl Outputs {
         let mut known: Vec<(Identity, &Path)> = Vec::new();
         for (at, file) in self.files.iter().enumerate() {
             let shown = file.display();
-            // A file that is not there yet is known by its folder and its name.
-            let whole = |file: &Path| {
-                let absolute = std::path::absolute(file).ok()?;
-                let folder = fs::canonicalize(absolute.parent()?).ok();
-                Some(folder.map_or(absolute.clone(), |folder| {
-                    folder.join(absolute.file_name().unwrap_or_default())
-                }))
-            };
-            let same = |other: &&PathBuf| whole(other) == whole(file);
+            let own = resolved(file);
+            let same = |other: &&PathBuf| resolved(other) == own;
             let is_stream = fs::metadata(file).is_ok_and(|about| !about.is_file() && !about.is_dir());
             if !is_stream && self.files.iter().take(at).any(|other| same(&other)) {
                 return Some(format!("`{shown}` is two outputs; each needs a file of its own"));
@@ -321,6 +314,15 @@ impl Outputs {
         } else {
             format!("`{shown}` is there already, and is no report of frames-lint; --force replaces it")
         })
+    }
+}
+
+/// A path with its folder resolved: what a file is known by that is not there yet.
+fn resolved(path: &Path) -> Option<PathBuf> {
+    let absolute = std::path::absolute(path).ok()?;
+    match (absolute.parent().map(fs::canonicalize), absolute.file_name()) {
+        (Some(Ok(folder)), Some(name)) => Some(folder.join(name)),
+        _ => Some(absolute),
     }
 }
 

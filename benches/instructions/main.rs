@@ -183,11 +183,7 @@ const SIZED: &[(&str, Sized)] = &[
     ("links with comments", |count| {
         let link =
             |number| format!("<link name=\"l{number}\"/> <!-- frames-lint: allow TREE06 a part on the bench -->\n");
-        let links: String = (0..count).map(link).collect();
-        vec![(
-            "robot.urdf".to_owned(),
-            format!("<robot name=\"r\">\n{links}</robot>\n"),
-        )]
+        robot_of(&(0..count).map(link).collect::<String>())
     }),
     ("a ring of links", |count| {
         let link = |number: usize| {
@@ -196,11 +192,7 @@ const SIZED: &[(&str, Sized)] = &[
                 "<link name=\"l{number}\"/><joint name=\"j{number}\" type=\"fixed\"><parent link=\"l{number}\"/><child link=\"l{next}\"/></joint>\n"
             )
         };
-        let links: String = (0..count).map(link).collect();
-        vec![(
-            "robot.urdf".to_owned(),
-            format!("<robot name=\"r\">\n{links}</robot>\n"),
-        )]
+        robot_of(&(0..count).map(link).collect::<String>())
     }),
     ("static transforms of a launch file", |count| {
         let node = |number: usize| {
@@ -212,6 +204,14 @@ const SIZED: &[(&str, Sized)] = &[
         vec![("bringup.launch.xml".to_owned(), format!("<launch>\n{nodes}</launch>\n"))]
     }),
 ];
+
+/// A file of a robot with these elements.
+fn robot_of(elements: &str) -> Vec<(String, String)> {
+    vec![(
+        "robot.urdf".to_owned(),
+        format!("<robot name=\"r\">\n{elements}</robot>\n"),
+    )]
+}
 
 /// A robot whose every sixth link has one mistake of six.
 fn faulty_robot(count: usize) -> String {

@@ -43,8 +43,8 @@ pub(super) fn apply(run: &mut ManuallyDrop<Run>, options: &Options, all: bool) -
         let failed = plan.write();
         **run = engine::check(options)?;
         if !failed.is_empty() {
-            let (all, written) = (plan.patches.len(), plan.patches.len() - failed.len());
-            let _ = writeln!(said, "fixed {written} of {}", plural(all, "file"));
+            let planned = plan.patches.len();
+            let _ = writeln!(said, "fixed {} of {}", planned - failed.len(), plural(planned, "file"));
             for why in failed {
                 let _ = writeln!(said, "error: {why}");
             }

@@ -97,7 +97,7 @@ pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) 
         }
         command.arg(VERB).env("RUST_XACRO_PACKAGE_MAP", listed(&packages));
         if let Some(folder) = path.parent() {
-            // Not by the system's start of a process: a statically linked program would copy itself for that.
+            // The child changes its folder itself: with `current_dir` a statically linked program is started by `fork`, which copies its memory map.
             command.arg("--from").arg(folder);
         }
         let folders = allowed.folders().iter().map(PathBuf::as_path).chain(top.parent());

@@ -97,7 +97,8 @@ fn a_file_cut_at_any_percent_gives_what_stands_before_the_cut() {
             if cut.len() >= 8 {
                 let detail = source.detail.unwrap();
                 assert!(
-                    detail.starts_with("read up to byte ") && detail.contains(": the file ends"),
+                    detail.starts_with("read up to byte ")
+                        && detail.contains(&format!(" of {}: the file ends", cut.len())),
                     "{detail}"
                 );
             }
@@ -268,6 +269,25 @@ fn zeros_and_rubbish_behind_the_magic_end_the_reading_at_once() {
             "{source:?}"
         );
     }
+    // In a chunk that the end of the file cuts as well.
+    let mut broken = loose();
+    let messages: Vec<usize> = memchr::memmem::find_iter(&broken, b"0123456789").collect();
+    broken[messages[3] + 10..messages[7]].fill(0);
+    broken.truncate(messages[9]);
+    let (source, collected) = support::collected(&broken);
+    assert_eq!(
+        (source.status, bag(&collected).messages),
+        (ReadStatus::Partial, 4),
+        "{source:?}"
+    );
+    assert!(
+        source
+            .detail
+            .as_ref()
+            .unwrap()
+            .ends_with(": a record of kind 0, which the format does not know"),
+        "{source:?}"
+    );
     let mut longer = bytes.clone();
     longer.extend(&bytes);
     let (source, collected) = support::collected(&longer);

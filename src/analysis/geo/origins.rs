@@ -33,7 +33,8 @@ pub(crate) fn origins(world: &Estimates, limits: &Limits) -> (Vec<LocalOrigin>, 
     (all, left_out)
 }
 
-/// Every origin that comes from the messages of a recording; those of its transforms are left out, for these are compared with all others.
+/// Every origin that comes from topics and tracks of recordings. Those of transforms are not among them: which local frame is meant depends on
+/// all transforms of the world.
 pub(crate) fn of_bags(world: &Estimates, limits: &Limits) -> Vec<LocalOrigin> {
     let mut all = Vec::new();
     let motion = Motion::of(world);

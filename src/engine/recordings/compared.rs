@@ -26,16 +26,13 @@ fn facts(world: &World, bag: &BagEvidence, origins: &[LocalOrigin]) -> Facts {
     let is_earth = |edge: &&TfEdge| is_earth(&edge.parent) || is_earth(&edge.child);
     let edges = bag.tf.iter().filter(|edge| edge.is_static || is_earth(edge));
     let edges = edges.filter_map(|edge| {
-        let (parent, child) = (edge.parent.clone(), edge.child.clone());
-        Some(TfEdge {
-            topic: edge.topic.clone(),
-            is_static: edge.is_static,
-            samples: edge
-                .samples
-                .get(..if edge.is_static { 1 } else { edge.samples.len() })?
-                .to_vec(),
-            ..TfEdge::once(parent, child, edge.first()?.clone())
-        })
+        let mut kept = TfEdge::once(edge.parent.clone(), edge.child.clone(), edge.first()?.clone());
+        kept.topic.clone_from(&edge.topic);
+        kept.is_static = edge.is_static;
+        if !edge.is_static {
+            kept.samples.clone_from(&edge.samples);
+        }
+        Some(kept)
     });
     // A recording joins others by the names of its frames.
     let mut known = BTreeSet::new();

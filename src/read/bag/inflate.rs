@@ -49,7 +49,7 @@ pub(super) struct Unpacked {
     pub(super) at: u64,
     /// Whether the chunk does not follow the one before.
     pub(super) seam: bool,
-    /// The decompressed bytes, or what is wrong: what comes out before an error is used of none, for no checksum stands for it.
+    /// The decompressed bytes, or what is wrong. Nothing that came out before an error is used: it may be wrong as well.
     pub(super) data: Result<Vec<u8>, String>,
 }
 

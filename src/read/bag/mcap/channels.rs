@@ -70,6 +70,7 @@ impl<'v> Channels<'v> {
     pub(super) fn record(&mut self, opcode: u8, body: &[u8]) -> Result<(), String> {
         match opcode {
             op::SCHEMA | op::CHANNEL | op::MESSAGE => {}
+            0 => return Err(KIND_ZERO.to_owned()),
             _ => return Ok(()),
         }
         match ::mcap::parse_record(opcode, body) {

@@ -12,6 +12,7 @@ mod chunk;
 mod fields;
 mod index;
 mod notes;
+mod report;
 
 use std::fs::File;
 use std::io::{BufReader, Read, Seek, SeekFrom};
@@ -37,9 +38,6 @@ const PROGRESS_STEP: u64 = 4 << 20;
 
 /// Chunks of the index that are looked for behind a fault.
 const MOST_TRIED: usize = 64;
-
-/// What to do about a damaged file.
-const HELP: &str = "`mcap recover` writes what is readable into a closed file; record again if what is missing matters";
 
 const MAGIC_LEN: u64 = 8;
 const FRAME_LEN: u64 = 9;
@@ -204,25 +202,6 @@ impl Pass<'_, '_> {
             source.problem(status, Place::whole(source.id), message);
         }
         !self.faults.is_empty()
-    }
-
-    /// Where no message was met there is nothing to judge.
-    fn status_of_damage(&self) -> ReadStatus {
-        if self.channels.messages == 0 {
-            ReadStatus::Unreadable
-        } else {
-            ReadStatus::Partial
-        }
-    }
-
-    /// What is said of damaged chunks.
-    fn damage(&self, which: &str) -> Option<String> {
-        let Stop { at, why, .. } = self.faults.first()?;
-        let of = match self.faults.len() {
-            1 => format!("1 of the chunks{which} is damaged, at byte {at}"),
-            count => format!("{count} of the chunks{which} are damaged, the first at byte {at}"),
-        };
-        Some(format!("{of}: {why}"))
     }
 
     fn note(&mut self, result: Result<(), Stop>) {
@@ -432,56 +411,6 @@ impl Pass<'_, '_> {
             why: why.into(),
             loses_messages: !self.data_ended,
         }
-    }
-
-    /// Writes down how far reading went; returns whether messages may be missing.
-    fn report(&self, stopped: Option<Stop>, indexed: Option<u64>, source: &mut Source) -> bool {
-        let read = self.channels.messages;
-        let promised = self.promised.or(indexed);
-        source.examined.bytes = stopped.as_ref().map_or(self.used, |stop| stop.at);
-        source.examined.messages = Some(read);
-        let whole = Place::whole(source.id);
-        let lost = promised.map(|promised| promised.saturating_sub(read + self.channels.orphans));
-        let mut missing = !self.faults.is_empty() && lost != Some(0);
-        if let Some(message) = self.damage("") {
-            let status = self.status_of_damage();
-            let lost = match lost {
-                Some(0) => "; no message is missing".to_owned(),
-                Some(lost) => format!("; {lost} messages were not read"),
-                None => String::new(),
-            };
-            source.problem_with_help(status, whole.clone(), message + &lost, Some(HELP.to_owned()));
-        }
-        if let Some(Stop {
-            at,
-            why,
-            loses_messages,
-        }) = stopped
-        {
-            missing |= loses_messages;
-            let status = self.status_of_damage();
-            let message = format!("read up to byte {at} of {}: {why}", self.total);
-            source.problem_with_help(status, whole.clone(), message, Some(HELP.to_owned()));
-        } else if let Some(promised) = promised.filter(|promised| !missing && *promised != read + self.channels.orphans)
-        {
-            missing = promised > read;
-            let message = format!("{read} messages were read, but the file's statistics say {promised}");
-            source.problem(ReadStatus::Partial, whole.clone(), message);
-        }
-        if self.channels.orphans > 0 {
-            let orphans = self.channels.orphans;
-            let message = format!("{orphans} messages belong to channels that the file does not define");
-            source.problem(ReadStatus::Partial, whole.clone(), message);
-            missing = true;
-        }
-        if self.channels.redefined > 0 {
-            let message = format!("{} channel ids are defined twice, differently", self.channels.redefined);
-            source.problem(ReadStatus::Read, whole, message);
-        }
-        if read == 0 && source.detail.is_none() {
-            source.detail = Some("no messages".to_owned());
-        }
-        missing
     }
 }
 

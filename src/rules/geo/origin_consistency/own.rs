@@ -26,8 +26,11 @@ pub(crate) fn judge(world: &Estimates, all: &[LocalOrigin], limits: &Limits, out
             judge_later(origin, later, limits, out);
         }
         let is_stated = matches!(origin.by, OriginSource::Transform | OriginSource::Topic);
+        let Some(id) = origin.bag.filter(|_| is_stated) else {
+            continue;
+        };
         let mut bags = world.bags.iter().zip(&motion.bags);
-        let Some((_, bag)) = bags.find(|(bag, _)| is_stated && origin.bag == Some(bag.source)) else {
+        let Some((_, bag)) = bags.find(|(bag, _)| bag.source == id) else {
             continue;
         };
         let receivers = bag.fixes.iter().filter(|fixes| !tells_origin(&fixes.topic));
