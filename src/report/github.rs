@@ -71,7 +71,7 @@ fn annotation(finding: &Finding, locator: &Locator, out: &mut String) {
     };
     let waived = if finding.waived.is_some() { "waived: " } else { "" };
     properties.push(("title", format!("{waived}{} {}{hint}", finding.rule, finding.name)));
-    let mut words = finding.message.clone();
+    let mut words = finding.text();
     if let Some(message) = spot.and_then(|spot| spot.message) {
         let _ = write!(words, " [{} message {}]", message.topic, message.index);
     }

@@ -120,6 +120,9 @@ fn told(finding: &Finding, locator: &Locator) -> String {
         finding.confidence.word(),
         clean(&finding.message)
     );
+    if !finding.detail.is_empty() {
+        let _ = writeln!(words, "  {}", clean(&finding.detail));
+    }
     for measured in &finding.measured {
         let _ = writeln!(words, "  measured: {}", clean(&measured_words(measured)));
     }

@@ -105,6 +105,9 @@ fn table(run: &Run, locator: &Locator, out: &mut String) {
         if let Some(measured) = finding.measured.first() {
             let _ = write!(what, "<br>measured: {}", escaped(&measured_words(measured)));
         }
+        if !finding.detail.is_empty() {
+            let _ = write!(what, "<br>{}", escaped(&finding.detail));
+        }
         if !finding.help.is_empty() {
             let _ = write!(what, "<br>help: {}", escaped(&finding.help));
         }

@@ -210,7 +210,7 @@ fn result(
     fail_on: FailOn,
     locator: &Locator,
 ) -> Value {
-    let mut text = finding.message.clone();
+    let mut text = finding.text();
     if !finding.help.is_empty() {
         text = format!("{text}\n\n{}", finding.help);
     }

@@ -99,7 +99,7 @@ pub fn match_up(findings: &mut [Finding]) {
 fn is_same(finding: &Finding, other: &Finding, unless: &Unless) -> bool {
     match unless {
         Unless::Rule(_) => {}
-        Unless::About(_, about) => return other.subject.contains(about) || other.message.contains(about),
+        Unless::About(_, about) => return other.subject.contains(about) || other.text().contains(about),
         // Where there are several platforms, subjects open with their names.
         Unless::CauseOf(subject) => return other.subject.ends_with(subject) && other.subject != finding.subject,
     }

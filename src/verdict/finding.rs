@@ -99,8 +99,11 @@ pub struct Finding {
     pub severity: Severity,
     /// How sure it is.
     pub confidence: Confidence,
-    /// What is wrong, with the number.
+    /// The headline: what is wrong with what, and by how much, in one sentence.
     pub message: String,
+    /// Evidence in sentences that is no number of `measured`; may be empty.
+    #[serde(default, skip_serializing_if = "String::is_empty")]
+    pub detail: String,
     /// What to do.
     pub help: String,
     /// The word of the relation dictionary that explains a difference.
@@ -158,6 +161,7 @@ impl Finding {
             severity,
             confidence: Confidence::Certain,
             message: message.into(),
+            detail: String::new(),
             help: String::new(),
             relation: None,
             places: vec![Label {
@@ -188,6 +192,12 @@ impl Finding {
     /// A note at a primary place.
     pub fn note(subject: impl Into<String>, message: impl Into<String>, primary: Place) -> Self {
         Self::new(Severity::Note, subject, message, primary)
+    }
+
+    /// Headline and detail, a paragraph each.
+    pub fn text(&self) -> String {
+        let parts = [self.message.as_str(), self.detail.as_str()];
+        parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
     }
 
     /// Measured with margin, not proven.
@@ -234,6 +244,13 @@ impl Finding {
             place,
             note: note.into(),
         });
+        self
+    }
+
+    /// Evidence in sentences, behind the headline: what was compared with what, what else fits.
+    #[must_use]
+    pub fn detail(mut self, detail: impl Into<String>) -> Self {
+        self.detail = detail.into();
         self
     }
 

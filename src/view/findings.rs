@@ -136,7 +136,7 @@ fn told(number: usize, finding: &Finding) -> String {
         "**{}**, {}: {}\n",
         finding.severity.word(),
         finding.confidence.word(),
-        finding.message
+        finding.text()
     );
     for measured in &finding.measured {
         let _ = writeln!(page, "- {}", number_of(measured));

@@ -111,6 +111,7 @@ fn full(page: &Page, drawn: &Drawn, number: usize, finding: &Finding) -> Markup 
                 a href={ "#rule-" (finding.rule) } { (finding.rule) " " (finding.name) }
             }
             p class="message" { (words(&finding.message)) }
+            @if !finding.detail.is_empty() { p { (words(&finding.detail)) } }
             @if let Some(waived) = &finding.waived { (summary::accepted(waived)) }
             @if finding.confidence == Confidence::Hint {
                 p class="small" { "A hint: it never counts against a dataset." }

@@ -24,6 +24,9 @@ pub(super) fn full(finding: &Finding, locator: &Locator, painter: &Painter, styl
         style.paint(Ink::Strong, &one_line(&finding.message))
     );
     push(out, &wrap(&head, style.width, "", "  "));
+    if !finding.detail.is_empty() {
+        push(out, &wrap(&clean(&finding.detail), style.width, "  ", "  "));
+    }
     places(finding, locator, painter, style, out);
     for (index, measured) in finding.measured.iter().enumerate() {
         let label = if index == 0 { "  measured: " } else { "            " };
