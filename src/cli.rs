@@ -85,7 +85,7 @@ impl Surroundings {
                 color: is_terminal && !set("NO_COLOR") && !dumb,
                 unicode: !is_terminal || supports_unicode::supports_unicode(),
                 width: is_terminal.then(width).flatten(),
-                pages: PAGES.filter(|_| supports_hyperlinks::on(supports_hyperlinks::Stream::Stdout)),
+                links: supports_hyperlinks::on(supports_hyperlinks::Stream::Stdout),
             },
             progress: std::io::stderr().is_terminal(),
             is_program: true,
@@ -101,13 +101,6 @@ impl Surroundings {
         }
     }
 }
-
-/// Where the pages of the rules are to be had: in the repository, where the manifest names one.
-const PAGES: Option<&str> = if env!("CARGO_PKG_REPOSITORY").is_empty() {
-    None
-} else {
-    Some(concat!(env!("CARGO_PKG_REPOSITORY"), "/blob/main/rules"))
-};
 
 /// Columns of the terminal: what `COLUMNS` says, else its size.
 fn width() -> Option<usize> {

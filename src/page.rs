@@ -9,6 +9,14 @@ use serde::{Deserialize, Deserializer};
 use crate::source::Confidence;
 use crate::verdict::Severity;
 
+/// Where the page of a rule is published.
+pub fn url(code: &str) -> String {
+    format!(
+        "https://frames-lint.github.io/frames-lint/rules/{}.html",
+        code.to_lowercase()
+    )
+}
+
 /// How settled a rule is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]

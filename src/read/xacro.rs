@@ -22,8 +22,11 @@ use super::urdf::{self, MeshLookup};
 use self::marked::Copies;
 pub use self::marked::Template;
 
-/// How long the program may run.
+/// How long the `xacro` program may run.
 const TIMEOUT: Duration = Duration::from_secs(30);
+
+/// How long this program may run. Real files take some milliseconds.
+const OWN_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// How much it may write, bytes. The largest expansion seen in real files has half a megabyte.
 const LARGEST: usize = 64 * 1024 * 1024;
@@ -104,10 +107,10 @@ pub fn expand(path: &Path, means: &Means, packages: &BTreeMap<String, PathBuf>) 
         for folder in folders {
             command.arg("--allowed").arg(folder);
         }
-        expand_by(command, top, &means.args)
+        expand_by(command, top, &means.args, OWN_TIMEOUT)
     });
     let by_program = |path: &Path| match program().filter(|_| means.run) {
-        Some(program) => expand_by(Command::new(program), path, &means.args),
+        Some(program) => expand_by(Command::new(program), path, &means.args, TIMEOUT),
         None => Err(Expansion::NotInstalled),
     };
     let expanded = match own.unwrap_or(Err(Expansion::NotInstalled)) {
@@ -171,9 +174,9 @@ fn program() -> Option<PathBuf> {
         .find(|program| program.is_file())
 }
 
-fn expand_by(mut command: Command, path: &Path, args: &[String]) -> Result<String, Expansion> {
+fn expand_by(mut command: Command, path: &Path, args: &[String], timeout: Duration) -> Result<String, Expansion> {
     command.arg(path).args(args).env("PYTHONIOENCODING", "utf-8");
-    match run(command, TIMEOUT, LARGEST)? {
+    match run(command, timeout, LARGEST)? {
         Output {
             success: true, stdout, ..
         } => String::from_utf8(stdout).map_err(|_| Expansion::failed("the expansion is not UTF-8".to_owned())),
@@ -243,8 +246,8 @@ impl Expansion {
             ),
             Self::TimedOut => (
                 format!(
-                    "the xacro was not expanded: that did not end within {} s",
-                    TIMEOUT.as_secs()
+                    "the xacro was not expanded: that takes more than {} s",
+                    OWN_TIMEOUT.as_secs()
                 ),
                 "expand it by hand, and check the expanded URDF".to_owned(),
             ),

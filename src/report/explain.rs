@@ -37,6 +37,7 @@ pub fn render(page: &Page, style: Style) -> String {
             item(reference, style, &mut out);
         }
     }
+    let _ = writeln!(out, "\nOnline: {}", page::url(page.code));
     out
 }
 
@@ -248,7 +249,8 @@ mod tests {
         assert_eq!(
             body,
             "  First:\n  - one more\n  - two\n  1. three\n  | a | b |\n  |---|---|\n  case\n  text\n\nLimits\n  \
-             limit      value    reason\n  angle_deg  1.5 deg  why not\n  count      2        two\n"
+             limit      value    reason\n  angle_deg  1.5 deg  why not\n  count      2        two\n\nOnline: \
+             https://frames-lint.github.io/frames-lint/rules/tree01.html\n"
         );
         assert!(text.contains("on trial"));
     }

@@ -114,6 +114,7 @@ fn rule(rule: &Page) -> Value {
         "id": rule.code,
         "name": rule.name,
         "shortDescription": {"text": rule.summary},
+        "helpUri": page::url(rule.code),
         "fullDescription": {"text": section("What it checks")},
         "help": {"text": section("How to fix"), "markdown": help.join("\n\n")},
         "defaultConfiguration": {"level": level(rule.severity)},

@@ -1,5 +1,7 @@
 //! How text is dressed: colour, drawing characters and width. Knows nothing of what is written.
 
+use crate::page::url;
+
 /// What the receiver of a text can show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Style {
@@ -9,8 +11,8 @@ pub struct Style {
     pub unicode: bool,
     /// Columns of the terminal; `None` where lines may be as long as they like.
     pub width: Option<usize>,
-    /// Where the pages of the rules are to be had, where links (OSC 8) can be shown.
-    pub pages: Option<&'static str>,
+    /// Whether links (OSC 8) can be shown.
+    pub links: bool,
 }
 
 /// A meaning that is shown by colour.
@@ -30,7 +32,7 @@ impl Style {
         color: false,
         unicode: true,
         width: None,
-        pages: None,
+        links: false,
     };
 
     /// The text in the colour of `ink`, or as it is.
@@ -50,12 +52,11 @@ impl Style {
     }
 
     /// The code of a rule as a link to its page, where that can be shown.
-    pub(super) fn link(self, code: &str, name: &str) -> String {
-        let Some(pages) = self.pages else {
+    pub(super) fn link(self, code: &str) -> String {
+        if !self.links {
             return code.to_owned();
-        };
-        let family = code.trim_end_matches(|c: char| c.is_ascii_digit()).to_lowercase();
-        format!("\u{1b}]8;;{pages}/{family}/{name}.md\u{1b}\\{code}\u{1b}]8;;\u{1b}\\")
+        }
+        format!("\u{1b}]8;;{}\u{1b}\\{code}\u{1b}]8;;\u{1b}\\", url(code))
     }
 
     /// One of two spellings of a drawing.

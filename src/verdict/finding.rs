@@ -197,7 +197,11 @@ impl Finding {
     /// Headline and detail, a paragraph each.
     pub fn text(&self) -> String {
         let parts = [self.message.as_str(), self.detail.as_str()];
-        parts.into_iter().filter(|part| !part.is_empty()).collect::<Vec<_>>().join("\n")
+        parts
+            .into_iter()
+            .filter(|part| !part.is_empty())
+            .collect::<Vec<_>>()
+            .join("\n")
     }
 
     /// Measured with margin, not proven.

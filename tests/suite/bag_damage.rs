@@ -2,6 +2,8 @@
 
 #![allow(clippy::unwrap_used, clippy::indexing_slicing, clippy::cast_possible_truncation)]
 
+use std::ops::Range;
+
 use crate::support;
 use crate::support::bag;
 use crate::support::damage::{behind, cut, first_chunk, patched};
@@ -29,30 +31,38 @@ fn loose() -> Vec<u8> {
     })
 }
 
-/// The same recording in the layouts that fail in different ways.
-fn layouts() -> Vec<(&'static str, Vec<u8>)> {
-    let unchunked = in_memory(
-        Layout {
-            chunks: false,
-            ..Layout::default()
-        },
-        |out| {
-            let schema = support::schemas::definition("sensor_msgs/msg/Imu");
-            let imu = out.channel(&RawChannel {
-                topic: "/imu",
-                message_type: "sensor_msgs/msg/Imu",
-                schema: &schema,
-                ..RawChannel::default()
-            });
-            for tick in 0..100 {
+/// Inertial messages, a millisecond apart, in chunks of these ticks.
+fn imu(layout: Layout, chunks: &[Range<i64>]) -> Vec<u8> {
+    in_memory(layout, |out| {
+        let schema = support::schemas::definition("sensor_msgs/msg/Imu");
+        let imu = out.channel(&RawChannel {
+            topic: "/imu",
+            message_type: "sensor_msgs/msg/Imu",
+            schema: &schema,
+            ..RawChannel::default()
+        });
+        for ticks in chunks {
+            for tick in ticks.clone() {
                 let header = Header {
                     stamp_ns: tick * 1_000_000,
                     frame_id: "imu",
                 };
                 out.message(imu, tick * 1_000_000, &Body::Imu(header).encode(Endian::Little));
             }
-        },
-    );
+            if layout.chunks {
+                out.end_chunk();
+            }
+        }
+    })
+}
+
+/// The same recording in the layouts that fail in different ways.
+fn layouts() -> Vec<(&'static str, Vec<u8>)> {
+    let layout = Layout {
+        chunks: false,
+        ..Layout::default()
+    };
+    let unchunked = imu(layout, std::slice::from_ref(&(0..100)));
     vec![
         ("zstd", drive("")),
         ("lz4", drive("compression: lz4")),
@@ -321,6 +331,43 @@ fn a_chunk_that_claims_less_than_it_holds_costs_one_file_only() {
     assert_ne!(source.status, ReadStatus::Read);
     let detail = source.detail.unwrap();
     assert!(detail.contains("where 444 are claimed"), "{detail}");
+}
+
+#[test]
+fn a_message_that_was_logged_outside_of_its_chunk_costs_a_chunk_that_nothing_guards() {
+    let bytes = loose();
+    let messages: Vec<usize> = memchr::memmem::find_iter(&bytes, b"0123456789").collect();
+    // In front of the data: log time and publish time, 8 bytes each.
+    let log_time = messages[4] - 16;
+    let (source, _) = support::collected(&patched(&bytes, log_time, &u64::to_le_bytes(1 << 60)));
+    assert_eq!(source.status, ReadStatus::Unreadable, "{source:?}");
+    let detail = source.detail.unwrap();
+    assert!(
+        detail.contains("1 of the 10 messages of a chunk without a checksum were not logged when its head says"),
+        "{detail}"
+    );
+    // A head that is wrong of most of its messages is not believed.
+    let head = first_chunk(&bytes) + 9;
+    let (source, _) = support::collected(&patched(&bytes, head, &u64::to_le_bytes(8)));
+    assert_eq!(source.examined.messages, Some(10), "{source:?}");
+}
+
+#[test]
+fn chunks_are_read_in_the_order_of_their_log_times() {
+    let evidence = |chunks: &[Range<i64>]| {
+        let (source, collected) = support::collected(&imu(Layout::default(), chunks));
+        assert_eq!(
+            (source.status, source.examined.messages),
+            (ReadStatus::Read, Some(90)),
+            "{source:?}"
+        );
+        bag(&collected).clone()
+    };
+    let in_order = evidence(&[0..30, 30..60, 60..90]);
+    assert_eq!(
+        format!("{in_order:?}"),
+        format!("{:?}", evidence(&[30..60, 60..90, 0..30]))
+    );
 }
 
 #[test]

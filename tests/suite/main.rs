@@ -64,6 +64,7 @@ mod rosbag2_damage;
 mod rosbag2_folder;
 mod rosbag2_sampling;
 mod schema;
+mod site;
 mod tf2_reference;
 mod tree_moment;
 mod urdf_faults;

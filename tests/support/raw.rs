@@ -124,6 +124,11 @@ impl<W: Write + Seek> RawBag<W> {
         self.writer.write_to_known_channel(&header, data).unwrap();
     }
 
+    /// Ends the chunk: the next message opens another.
+    pub fn end_chunk(&mut self) {
+        self.writer.flush().unwrap();
+    }
+
     /// Adds a metadata record.
     pub fn metadata(&mut self, name: &str, fields: &BTreeMap<String, String>) {
         let record = mcap::records::Metadata {

@@ -37,6 +37,8 @@ pub(super) struct Packed {
     pub(super) size: u64,
     /// CRC-32 of the decompressed bytes; 0 where there is none.
     pub(super) checksum: u32,
+    /// First and last log time of its messages, nanoseconds, where its head says and no checksum guards it.
+    pub(super) log_times: Option<(u64, u64)>,
     /// Whether the chunk does not follow the one before.
     pub(super) seam: bool,
     /// The bytes.
@@ -49,6 +51,8 @@ pub(super) struct Unpacked {
     pub(super) at: u64,
     /// Whether the chunk does not follow the one before.
     pub(super) seam: bool,
+    /// See [`Packed::log_times`].
+    pub(super) log_times: Option<(u64, u64)>,
     /// The decompressed bytes, or what is wrong. Nothing that came out before an error is used: it may be wrong as well.
     pub(super) data: Result<Vec<u8>, String>,
 }
@@ -137,6 +141,7 @@ impl Inflater {
             self.unpacked.push(Unpacked {
                 at: chunk.at,
                 seam: chunk.seam,
+                log_times: chunk.log_times,
                 data,
             });
         }
@@ -259,6 +264,7 @@ mod tests {
             compression,
             size: plain.len() as u64,
             checksum: crc32fast::hash(plain),
+            log_times: None,
             seam: false,
             data,
         }

@@ -14,7 +14,7 @@ pub(super) struct Repaired {
     pub(super) text: String,
     /// Names of the elements at the top, as written, with their places.
     pub(super) tops: Vec<(String, Span)>,
-    /// The first entity declaration of a document type, if there is one.
+    /// The first entity declaration of a document type, where a value refers to an entity of it.
     pub(super) entity: Option<Span>,
     /// The first thing that no robot description has so much of: its place, and what is too much. Reading stops there.
     pub(super) excess: Option<(Span, String)>,
@@ -25,6 +25,7 @@ pub(super) fn repair(text: &str) -> Repaired {
     let mut lexer = Lexer {
         text,
         out: text.as_bytes().to_vec(),
+        entity: None,
         open: 0,
         elements: 0,
         parts: 0,
@@ -68,6 +69,8 @@ const LONGEST_VALUE: usize = 16 * 1024;
 struct Lexer<'a> {
     text: &'a str,
     out: Vec<u8>,
+    /// The first entity declaration.
+    entity: Option<Span>,
     /// Elements that are open.
     open: usize,
     elements: usize,
@@ -155,6 +158,9 @@ impl Lexer<'_> {
                         .is_some_and(|c| c >= ' ')
                 });
             if !known {
+                if !name.is_empty() {
+                    self.report.entity = self.entity;
+                }
                 self.put(found, b'_');
             }
             at = found + 1;
@@ -183,9 +189,9 @@ impl Lexer<'_> {
                 b'[' => brackets += 1,
                 b']' => brackets = brackets.saturating_sub(1),
                 b'<' if self.starts(at, "<!--") => at = self.find(at + 4, "-->")? + 2,
-                b'<' if self.starts(at, "<!ENTITY") && self.report.entity.is_none() => {
+                b'<' if self.starts(at, "<!ENTITY") && self.entity.is_none() => {
                     let close = self.find(at, ">")? + 1;
-                    self.report.entity = Some(Span::new(at, close));
+                    self.entity = Some(Span::new(at, close));
                 }
                 b'>' if brackets == 0 => break,
                 _ => {}

@@ -73,7 +73,7 @@ fn head(finding: &Finding, style: Style) -> String {
     };
     let word = finding.word();
     let (rule, name) = (one_line(&finding.rule), one_line(&finding.name));
-    let head = style.paint(ink, &format!("{word}[{} {name}]", style.link(&rule, &name)));
+    let head = style.paint(ink, &format!("{word}[{} {name}]", style.link(&rule)));
     match finding.confidence {
         Confidence::Likely => format!("{head} (likely)"),
         Confidence::Certain | Confidence::Hint => head,

@@ -296,7 +296,7 @@ fn colour_and_width_are_only_for_terminals() {
         color: true,
         unicode: false,
         width: Some(72),
-        pages: None,
+        links: false,
     };
     let run = everything();
     let text = with(&run, false, false, style);
@@ -308,12 +308,13 @@ fn colour_and_width_are_only_for_terminals() {
     assert!(!plain(&run).contains('\u{1b}'));
     // The same run gives the same bytes.
     assert_eq!(text, with(&run, false, false, style));
-    // Codes are links to their pages, where there are any; that makes no line longer.
-    let pages = Some("https://example.org/rules");
-    let linked = with(&run, false, false, Style { pages, ..style });
-    let link =
-        "[\u{1b}]8;;https://example.org/rules/conv/quarter-turn.md\u{1b}\\CONV02\u{1b}]8;;\u{1b}\\ quarter-turn]";
-    assert!(linked.contains(link), "{linked}");
+    // Codes are links to their pages; that makes no line longer.
+    let linked = with(&run, false, false, Style { links: true, ..style });
+    let link = format!(
+        "[\u{1b}]8;;{}\u{1b}\\CONV02\u{1b}]8;;\u{1b}\\ quarter-turn]",
+        crate::page::url("CONV02")
+    );
+    assert!(linked.contains(&link), "{linked}");
     assert_eq!(linked.lines().count(), text.lines().count());
 }
 

@@ -3,6 +3,7 @@
 //! Owns schemas and channels by their ids in the file, with bounds on how much a hostile file can make us keep.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::ops::RangeInclusive;
 use std::sync::Arc;
 
 use ::mcap::records::{Record, op};
@@ -85,9 +86,20 @@ impl<'v> Channels<'v> {
         }
     }
 
-    /// Takes in the records of a chunk. The error says what is wrong behind those that were taken: a record is taken when the one behind it
-    /// has begun as it should, for bytes that were lost or changed are in the record before the fault.
-    pub(super) fn chunk(&mut self, bytes: &[u8]) -> Result<(), String> {
+    /// Takes in the records of a chunk whose messages were logged between `log_times`, where that is known. The error says what is wrong behind
+    /// those that were taken: a record is taken when the one behind it has begun as it should, for bytes that were lost or changed are in the
+    /// record before the fault.
+    pub(super) fn chunk(&mut self, bytes: &[u8], log_times: Option<(u64, u64)>) -> Result<(), String> {
+        if let Some((first, last)) = log_times {
+            let (inside, outside) = within(bytes, first..=last);
+            // Where most lie outside, it is the head of the chunk that is wrong.
+            if outside > 0 && inside > outside {
+                return Err(format!(
+                    "{outside} of the {} messages of a chunk without a checksum were not logged when its head says",
+                    inside + outside
+                ));
+            }
+        }
         let mut rest = Fields(bytes);
         let mut held = next_record(&mut rest)?;
         while let Some((kind, body)) = held {
@@ -96,14 +108,8 @@ impl<'v> Channels<'v> {
                 self.record(kind, body)?;
                 continue;
             }
-            let mut fields = Fields(body);
-            // channel, sequence, log time, publish time, data
-            let short = |_| "a message record is shorter than its fields".to_owned();
-            let channel = fields.u16().map_err(short)?;
-            fields.u32().map_err(short)?;
-            let log_time = fields.u64().map_err(short)?;
-            fields.u64().map_err(short)?;
-            self.message(channel, log_time, fields.0);
+            let (channel, log_time, data) = message(body)?;
+            self.message(channel, log_time, data);
         }
         Ok(())
     }
@@ -220,6 +226,31 @@ fn next_record<'a>(rest: &mut Fields<'a>) -> Result<Option<(u8, &'a [u8])>, Stri
     let length = rest.u64().map_err(cut)?;
     let body = rest.bytes(u32::try_from(length).unwrap_or(u32::MAX)).map_err(cut)?;
     Ok(Some((*kind, body)))
+}
+
+/// Channel, log time and data of a message record.
+fn message(body: &[u8]) -> Result<(u16, u64, &[u8]), String> {
+    let mut fields = Fields(body);
+    // channel, sequence, log time, publish time, data
+    let short = |_| "a message record is shorter than its fields".to_owned();
+    let channel = fields.u16().map_err(short)?;
+    fields.u32().map_err(short)?;
+    let log_time = fields.u64().map_err(short)?;
+    fields.u64().map_err(short)?;
+    Ok((channel, log_time, fields.0))
+}
+
+/// How many messages of a chunk were logged within these times, and how many were not; up to the first record that is damaged.
+fn within(bytes: &[u8], times: RangeInclusive<u64>) -> (u64, u64) {
+    let (mut rest, mut inside, mut outside) = (Fields(bytes), 0, 0);
+    while let Ok(Some((kind, body))) = next_record(&mut rest) {
+        match message(body).ok().filter(|_| kind == op::MESSAGE) {
+            Some((_, log_time, _)) if times.contains(&log_time) => inside += 1,
+            Some(_) => outside += 1,
+            None => {}
+        }
+    }
+    (inside, outside)
 }
 
 fn size(channel: &Channel) -> usize {

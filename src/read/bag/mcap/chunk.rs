@@ -11,6 +11,7 @@ use ::mcap::sans_io::{LinearReadEvent, LinearReader, LinearReaderOptions};
 use super::super::MAX_MESSAGE;
 use super::super::inflate::{Compression, Packed, Unpacked};
 use super::channels::Channels;
+use super::fields::Fields;
 use super::{MAX_CHUNK, MAX_WHOLE_CHUNK, Pass, Stop};
 
 /// The head of a chunk record, held against what is there.
@@ -22,6 +23,8 @@ pub(super) struct ChunkHead {
     /// Compressed bytes.
     pub(super) packed: u64,
     checksum: u32,
+    /// First and last log time of its messages, nanoseconds; `None` where they are not filled in.
+    log_times: Option<(u64, u64)>,
     /// `None` for one that is not known here.
     pub(super) compression: Option<Compression>,
 }
@@ -56,10 +59,12 @@ impl Pass<'_, '_> {
             }));
         }
         self.read_exact(&mut head)?;
-        let [.., s0, s1, s2, s3, s4, s5, s6, s7, c0, c1, c2, c3, n0, n1, n2, n3] = head;
-        let size = u64::from_le_bytes([s0, s1, s2, s3, s4, s5, s6, s7]);
-        let checksum = u32::from_le_bytes([c0, c1, c2, c3]);
-        let name_len = u64::from(u32::from_le_bytes([n0, n1, n2, n3]));
+        let mut fields = Fields(&head);
+        let wrong = |why| self.stop(why);
+        let log_times = (fields.u64().map_err(wrong)?, fields.u64().map_err(wrong)?);
+        let size = fields.u64().map_err(wrong)?;
+        let checksum = fields.u32().map_err(wrong)?;
+        let name_len = u64::from(fields.u32().map_err(wrong)?);
         if size > MAX_CHUNK {
             return Err(self.stop(format!(
                 "a chunk claims {size} bytes of messages, above the limit of {MAX_CHUNK}"
@@ -92,6 +97,7 @@ impl Pass<'_, '_> {
             size,
             packed,
             checksum,
+            log_times: Some(log_times).filter(|(_, last)| *last > 0),
             compression,
         })
     }
@@ -106,6 +112,7 @@ impl Pass<'_, '_> {
             compression: head.compression.unwrap_or(Compression::None),
             size: head.size,
             checksum: head.checksum,
+            log_times: head.log_times.filter(|_| head.checksum == 0),
             seam,
             data,
         };
@@ -167,7 +174,7 @@ fn look<'a, 'v>(
             channels.seam();
         }
         let result = chunk.data.as_deref().map_err(Clone::clone);
-        if let Err(why) = result.and_then(|bytes| channels.chunk(bytes)) {
+        if let Err(why) = result.and_then(|bytes| channels.chunk(bytes, chunk.log_times)) {
             faults.push(Stop {
                 at: chunk.at,
                 why,

@@ -125,6 +125,16 @@ impl Index {
         !counted.is_empty() && counted.is_subset(&held) && held.is_subset(&self.channels)
     }
 
+    /// The numbers of the chunks by log time, where their order in the file is another and no two overlap: as readers by the index have them.
+    pub(super) fn order_in_time(&self) -> Option<Vec<usize>> {
+        let mut order: Vec<(&ChunkInfo, usize)> = self.infos.iter().zip(0..).collect();
+        order.sort_by_key(|(info, _)| (info.start_ns, info.end_ns));
+        let is_apart =
+            |pair: &[(&ChunkInfo, usize)]| matches!(pair, [(one, _), (next, _)] if one.end_ns <= next.start_ns);
+        let is_other = !order.is_sorted_by_key(|(_, number)| *number) && order.windows(2).all(is_apart);
+        (is_other && self.is_usable()).then(|| order.into_iter().map(|(_, number)| number).collect())
+    }
+
     fn record(&mut self, kind: u8, body: &[u8]) -> Result<(), String> {
         match kind {
             op::SCHEMA => self.definitions.push((kind, body.to_vec())),

@@ -119,6 +119,11 @@ pub(super) fn read(file: File, total: u64, task: Task<'_>) -> Extent {
         extent.truncated = pass.sampled(&index, &chosen, source);
         return extent;
     }
+    if let Some(order) = index.order_in_time().filter(|order| pass.is_as_indexed(&index, order)) {
+        pass.noted(&index.notes);
+        extent.truncated = pass.ordered(&index, &order, source);
+        return extent;
+    }
     let stopped = pass.seek(0).and_then(|()| pass.run(&index)).err();
     (pass.progress)(pass.used, total);
     extent.truncated = pass.report(stopped, index.messages, source);
@@ -142,23 +147,36 @@ impl Pass<'_, '_> {
         if all <= sampling.bytes {
             return None;
         }
-        for (kind, body) in &index.definitions {
-            self.channels.record(*kind, body).ok()?;
-        }
+        self.define(index).then_some(())?;
         let marked = Marked::of(wanted, |is_wanted| self.channels.wanted(is_wanted));
         let chosen = chunks::choose(&index.infos, sampling, &marked);
         if chosen.len() == index.chunks.len() {
             return None;
         }
-        // Before the first message is used: is there a chunk of this size wherever the index says?
-        for number in &chosen {
-            let (chunk, info) = (index.chunks.get(*number)?, index.infos.get(*number)?);
-            let head = self.chunk_at(*chunk).ok()?;
-            if head.size != info.bytes || head.size.max(head.packed) > MAX_WHOLE_CHUNK || head.compression.is_none() {
-                return None;
-            }
-        }
-        Some(chosen)
+        self.are_there(index, &chosen).then_some(chosen)
+    }
+
+    /// Whether every chunk can be read by the index, in this order.
+    fn is_as_indexed(&mut self, index: &Index, order: &[usize]) -> bool {
+        self.are_there(index, order) && self.define(index)
+    }
+
+    /// Takes in the schemas and channels of the index.
+    fn define(&mut self, index: &Index) -> bool {
+        let mut definitions = index.definitions.iter();
+        definitions.all(|(kind, body)| self.channels.record(*kind, body).is_ok())
+    }
+
+    /// Whether there is a chunk of the right size wherever the index has one of these; asked before the first message is used.
+    fn are_there(&mut self, index: &Index, numbers: &[usize]) -> bool {
+        numbers.iter().all(|number| {
+            let (Some(chunk), Some(info)) = (index.chunks.get(*number), index.infos.get(*number)) else {
+                return false;
+            };
+            self.chunk_at(*chunk).is_ok_and(|head| {
+                head.size == info.bytes && head.size.max(head.packed) <= MAX_WHOLE_CHUNK && head.compression.is_some()
+            })
+        })
     }
 
     /// Goes to a chunk and reads its head.
@@ -172,36 +190,44 @@ impl Pass<'_, '_> {
         self.chunk_head(len, len)
     }
 
-    /// Reads the chosen chunks; returns whether messages may be missing among them.
+    /// Reads a part of the chunks; returns whether messages may be missing among them.
     fn sampled(&mut self, index: &Index, chosen: &[usize], source: &mut Source) -> bool {
-        let mut bytes = index.bytes;
-        let of: u64 = chosen
-            .iter()
-            .filter_map(|number| index.chunks.get(*number))
-            .map(|chunk| chunk.len)
-            .sum();
-        let (mut done, mut previous) = (0, None);
-        for number in chosen {
-            let Some(chunk) = index.chunks.get(*number) else {
-                continue;
-            };
-            let seam = *number > previous.map_or(0, |previous: usize| previous + 1);
-            previous = Some(*number);
-            let result = self.chunk_at(*chunk).and_then(|head| self.pack(&head, chunk.at, seam));
-            self.note(result);
-            bytes += chunk.len;
-            done += chunk.len;
-            (self.progress)(done, of);
-        }
-        let result = self.flush();
-        self.note(result);
-        source.examined.bytes = bytes;
+        source.examined.bytes = index.bytes + self.chosen(index, chosen, false);
         source.examined.messages = Some(self.channels.messages);
         if let Some(message) = self.damage(" looked into") {
             let status = self.status_of_damage();
             source.problem(status, Place::whole(source.id), message);
         }
         !self.faults.is_empty()
+    }
+
+    /// Reads every chunk, in this order; returns whether messages may be missing.
+    fn ordered(&mut self, index: &Index, order: &[usize], source: &mut Source) -> bool {
+        self.chosen(index, order, true);
+        self.used = self.total;
+        self.report(None, index.messages, source)
+    }
+
+    /// Reads chunks in this order, one behind the other in time where they are `consecutive`; returns their bytes.
+    fn chosen(&mut self, index: &Index, chosen: &[usize], consecutive: bool) -> u64 {
+        let chunks = || {
+            chosen
+                .iter()
+                .filter_map(|number| Some((*number, *index.chunks.get(*number)?)))
+        };
+        let of: u64 = chunks().map(|(_, chunk)| chunk.len).sum();
+        let (mut done, mut previous) = (0, None);
+        for (number, chunk) in chunks() {
+            let seam = !consecutive && number > previous.map_or(0, |previous: usize| previous + 1);
+            previous = Some(number);
+            let result = self.chunk_at(chunk).and_then(|head| self.pack(&head, chunk.at, seam));
+            self.note(result);
+            done += chunk.len;
+            (self.progress)(done, of);
+        }
+        let result = self.flush();
+        self.note(result);
+        of
     }
 
     fn note(&mut self, result: Result<(), Stop>) {

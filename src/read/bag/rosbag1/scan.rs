@@ -169,6 +169,7 @@ impl Pass<'_, '_> {
             compression: chunk.compression,
             size,
             checksum: 0,
+            log_times: None,
             seam,
             data,
         };

@@ -51,6 +51,17 @@ fn entities_are_refused_before_they_grow() {
 }
 
 #[test]
+fn an_entity_that_nothing_refers_to_costs_nothing() {
+    let unused =
+        "<!DOCTYPE robot [\n<!ENTITY a \"aaaaaaaaaa\">\n]>\n<robot name=\"&lt;r&#32;\"><link name=\"a\"/></robot>";
+    let read = read_text(unused);
+    assert_eq!(read.source.status, ReadStatus::Read, "{:?}", read.source);
+    assert_eq!(read.robot().links.len(), 1);
+    let read = read_text(&unused.replace("\"a\"/>", "\"&a;\"/>"));
+    assert_eq!(read.source.status, ReadStatus::Unreadable);
+}
+
+#[test]
 fn thousands_of_attributes_are_refused() {
     let attributes: Vec<String> = (0..5000).map(|n| format!(" a{n}=\"\"")).collect();
     let attributes = attributes.concat();
